@@ -1,0 +1,1 @@
+"""The `disknav` command: launch, supervise, record, look into and study fleets."""

@@ -1,0 +1,88 @@
+"""What a process may ask of a network. Two implementations: `bus_zenoh` and `bus_local`.
+
+A bus turns everything that happens into events, taken one at a time by `receive`; nothing runs
+behind the caller's back. A `Node` is whatever handles these events: it can be driven by its own
+process (`serve`) or, in one process with others, by the in-process network.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from protocol.streams import Stream
+
+Publish = Callable[[bytes], None]
+
+
+class Sample(NamedTuple):
+    """Something was published under `key`."""
+
+    key: str
+    payload: bytes
+
+
+class Presence(NamedTuple):
+    """A liveliness token appeared or went."""
+
+    key: str
+    alive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Somebody asks under `key`; exactly one `reply` is expected."""
+
+    key: str
+    payload: bytes
+    reply: Callable[[bytes], None]
+
+
+Event = Sample | Presence | Request
+
+
+class Bus(Protocol):
+    """One participant's connection. Not thread-safe: one thread owns it."""
+
+    def publisher(self, stream: Stream, key: str) -> Publish:
+        """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
+
+    def subscribe(self, key_expression: str) -> None:
+        """Ask for samples under a key expression."""
+
+    def watch(self, key_expression: str) -> None:
+        """Ask for presence of liveliness tokens, those already there included."""
+
+    def serve(self, key: str) -> None:
+        """Become the one who answers requests under `key`."""
+
+    def announce(self, key: str) -> None:
+        """Declare a liveliness token: it lasts until `close`, or until this process dies."""
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        """Request and wait for the reply; raises BusError after `timeout` seconds without one."""
+
+    def receive(self, timeout: float) -> Event | None:
+        """The next event, or None after `timeout` seconds (0: only what is there already)."""
+
+    def close(self) -> None:
+        """Withdraw everything and disconnect; may be called twice."""
+
+
+class Node(Protocol):
+    """A participant, driven by events."""
+
+    def handle(self, event: Event) -> None:
+        """React to one event."""
+
+    def wake(self, now: float) -> None:
+        """React to the passing of time: `now` (s, monotonic) reached `deadline`."""
+
+    @property
+    def deadline(self) -> float:
+        """When `wake` wants to be called next, s, monotonic; infinity for never."""
+
+    @property
+    def finished(self) -> bool:
+        """True when the node has nothing more to do."""

@@ -1,0 +1,63 @@
+"""The one hierarchy of errors. Every message names what was wrong, where, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class DisknavError(Exception):
+    """Base of every error that this software raises on purpose."""
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong in a scenario: where (`robots[2].start`) and what."""
+
+    path: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.text}" if self.path else self.text
+
+
+class ScenarioError(DisknavError):
+    """A scenario is malformed; carries every problem found, not just the first."""
+
+    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        lines = "\n".join(f"  {problem}" for problem in self.problems)
+        plural = "" if len(self.problems) == 1 else "s"
+        super().__init__(f"{source}: {len(self.problems)} problem{plural}\n{lines}")
+
+
+class UsageError(DisknavError):
+    """The command line asks for something that does not exist or does not fit together."""
+
+
+class MessageError(DisknavError):
+    """A payload was refused; `reason` is one of a few stable words, counted per receiver."""
+
+    def __init__(self, reason: str, text: str) -> None:
+        self.reason = reason
+        super().__init__(text)
+
+
+class KeyGrammarError(DisknavError):
+    """A key expression does not follow the grammar of `protocol.keys`."""
+
+
+class BusError(DisknavError):
+    """The transport could not be opened, or a peer did not answer in time."""
+
+
+class JoinRefused(DisknavError):
+    """The world turned a robot away: unknown id, or that id is already running."""
+
+
+class ProcessError(DisknavError):
+    """A process of the fleet did not start, or ended when it should not have."""
+
+
+class RecordingError(DisknavError):
+    """A recording cannot be read, or does not say what its result claims."""

@@ -1,0 +1,137 @@
+"""Messages: what travels under each key. On the wire each is one msgpack array: a tag
+that names type and version (`"state/1"`), then the fields in the order in which they stand here.
+
+Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
+`incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+VERSION = 1
+
+Id = Annotated[int, Meta(ge=1, le=999_999_999)]
+Count = Annotated[int, Meta(ge=0, le=2**53)]
+Vector = tuple[float, float]
+Size = Annotated[float, Meta(ge=0)]
+
+
+class Message(
+    msgspec.Struct, frozen=True, array_like=True, gc=False, tag=lambda name: f"{name.lower()}/{VERSION}"
+):
+    """Base of all that is published: an array whose first element is `"<type>/<version>"`."""
+
+
+class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """A separating line that the owner (lower id) offers to `peer`, or repeats until it is answered."""
+
+    peer: Id  # the follower, the higher id of the pair
+    peer_incarnation: Count  # the life of the follower that is meant
+    number: Count  # counts up per pair; anything not newer is ignored
+    nx: float  # unit normal, pointing from owner to follower
+    ny: float
+    offset: float  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
+
+
+class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What the follower (higher id) tells the owner `peer` of their line."""
+
+    peer: Id  # the owner, the lower id of the pair
+    peer_incarnation: Count  # the life of the owner that is meant
+    held: Count  # number of the line that the follower obeys, 0 for none
+    seen: Count  # highest number that it has answered
+
+
+class Down(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """A fenced robot: that life never moves again, its disk stands where it is."""
+
+    robot: Id
+    incarnation: Count
+    position: Vector  # m, centre of the disk, exact
+
+
+class Measurement(Message, frozen=True, array_like=True, gc=False):
+    """World to one robot, opens a tick: all commands of earlier ticks are settled."""
+
+    robot: Id
+    incarnation: Count  # the life that is addressed
+    tick: Count
+    position: Vector | None  # m, as the sensor saw it; None when the measurement is missing
+    stamp: Count  # tick at which `position` was true, <= tick
+    displacement: Vector  # m, really executed during the previous tick (odometry, immediate and exact)
+    active: tuple[Id, ...]  # robots that state and command this tick
+    down: tuple[Down, ...] = ()  # fenced robots
+
+
+class State(Message, frozen=True, array_like=True, gc=False):
+    """One robot to its peers: all they need to know of it."""
+
+    robot: Id
+    incarnation: Count
+    tick: Count
+    position: Vector | None  # m, own estimate; None before the first measurement
+    bound: Size  # m, the truth is at most this far from `position`
+    gamma: Size  # m^2, squared distance to the own goal, gamma_i
+    slice: Size  # m, norm of the own gradient slice D_i, for the common pace
+    desired: Vector  # m/s, velocity that the law asks for, before the filter
+    proposals: tuple[Proposal, ...] = ()  # lines that this robot owns and that are unanswered
+    answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
+
+
+class Command(Message, frozen=True, array_like=True, gc=False):
+    """One robot to the world: a velocity, valid for the named tick only."""
+
+    robot: Id
+    incarnation: Count
+    tick: Count
+    velocity: Vector  # m/s
+
+
+class Clock(Message, frozen=True, array_like=True, gc=False):
+    """World to everybody who watches: which tick begins, who takes part, whom it waits for."""
+
+    tick: Count
+    time: Size  # s of simulated time
+    active: tuple[Id, ...]
+    down: tuple[Down, ...]
+    verdict: str  # empty while the run goes on
+
+
+class Truth(Message, frozen=True, array_like=True, gc=False):
+    """World to everybody who watches: where every disk really is at the start of `tick`."""
+
+    tick: Count
+    robots: tuple[Id, ...]
+    positions: tuple[Vector, ...]  # m, in the order of `robots`
+    clearance: float  # m, smallest gap during the tick before, over continuous time; negative is overlap
+    phi: float  # navigation function, 0 at the goal, 1 on the boundary
+
+
+class Health(Message, frozen=True, array_like=True, gc=False):
+    """One robot about itself, about once a second and at the end of a run."""
+
+    robot: Id
+    incarnation: Count
+    tick: Count
+    bound: Size  # m, error bound of the own position
+    published: Count  # messages sent in this life
+    received: Count  # messages accepted
+    rejected: dict[str, Count]  # messages dropped, by reason
+    heard: tuple[tuple[Id, Count], ...]  # newest tick heard of each peer
+    lines: tuple[
+        tuple[Id, float, float, float], ...
+    ]  # obeyed lines: peer, nx, ny, limit (n.x <= limit for the disk)
+    note: str = ""
+
+
+class Result(Message, frozen=True, array_like=True, gc=False):
+    """World to the launcher at the end: what it judged. `report` is a JSON object."""
+
+    report: str
+
+
+AnyMessage = Measurement | State | Command | Clock | Truth | Health | Result
