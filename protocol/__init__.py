@@ -1,1 +1,1 @@
-"""What crosses the network and what describes a run: messages, codec, keys, streams, scenario, buses, errors."""
+"""What crosses the network and what describes a run: messages, codec, keys, scenario, buses, errors."""

@@ -51,7 +51,7 @@ class BusError(DisknavError):
     """The transport could not be opened, or a peer did not answer in time."""
 
 
-class JoinRefused(DisknavError):
+class JoinError(DisknavError):
     """The world turned a robot away: unknown id, or that id is already running."""
 
 
