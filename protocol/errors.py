@@ -51,6 +51,10 @@ class BusError(DisknavError):
     """The transport could not be opened, or a peer did not answer in time."""
 
 
+class EndpointTakenError(BusError):
+    """Another process listens on the endpoint that was asked for."""
+
+
 class JoinError(DisknavError):
     """The world turned a robot away: unknown id, or that id is already running."""
 

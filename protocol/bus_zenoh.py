@@ -1,0 +1,153 @@
+"""The bus on zenoh. The only module that imports it.
+
+zenoh's threads do the least possible with what arrives: they put it into one queue. Everything else
+happens in `receive`, on the thread that owns the bus. A callback that computed would be starved by a
+busy main thread, and one that closed its own session would never return.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from functools import partial
+from queue import Empty, SimpleQueue
+
+# zenoh reads this once, at the first `open` of a process: four threads instead of seven, and faster.
+os.environ.setdefault(
+    "ZENOH_RUNTIME", "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
+)
+
+import zenoh
+
+from protocol.bus import Event, Presence, Publish, Request, Sample
+from protocol.connection import Connection, configuration
+from protocol.errors import BusError, EndpointTakenError
+from protocol.streams import Stream
+
+_ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in short attempts
+_ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
+_LONGEST = 3600.0  # s, longest single wait for the queue
+_CAPACITY = 1 << 16  # events that may wait; a flood beyond it is dropped and counted
+
+_Arrived = zenoh.Sample | zenoh.Query | Presence
+
+
+class ZenohBus:
+    """One zenoh session behind the `protocol.bus.Bus` interface.
+
+    Raises:
+        EndpointTakenError: another process listens on an endpoint of `connection.listen`.
+        BusError: nobody could be reached within `connection.timeout`.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._queue: SimpleQueue[_Arrived] = SimpleQueue()
+        self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
+        self._session = _open(connection)
+        self.dropped = 0  # events lost to a full queue
+
+    def publisher(self, stream: Stream, key: str) -> Publish:
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=(
+                zenoh.CongestionControl.BLOCK if stream.reliable else zenoh.CongestionControl.DROP
+            ),
+            express=False,  # express messages defeat batching, which carries the whole rate
+            allowed_destination=zenoh.Locality.REMOTE,  # nobody hears itself
+        )
+        self._declared.append(publisher)
+        return publisher.put
+
+    def subscribe(self, key_expression: str) -> None:
+        handler = zenoh.handlers.Callback(self._arrived, indirect=False)
+        self._declared.append(self._session.declare_subscriber(key_expression, handler))
+
+    def watch(self, key_expression: str) -> None:
+        handler = zenoh.handlers.Callback(self._presence, indirect=False)
+        self._declared.append(
+            self._session.liveliness().declare_subscriber(key_expression, handler, history=True)
+        )
+
+    def serve(self, key: str) -> None:
+        handler = zenoh.handlers.Callback(self._arrived, indirect=False)
+        self._declared.append(self._session.declare_queryable(key, handler, complete=True))
+
+    def announce(self, key: str) -> None:
+        self._declared.append(self._session.liveliness().declare_token(key))
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        deadline = time.monotonic() + timeout
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            for reply in self._session.get(
+                key, payload=payload, timeout=remaining, consolidation=zenoh.ConsolidationMode.NONE
+            ):
+                if reply.ok is not None:
+                    return reply.ok.payload.to_bytes()
+            time.sleep(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+        raise BusError(
+            f"nobody answered under {key} within {timeout:g} s; is the process that serves it running, "
+            f"under the same run name and reachable from the same endpoint?"
+        )
+
+    def receive(self, timeout: float) -> Event | None:
+        try:
+            arrived = self._queue.get(timeout > 0.0, min(timeout, _LONGEST))
+        except Empty:
+            return None
+        if isinstance(arrived, zenoh.Sample):
+            return Sample(str(arrived.key_expr), arrived.payload.to_bytes())
+        if isinstance(arrived, zenoh.Query):
+            return _request(arrived)
+        return arrived
+
+    def close(self) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
+        self._declared.clear()
+
+    def _arrived(self, arrived: zenoh.Sample | zenoh.Query) -> None:
+        if self._queue.qsize() < _CAPACITY:
+            self._queue.put(arrived)
+        else:
+            self.dropped += 1
+
+    def _presence(self, sample: zenoh.Sample) -> None:
+        self._queue.put(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+
+
+def _request(query: zenoh.Query) -> Request:
+    payload = query.payload
+    return Request(
+        str(query.key_expr), b"" if payload is None else payload.to_bytes(), partial(_reply, query)
+    )
+
+
+def _reply(query: zenoh.Query, payload: bytes) -> None:
+    with query:  # leaving it tells the asker that nothing more will come
+        query.reply(query.key_expr, payload)
+
+
+def _open(connection: Connection) -> zenoh.Session:
+    deadline = time.monotonic() + connection.timeout
+    while True:
+        attempt = min(_ATTEMPT, max(0.1, deadline - time.monotonic()))
+        config = zenoh.Config.from_json5(json.dumps(configuration(connection, attempt)))
+        try:
+            return zenoh.open(config)
+        except zenoh.ZError as error:
+            failure = _explained(connection, error)
+            if isinstance(failure, EndpointTakenError) or time.monotonic() >= deadline:
+                raise failure from error
+
+
+def _explained(connection: Connection, error: zenoh.ZError) -> BusError:
+    """What a failed `open` means and what to do about it; zenoh's own words come last."""
+    listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
+    if "in use" in str(error):
+        return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")
+    if not connection.connect:
+        return BusError(f"cannot listen on {listen}: {error}")
+    return BusError(
+        f"nobody reachable at {connect} within {connection.timeout:g} s: is the router running there "
+        f"(`disknav router`), is the endpoint right, does a firewall stand between? ({error})"
+    )

@@ -1,0 +1,67 @@
+"""How a process reaches the network: a plain description, and the zenoh configuration it stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+MAX_MESSAGE = 8 * 1024 * 1024  # bytes; nothing this protocol sends is half as large
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """One process's place in the network.
+
+    A `client` reaches everybody through one of `connect`; a `router` relays between its clients and
+    the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
+    nothing, so every two peers need a link of their own. Endpoints are zenoh's, such as
+    `tcp/127.0.0.1:7447`.
+    """
+
+    mode: Literal["client", "router", "peer"] = "client"
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    timeout: float = 20.0  # s, how long opening tries to reach `connect`
+    lease: float = 2.0  # s, silence of this process after which others consider it gone
+
+
+def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
+    """zenoh's configuration for `connection`: what differs from its defaults, and why.
+
+    `attempt` (s) bounds one attempt to open; the whole of `connection.timeout` unless given.
+    """
+    wait = connection.timeout if attempt is None else attempt
+    return {
+        "mode": connection.mode,
+        "connect": {
+            "endpoints": list(connection.connect),
+            # A client's default is to give up at once when its router is not up yet.
+            "timeout_ms": round(1000 * wait),
+            # Routers find each other whenever they come up; the others are nothing without a link.
+            "exit_on_failure": connection.mode != "router",
+            # A restarted router is found again within 0.1 s (1.5 s by default).
+            "retry": {"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2},
+        },
+        # An endpoint that is taken is an error at once, not something to wait for.
+        "listen": {"endpoints": list(connection.listen), "timeout_ms": 0, "exit_on_failure": True},
+        # Endpoints are explicit: nobody is searched for, and nobody is told about third parties.
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
+        # `get('@/**')` under many declarations can deadlock a router for good.
+        "adminspace": {"enabled": False},
+        # Ticks are in the messages; a router would stamp every sample with the wall clock.
+        "timestamping": {"enabled": {"router": False, "peer": False, "client": False}},
+        "transport": {
+            "unicast": {"accept_pending": 1000},  # a fleet connects all at once (default 100)
+            "shared_memory": {"enabled": False},  # messages are far too small to gain by it
+            "link": {
+                "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
+                "tx": {
+                    "lease": round(1000 * connection.lease),
+                    "keep_alive": 4,
+                    # A frozen subscriber holds up a blocking publisher this long, µs (default 5 s).
+                    "queue": {"congestion_control": {"block": {"wait_before_close": 500_000}}},
+                },
+            },
+        },
+    }

@@ -1,0 +1,60 @@
+"""Runs one node on one bus until the node is finished: the whole of a real process's main loop."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import NoReturn
+
+from protocol.bus import Bus, Node
+
+_SIGNALS = (signal.SIGTERM, signal.SIGINT)
+
+
+class Stop(BaseException):
+    """SIGTERM or SIGINT asked this process to end; `signal` says which."""
+
+    def __init__(self, number: int) -> None:
+        self.signal = signal.Signals(number)
+        super().__init__(self.signal.name)
+
+
+@contextmanager
+def stop_on_signal() -> Iterator[None]:
+    """Inside, SIGTERM and SIGINT raise `Stop` once; further ones wait for the clean-up. Main thread only."""
+    before = {number: signal.signal(number, _stop) for number in _SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            if handler is not _stop:  # nested: the outermost restores, and until then a stop is a stop
+                signal.signal(number, handler)
+
+
+def _stop(number: int, _frame: FrameType | None) -> NoReturn:
+    for each in _SIGNALS:
+        signal.signal(each, signal.SIG_IGN)
+    raise Stop(number)
+
+
+def drive(node: Node, bus: Bus) -> None:
+    """Feed `node` with the events of `bus` until it is finished; the bus is closed in any case.
+
+    Raises:
+        Stop: SIGTERM or SIGINT arrived.
+    """
+    with stop_on_signal():
+        try:
+            while not node.finished:
+                now = time.monotonic()
+                if now >= node.deadline:
+                    node.wake(now)
+                    continue
+                event = bus.receive(node.deadline - now)
+                if event is not None:
+                    node.handle(event)
+        finally:
+            bus.close()
