@@ -1,0 +1,82 @@
+"""The router: a router-mode session in a process of its own, doing what a stock `zenohd` would.
+
+It relays between its clients, and between them and the routers it connects to. Whoever starts it
+learns the endpoint from the router itself, once it listens: so two fleets that start at once on one
+host never take the same port.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+
+import psutil
+
+from protocol.bus_zenoh import ZenohBus
+from protocol.connection import Connection
+from protocol.drive import Stop, stop_on_signal
+from protocol.errors import EndpointTakenError
+
+HOST = "127.0.0.1"
+PORTS = range(7447, 7547)  # zenoh's own port and those after it
+
+
+def main(connection: Connection, ready: Callable[[str], None] | None = None) -> int:
+    """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
+
+    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken.
+
+    Raises:
+        EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
+        BusError: the endpoint cannot be listened on for another reason.
+    """
+    try:
+        with stop_on_signal():
+            bus, endpoint = listening(connection)
+            with closing(bus):
+                if ready is not None:
+                    ready(endpoint)
+                while True:
+                    signal.pause()
+    except Stop:
+        return 0
+
+
+def listening(connection: Connection) -> tuple[ZenohBus, str]:
+    """Open a router session; returns it with the endpoint that it listens on."""
+    if connection.listen:
+        return _asked_for(connection), connection.listen[0]
+    for port in PORTS:
+        endpoint = f"tcp/{HOST}:{port}"
+        try:
+            return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
+        except EndpointTakenError:
+            continue
+    raise EndpointTakenError(
+        f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}: "
+        f"stop another fleet, or name an endpoint to listen on"
+    )
+
+
+def _asked_for(connection: Connection) -> ZenohBus:
+    try:
+        return ZenohBus(connection)
+    except EndpointTakenError as error:
+        holders = "; ".join(filter(None, map(holder, connection.listen)))
+        raise EndpointTakenError(
+            f"cannot listen on {', '.join(connection.listen)}: taken{holders and f' by {holders}'}; "
+            f"use that router, name another endpoint, or name none and a free port is taken"
+        ) from error
+
+
+def holder(endpoint: str) -> str:
+    """Who listens on the port of a zenoh endpoint, as far as this user may know; empty if nobody knows."""
+    port = endpoint.partition("#")[0].rpartition(":")[2]
+    for socket in psutil.net_connections("inet"):
+        if socket.status == psutil.CONN_LISTEN and str(socket.laddr.port) == port:
+            if socket.pid is None:
+                return "a process of another user"
+            return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"
+    return ""
