@@ -94,9 +94,20 @@ def log_beta(problem: Problem, b: Array) -> float:
     return float(_log(obstacle_functions(problem, b)).sum())
 
 
+def _log_gamma_k(problem: Problem, b: Array) -> float:
+    """k log gamma; -inf at the goal."""
+    return float(problem.k * _log(np.array(gamma(problem, b))))
+
+
+def log_sum_exp(x: float, y: float) -> float:
+    """log(e^x + e^y); nan as soon as one is nan, without a warning."""
+    with np.errstate(invalid="ignore"):
+        return float(np.logaddexp(x, y))
+
+
 def log_ratio(problem: Problem, b: Array) -> float:
     """log phi_hat = k log gamma - log beta, equation (5); -inf at the goal, +inf on the boundary."""
-    return float(problem.k * _log(np.array(gamma(problem, b))) - log_beta(problem, b))
+    return _log_gamma_k(problem, b) - log_beta(problem, b)
 
 
 def phi(problem: Problem, b: Array) -> float:
@@ -104,10 +115,10 @@ def phi(problem: Problem, b: Array) -> float:
 
     Exactly 0 at the goal, exactly 1 on the boundary of free space, nan outside it.
     """
-    return float(np.exp(-np.logaddexp(0.0, -log_ratio(problem, b)) / problem.k))
+    return float(np.exp(-log_sum_exp(0.0, -log_ratio(problem, b)) / problem.k))
 
 
-def obstacle_gradient(problem: Problem, b: Array, weights: Array, boundary_weights: Array) -> Array:
+def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array) -> Array:
     """Sum over pairs of w_ij grad beta_ij + w_0i grad beta_0i, (p, 2).
 
     weights: (p, p) symmetric, zero diagonal; boundary_weights: (p,). With weights 1/beta this is
@@ -126,7 +137,7 @@ def reduced_gradient(problem: Problem, b: Array) -> Array:
     pairs, boundary = beta_pairs(problem, b), beta_boundary(problem, b)
     if not ((pairs > 0.0).all() and (boundary > 0.0).all()):
         return np.full_like(b, np.nan)
-    steer = obstacle_gradient(problem, b, 1.0 / pairs, 1.0 / boundary)
+    steer = weighted_obstacle_gradient(b, 1.0 / pairs, 1.0 / boundary)
     return np.asarray(2.0 * (b - problem.goals) - gamma(problem, b) / problem.k * steer)
 
 
@@ -138,8 +149,7 @@ def slice_of(problem: Problem, b: Array, i: int) -> Array:
 def log_scale(problem: Problem, b: Array) -> float:
     """log c, where grad phi = c D: log beta - (1 + 1/k) log(gamma^k + beta)."""
     total = log_beta(problem, b)
-    sum_ = np.logaddexp(problem.k * _log(np.array(gamma(problem, b))), total)
-    return float(total - (1.0 + 1.0 / problem.k) * sum_)
+    return total - (1.0 + 1.0 / problem.k) * log_sum_exp(_log_gamma_k(problem, b), total)
 
 
 def gradient(problem: Problem, b: Array) -> Array:
