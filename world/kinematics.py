@@ -1,0 +1,55 @@
+"""Single integrators with a speed limit and imperfect actuation: b' = v + |v| w, held for one tick."""
+
+from __future__ import annotations
+
+import math
+
+from protocol.draws import Purpose, generator
+from protocol.messages import Vector
+from protocol.scenario import Scenario
+from world.disturbance import truncated_normal
+
+STANDING: Vector = (0.0, 0.0)
+
+
+def limited(velocity: Vector, speed: float) -> Vector:
+    """The nearest velocity within the speed limit: `math.hypot` of it is at most `speed`, exactly.
+
+    A velocity too large for its length to be a number is none: the robot stands still.
+    """
+    x, y = velocity
+    length = math.hypot(x, y)
+    if length <= speed:
+        return velocity
+    if not math.isfinite(length):
+        return STANDING
+    scale = speed / length
+    while math.hypot(x * scale, y * scale) > speed:  # rounding, by a last place or two
+        scale = math.nextafter(scale, 0.0)
+    return (x * scale, y * scale)
+
+
+class Actuation:
+    """Turns the velocity that a robot asks for into what its disk really does during a tick."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._seed = scenario.seed
+        self._step = scenario.time.step
+        self._speed = scenario.control.speed
+        self._noise = scenario.actuation.noise
+        self._bound = scenario.actuation.bound
+
+    def displacement(self, velocity: Vector, robot: int, tick: int) -> Vector:
+        """Displacement during `tick`, m.
+
+        The velocity is limited before and after the disturbance. The second time changes nothing
+        about |executed - v| <= bound |v|, because v itself is within the limit and a projection
+        onto a convex set brings no two points further apart.
+        """
+        x, y = limited(velocity, self._speed)
+        if self._noise > 0.0 and (x != 0.0 or y != 0.0):
+            radial, angular = generator(self._seed, Purpose.ACTUATION, robot, tick).random(2).tolist()
+            wx, wy = truncated_normal(radial, angular, self._noise, self._bound)
+            length = math.hypot(x, y)
+            x, y = limited((x + length * wx, y + length * wy), self._speed)
+        return (x * self._step, y * self._step)
