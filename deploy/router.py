@@ -12,8 +12,6 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
-import psutil
-
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.drive import Stop, stop_on_signal
@@ -72,11 +70,16 @@ def _asked_for(connection: Connection) -> ZenohBus:
 
 
 def holder(endpoint: str) -> str:
-    """Who listens on the port of a zenoh endpoint, as far as this user may know; empty if nobody knows."""
+    """Who listens on the port of a zenoh endpoint, as far as this user may know; empty if not at all."""
+    import psutil  # only for this text: the router itself stays lean
+
     port = endpoint.partition("#")[0].rpartition(":")[2]
-    for socket in psutil.net_connections("inet"):
-        if socket.status == psutil.CONN_LISTEN and str(socket.laddr.port) == port:
-            if socket.pid is None:
-                return "a process of another user"
-            return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"
+    try:
+        for socket in psutil.net_connections("inet"):
+            if socket.status == psutil.CONN_LISTEN and str(socket.laddr.port) == port:
+                if socket.pid is None:
+                    return "a process of another user"
+                return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"
+    except psutil.Error:  # ended meanwhile, or this user may not look
+        return ""
     return ""

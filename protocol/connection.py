@@ -16,7 +16,8 @@ class Connection:
     A `client` reaches everybody through one of `connect`; a `router` relays between its clients and
     the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
     nothing, so every two peers need a link of their own. Endpoints are zenoh's, such as
-    `tcp/127.0.0.1:7447`.
+    `tcp/127.0.0.1:7447`. A client needs one of its endpoints, a peer the first: links to the others
+    come up when they do, so that a peer may start while another is down.
     """
 
     mode: Literal["client", "router", "peer"] = "client"
@@ -35,11 +36,11 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
     return {
         "mode": connection.mode,
         "connect": {
-            "endpoints": list(connection.connect),
+            "endpoints": _endpoints(connection),
             # A client's default is to give up at once when its router is not up yet.
             "timeout_ms": round(1000 * wait),
-            # Routers find each other whenever they come up; the others are nothing without a link.
-            "exit_on_failure": connection.mode != "router",
+            # What a router or a further peer cannot reach yet, it goes on trying in the background.
+            "exit_on_failure": connection.mode == "client",
             # A restarted router is found again within 0.1 s (1.5 s by default).
             "retry": {"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2},
         },
@@ -65,3 +66,11 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
             },
         },
     }
+
+
+def _endpoints(connection: Connection) -> list[str]:
+    """The endpoints to connect to, with the first marked as indispensable for a peer."""
+    endpoints = list(connection.connect)
+    if connection.mode == "peer" and endpoints:
+        endpoints[0] += "#exit_on_failure=true"
+    return endpoints

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
@@ -40,8 +40,10 @@ def _stop(number: int, _frame: FrameType | None) -> NoReturn:
     raise Stop(number)
 
 
-def drive(node: Node, bus: Bus) -> None:
+def drive(node: Node, bus: Bus, *, on_stop: Callable[[], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished; the bus is closed in any case.
+
+    `on_stop` is called when a signal ends the loop, while the bus is still open: for last words.
 
     Raises:
         Stop: SIGTERM or SIGINT arrived.
@@ -56,5 +58,9 @@ def drive(node: Node, bus: Bus) -> None:
                 event = bus.receive(node.deadline - now)
                 if event is not None:
                     node.handle(event)
+        except Stop:
+            if on_stop is not None:
+                on_stop()
+            raise
         finally:
             bus.close()

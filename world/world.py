@@ -65,6 +65,11 @@ class World:
         self.truth = self._look(self._plane)
 
     @property
+    def incarnations(self) -> dict[int, int]:
+        """Newest incarnation of every robot; a following run counts on from there."""
+        return {robot: life.incarnation for robot, life in self._lives.of.items()}
+
+    @property
     def down(self) -> tuple[Down, ...]:
         """Fenced lives: fixed disks until that robot joins again."""
         return self._lives.down

@@ -1,0 +1,45 @@
+# `make demo` and `make test` set up what they need from Python 3.11 or newer and the package registry.
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
+  command -v $$p >/dev/null 2>&1 && $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+BIN := .venv/bin
+READY := .venv/.ready
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test fast check bench figures clean
+
+help:  ## say what there is
+	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
+
+setup: $(READY)  ## build .venv with everything that running and testing needs
+
+$(READY): pyproject.toml
+	@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	@touch $@
+
+demo: $(READY)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
+	@mkdir -p out
+	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
+
+check: $(READY)  ## lint, formatting, types, import contracts
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+fast: $(READY)  ## the part of the suite that takes less than a minute
+	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser'
+
+test: check  ## lint, types, import contracts and the whole suite
+	$(BIN)/python -m pytest -n 2 -m 'not process and not browser'
+	$(BIN)/python -m pytest -m 'process or browser'
+
+bench: $(READY)  ## rates and costs, as ratios against floors measured in the same run
+	$(BIN)/python -m tests.benchmarks
+
+figures: $(READY)  ## regenerate every figure and table of the README
+	$(BIN)/disknav study figures
+
+clean:  ## remove what can be built again
+	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

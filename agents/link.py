@@ -1,0 +1,87 @@
+"""Injected link faults: what happens to a peer's State between its arrival and its being heard.
+
+States really travel robot to robot; delay, jitter, loss, duplication and partitions are added where
+they are received. Each draw is keyed by (seed, receiver, tick of the State) with a column per
+sender, so the order of arrival changes nothing.
+"""
+
+from __future__ import annotations
+
+import heapq
+
+import numpy as np
+
+from protocol.draws import Purpose, generator
+from protocol.messages import State
+from protocol.scenario import Link as LinkFaults
+from protocol.scenario import Partition, Scenario
+
+_KEPT = 4096  # ticks of draws that are remembered
+
+
+class Link:
+    """States on their way to one robot."""
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        self.lost = 0
+        self.delayed = 0
+        self.duplicated = 0
+        self._scenario = scenario
+        self._faults = scenario.link
+        self._robot = robot
+        self._column = {peer: column for column, peer in enumerate(scenario.ids)}
+        self._ideal = _is_ideal(scenario.link)
+        self._draws: dict[int, np.ndarray] = {}
+        self._waiting: list[tuple[int, int, int, int, State]] = []
+
+    def put(self, state: State) -> None:
+        """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
+        due = [state.tick] if self._ideal else self._due(state)
+        for copy, tick in enumerate(due):
+            heapq.heappush(self._waiting, (tick, state.robot, state.tick, copy, state))
+
+    def take(self, tick: int) -> list[State]:
+        """All States due up to and including `tick`, by due tick, sender and age."""
+        taken = []
+        while self._waiting and self._waiting[0][0] <= tick:
+            taken.append(heapq.heappop(self._waiting)[-1])
+        return taken
+
+    def _due(self, state: State) -> list[int]:
+        """Ticks at which copies of this State are heard; empty when it is lost."""
+        faults, column = self._faults, self._column[state.robot]
+        loss, duplicate, *spread = self._drawn(state.tick)[:, column].tolist()
+        time = state.tick * self._scenario.time.step
+        if loss < faults.loss or any(_parted(p, time, self._robot, state.robot) for p in faults.partition):
+            self.lost += 1
+            return []
+        due = [self._delayed(state.tick, spread[0], spread[1])]
+        if duplicate < faults.duplicate:
+            self.duplicated += 1
+            due.append(self._delayed(state.tick, spread[2], spread[3]))
+        self.delayed += due[0] > state.tick
+        return due
+
+    def _delayed(self, tick: int, delay: float, jitter: float) -> int:
+        bounds = self._faults.delay
+        low, high = bounds if isinstance(bounds, tuple) else (bounds, bounds)
+        return tick + self._scenario.ticks(low + delay * (high - low) + jitter * self._faults.jitter)
+
+    def _drawn(self, tick: int) -> np.ndarray:
+        drawn = self._draws.get(tick)
+        if drawn is None:
+            source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick)
+            drawn = self._draws[tick] = source.random((6, len(self._column)))
+            self._draws.pop(tick - _KEPT, None)
+        return drawn
+
+
+def _is_ideal(faults: LinkFaults) -> bool:
+    return faults == LinkFaults()
+
+
+def _parted(partition: Partition, time: float, one: int, other: int) -> bool:
+    """Whether this partition keeps two robots apart at `time`."""
+    if not partition.from_ <= time < partition.until:
+        return False
+    return not any(one in group and other in group for group in partition.groups)

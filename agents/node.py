@@ -1,0 +1,198 @@
+"""A robot as a participant: joins a run, and binds a `Robot` to a bus.
+
+Lock-step: the State goes out when the Measurement arrives, the Command when the States of all that
+take part are there. Real time: both go out at once, and nobody is waited for. When a run ends, or
+the world has fenced this life, it joins again: as a new life, or to learn that it is over.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+
+from agents.robot import Robot
+from protocol import joining
+from protocol.bus import Bus, Event, Presence, Sample
+from protocol.codec import decode_stream, encode
+from protocol.errors import BusError, JoinError, KeyGrammarError, MessageError
+from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.messages import Clock, Health, Measurement, State
+from protocol.streams import STREAMS
+
+PATIENCE = 30.0  # s without any sign of the world
+REPORT_PERIOD = 0.5  # s between health messages
+_ASK_TIMEOUT = 5.0
+_REFUSALS = 5  # a dead predecessor's token may take a moment to go
+
+
+class RobotNode:
+    """One robot id, one life after another, on one bus.
+
+    Raises:
+        JoinError: the world refuses this id.
+        BusError: the world is gone, or was never there.
+    """
+
+    def __init__(self, bus: Bus, run: str, robot: int, *, patience: float = PATIENCE) -> None:
+        self.finished = False
+        self.verdict = ""
+        self.core: Robot | None = None
+        self._bus, self._run, self._robot = bus, run, robot
+        self._patience = patience
+        self._session = os.urandom(8).hex()
+        self._lockstep = True
+        self._declared = False
+        self._refused = 0
+        self._addresses: dict[str, tuple[str, int | None]] = {}
+        self._rejected: Counter[str] = Counter()
+        self._published = self._received = 0
+        self._heard_world = self._reported = time.monotonic()
+        self.deadline = self._heard_world
+
+    # -- joining
+
+    def _join(self) -> None:
+        health = None if self.core is None else self._health()
+        request = joining.encode_request(joining.Join(self._robot, self._session, health))
+        reply = joining.decode_reply(self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT))
+        now = time.monotonic()
+        self._heard_world = now
+        if isinstance(reply, joining.Wait):
+            self.deadline = now + reply.after
+        elif isinstance(reply, joining.Finished):
+            self.verdict, self.finished = reply.verdict, True
+        elif isinstance(reply, joining.Admission):
+            self._begin(reply)
+        elif isinstance(reply, joining.Refusal):
+            self._refused += 1
+            if self._refused >= _REFUSALS:
+                raise JoinError(reply.text)
+            self.deadline = now + 0.2
+
+    def _begin(self, admission: joining.Admission) -> None:
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
+        self._lockstep = admission.lockstep
+        self._refused = self._published = self._received = 0
+        self._rejected.clear()
+        self._commanded = True
+        self._ended = False
+        self.deadline = time.monotonic() + REPORT_PERIOD
+        if not self._declared:
+            self._declare()
+
+    def _declare(self) -> None:
+        """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
+        bus, run, robot = self._bus, self._run, self._robot
+        bus.watch(world_key(run, "alive"))
+        bus.subscribe(robot_key(run, robot, "measurement"))
+        bus.subscribe(every_robot(run, "state"))
+        bus.subscribe(world_key(run, "clock"))
+        self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
+        self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
+        self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
+        bus.announce(robot_key(run, robot, "alive"))
+        self._declared = True
+
+    # -- events
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample):
+            self._on_sample(event)
+        elif isinstance(event, Presence) and not event.alive and not self.finished:
+            raise BusError(f"run {self._run!r}: the world is gone; robot {self._robot} stops")
+
+    def _on_sample(self, sample: Sample) -> None:
+        try:
+            stream, robot = self._address(sample.key)
+            message = decode_stream(stream, robot, sample.payload)
+        except MessageError as error:
+            self._rejected[error.reason] += 1
+            return
+        self._received += 1
+        if self.core is None or self._ended:
+            return
+        if isinstance(message, State):
+            self._on_state(message)
+        elif isinstance(message, Measurement):
+            self._on_measurement(message)
+        elif isinstance(message, Clock):
+            self._on_clock(message)
+
+    def _address(self, key: str) -> tuple[str, int | None]:
+        found = self._addresses.get(key)
+        if found is None:
+            try:
+                address = parse(key)
+            except KeyGrammarError as error:
+                raise MessageError("key", str(error)) from None
+            found = self._addresses[key] = (address.stream, address.robot)
+        return found
+
+    def _on_state(self, state: State) -> None:
+        core = self.core
+        assert core is not None
+        if not core.hear(state):
+            self._rejected["identity"] += 1
+        elif not self._commanded and core.complete:
+            self._command()
+
+    def _on_measurement(self, measurement: Measurement) -> None:
+        core = self.core
+        assert core is not None
+        self._heard_world = time.monotonic()
+        if core.is_down(measurement):
+            self._rejoin()
+        elif measurement.tick == core.tick:
+            core.reconsider(measurement)
+            if not self._commanded and core.complete:
+                self._command()
+        elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
+            self._tell_state(encode(core.measure(measurement)))
+            self._published += 1
+            self._commanded = False
+            if core.complete or not self._lockstep:
+                self._command()
+
+    def _command(self) -> None:
+        assert self.core is not None
+        self._tell_command(encode(self.core.command()))
+        self._published += 1
+        self._commanded = True
+        if self._heard_world >= self._reported + REPORT_PERIOD:
+            self._report()
+
+    def _on_clock(self, clock: Clock) -> None:
+        self._heard_world = time.monotonic()
+        if clock.verdict and not self._ended:
+            self._ended = True
+            self._rejoin()
+
+    def _rejoin(self) -> None:
+        """This life is over; ask for the next. What still arrives is not for this life."""
+        self._ended = True
+        self._report()
+        self.deadline = time.monotonic()
+
+    # -- time
+
+    def wake(self, now: float) -> None:
+        if self.core is None or self._ended:
+            self._join()
+            return
+        self.deadline = now + REPORT_PERIOD
+        if now >= self._reported + REPORT_PERIOD:
+            self._report()
+        if now > self._heard_world + self._patience:
+            raise BusError(
+                f"run {self._run!r}: no sign of the world for {self._patience:g} s; robot {self._robot} stops"
+            )
+
+    def _report(self) -> None:
+        self._reported = time.monotonic()
+        self._tell_health(encode(self._health()))
+
+    def _health(self) -> Health:
+        core = self.core
+        assert core is not None
+        return core.health(self._published, self._received, dict(self._rejected))

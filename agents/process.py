@@ -1,0 +1,43 @@
+"""The process of one robot: its own session, its own node, and nothing else."""
+
+from __future__ import annotations
+
+import sys
+
+from agents.node import RobotNode
+from protocol.bus_zenoh import ZenohBus
+from protocol.connection import Connection
+from protocol.drive import Stop, drive, stop_on_signal
+from protocol.errors import DisknavError, JoinError
+from protocol.keys import checked_run
+
+SUCCESS, REFUSED, FAULT = 0, 2, 3
+
+
+def main(connection: Connection, run: str, robot: int) -> int:
+    """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
+
+    0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
+    3: the network or the world is gone.
+    """
+    try:
+        with stop_on_signal():
+            bus = ZenohBus(connection)
+            drive(RobotNode(bus, checked_run(run), robot), bus)
+    except Stop:
+        return SUCCESS
+    except JoinError as error:
+        return _say(robot, error, REFUSED)
+    except DisknavError as error:
+        return _say(robot, error, FAULT)
+    return SUCCESS
+
+
+def _say(robot: int, error: DisknavError, status: int) -> int:
+    print(f"robot {robot}: {error}", file=sys.stderr, flush=True)
+    return status
+
+
+if __name__ == "__main__":
+    endpoint, run_name, identity = sys.argv[1:]
+    sys.exit(main(Connection(connect=(endpoint,)), run_name, int(identity)))

@@ -1,0 +1,202 @@
+"""The core of a robot: messages and ticks go in, messages come out; no socket, no clock, no global state.
+
+A tick has two phases. `measure` takes the Measurement and gives the State; `command`, once the peers'
+States are heard (or right away, in real time), gives the Command. Line messages are taken over only in
+these two places, when every earlier command is settled, so no command is ever outstanding (`agents.lines`).
+"""
+
+from __future__ import annotations
+
+from agents import pace
+from agents.estimate import Estimate
+from agents.flow import Flow, desired_velocity
+from agents.lines.ledger import Ledger
+from agents.link import Link
+from agents.neighbours import Neighbours
+from agents.safe_velocity import safe_velocity
+from agents.slice import Peer, Slice
+from protocol.messages import Command, Health, Measurement, State
+from protocol.scenario import Scenario
+
+Vector = tuple[float, float]
+STILL: Vector = (0.0, 0.0)
+
+
+class Robot:
+    """One life of one robot.
+
+    Args:
+        scenario: the run; k already a number.
+        robot: own id.
+        incarnation: this life, as handed out by the world.
+    """
+
+    def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
+        spec = scenario.spec(robot)
+        self.tick = -1
+        self.robot, self.incarnation = robot, incarnation
+        self._scenario, self._control = scenario, scenario.control
+        self._goal, self._radius = spec.goal, spec.radius
+        self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
+        self._filtered = scenario.control.filter == "separating-lines"
+        self._gain = pace.gain(scenario.control.speed, scenario.time.step, scenario.time.tolerance)
+        self._estimate = Estimate(scenario.sensing_of(robot).bound)
+        self._neighbours = Neighbours(self._radii)
+        self._link = Link(scenario, robot)
+        radii = {peer.id: peer.radius for peer in scenario.robots}
+        self._lines = Ledger(robot, incarnation, radii, scenario.control.speed * scenario.time.step)
+        self._awaited: set[int] = set()
+        self._arrived: dict[int, int] = {}
+        self._desired = STILL
+        self._slice: Slice | None = None
+
+    # -- phase 1
+
+    def measure(self, measurement: Measurement) -> State:
+        """Open a tick; returns the State to publish."""
+        self.tick = measurement.tick
+        self._awaited = {
+            j for j in measurement.active if j != self.robot and self._arrived.get(j, -1) < self.tick
+        }
+        self._estimate.update(measurement)
+        if self._estimate.position is not None:
+            self._lines.locate(self.tick, self._estimate.position, self._estimate.bound)
+        for down in self._neighbours.fence(measurement.down):
+            self._lines.peer_down(down)
+        self._take_over(self.tick - 1)
+        return self._state()
+
+    def _state(self) -> State:
+        position = self._estimate.position
+        proposals, answers = (), ()
+        gamma = slice_norm = 0.0
+        if position is not None:
+            gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
+            slice_norm = self._slice.norm(*position) if self._slice is not None else 2.0 * gamma**0.5
+            if self._filtered:
+                proposals, answers = self._lines.speak(self._desired)
+        return State(
+            self.robot,
+            self.incarnation,
+            self.tick,
+            position,
+            self._estimate.bound if position is not None else 0.0,
+            gamma,
+            slice_norm,
+            self._desired,
+            proposals,
+            answers,
+        )
+
+    def reconsider(self, measurement: Measurement) -> None:
+        """The same tick again: somebody who took part no longer does, and is not waited for."""
+        self._awaited.intersection_update(measurement.active)
+
+    # -- between the phases
+
+    def hear(self, state: State) -> bool:
+        """A peer's State has arrived; False if it is no peer of this run."""
+        if not self._neighbours.knows(state.robot):
+            return False
+        self._link.put(state)
+        self._arrived[state.robot] = max(state.tick, self._arrived.get(state.robot, -1))
+        if state.tick >= self.tick:
+            self._awaited.discard(state.robot)
+        return True
+
+    @property
+    def complete(self) -> bool:
+        """Whether the States of all that take part in this tick have arrived."""
+        return not self._awaited
+
+    # -- phase 2
+
+    def command(self) -> Command:
+        """Close the tick; returns the Command to publish."""
+        self._take_over(self.tick)
+        position = self._estimate.position
+        velocity = STILL
+        if position is None:
+            self._desired = STILL
+        else:
+            self._desired = self._wanted(position)
+            velocity = self._allowed(position, self._desired)
+        return Command(self.robot, self.incarnation, self.tick, velocity)
+
+    def _take_over(self, tick: int) -> None:
+        """Hear all States that are due by `tick`."""
+        for state in self._link.take(tick):
+            self._neighbours.hear(state)
+            self._lines.hear(state)
+
+    def _wanted(self, position: Vector) -> Vector:
+        """Desired velocity: the law at the pace, away from a deadlock."""
+        control, period = self._control, self._scenario.time.step
+        self._slice = Slice(
+            self._goal, self._radius, self._scenario.workspace.radius, self._scenario.gain, self._peers()
+        )
+        flow = Flow(self._slice, self._scale(position))
+        return desired_velocity(flow, position, period=period, speed=control.speed)
+
+    def _peers(self) -> list[Peer]:
+        known = self._neighbours
+        peers = []
+        for peer, radius in self._radii.items():
+            place = known.position(peer)
+            if place is not None:
+                state = known.states.get(peer)
+                peers.append(Peer(*place, radius, 0.0 if state is None else state.gamma))
+        return peers
+
+    def _scale(self, position: Vector) -> float:
+        if self._control.pace == "own":
+            return pace.own_pace(self._gain)
+        states = [s for j, s in self._neighbours.states.items() if j not in self._neighbours.down]
+        own = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
+        assert self._slice is not None
+        return pace.common_pace(
+            [self._slice.norm(*position), *(s.slice for s in states)],
+            [own, *(s.gamma for s in states)],
+            self._control.speed,
+            self._gain,
+        )
+
+    def _allowed(self, position: Vector, desired: Vector) -> Vector:
+        """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
+        if not self._filtered:
+            return desired
+        if not self._lines.ready:
+            return STILL
+        room = self._scenario.workspace.radius - self._radius - self._estimate.bound
+        return safe_velocity(
+            desired,
+            position,
+            self._lines.half_planes(),
+            room,
+            self._scenario.time.step,
+            self._control.speed,
+            self._scenario.actuation.bound,
+        )
+
+    # -- about itself
+
+    def is_down(self, measurement: Measurement) -> bool:
+        """Whether the world has fenced this life."""
+        return any(d.robot == self.robot and d.incarnation >= self.incarnation for d in measurement.down)
+
+    def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
+        """What a monitor may want to know."""
+        heard = tuple((peer, state.tick) for peer, state in sorted(self._neighbours.states.items()))
+        position, bound = self._estimate.position, self._estimate.bound
+        lines = self._lines.sides() if self._filtered else ()
+        return Health(
+            self.robot,
+            self.incarnation,
+            max(self.tick, 0),
+            bound if position is not None else 0.0,
+            published,
+            received,
+            rejected,
+            heard,
+            lines,
+        )

@@ -1,0 +1,72 @@
+"""`disknav run`: a scenario from start to verdict."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.options import Mode, RunOptions, Transport, fresh_run_name
+from deploy.result import Result, exit_status, table
+from protocol.keys import checked_run
+
+
+def run(
+    scenario: Annotated[
+        str, typer.Argument(help="A scenario file (TOML), or a library name such as figure-1.")
+    ],
+    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
+    ] = None,
+    transport: Annotated[
+        Transport, typer.Option(help="Through a router, directly between processes, or all in this process.")
+    ] = "routed",
+    mode: Annotated[Mode, typer.Option(help="Who sets the pace: the robots or the wall clock.")] = "lockstep",
+    router: Annotated[str | None, typer.Option(help="Use the router at this endpoint; start none.")] = None,
+    name: Annotated[
+        str | None, typer.Option("--run", help="Name of the run; a fresh one unless given.")
+    ] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg, .pdf, .gif or .mp4.")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the result; '-' for standard output.")
+    ] = None,
+    web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
+) -> None:
+    """Run a scenario: a router, a world and one process per robot; prints what came of it.
+
+    Example: disknav run figure-1 --record figure-1.mcap --plot figure-1.png
+
+    Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.load import load
+
+    from deploy.execute import Extras, execute
+
+    loaded = load(scenario, setting or [], seed)
+    options = RunOptions(transport, mode, router, fresh_run_name() if name is None else checked_run(name))
+    silent = quiet or str(json_file) == "-"
+    result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
+    _write(result, json_file)
+    if not silent:
+        from rich.console import Console
+
+        Console().print(table(result))
+    raise typer.Exit(exit_status(result))
+
+
+def _write(result: Result, target: Path | None) -> None:
+    if target is None:
+        return
+    text = json.dumps(result, indent=2) + "\n"
+    if str(target) == "-":
+        sys.stdout.write(text)
+    else:
+        target.write_text(text)

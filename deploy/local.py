@@ -1,0 +1,98 @@
+"""A whole run in this process: the same nodes as on zenoh, on the in-process bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from agents.node import RobotNode
+from deploy.fault_schedule import FaultSchedule
+from protocol.bus import Event, Sample
+from protocol.bus_local import LocalBus, LocalNetwork
+from protocol.codec import decode
+from protocol.keys import world_key
+from protocol.messages import Clock
+from protocol.scenario import ProcessFault, Scenario
+from world.node import WorldNode
+
+Watcher = Callable[[Clock], None]
+
+
+class LocalFleet:
+    """World and robots of one or more runs (same robots) in one thread."""
+
+    def __init__(
+        self,
+        scenarios: Sequence[Scenario],
+        run: str = "local",
+        *,
+        lockstep: bool = True,
+        watch: Watcher | None = None,
+    ) -> None:
+        self.network = LocalNetwork()
+        self.run = run
+        bus = self.network.connect()
+        self.world = WorldNode(bus, run, scenarios, lockstep)
+        bus.node = self.world
+        self.robots: dict[int, LocalBus] = {}
+        for robot in scenarios[0].ids:
+            self.start(robot)
+        operator = self.network.connect()
+        operator.subscribe(world_key(run, "clock"))
+        operator.node = Operator(self, FaultSchedule(scenarios), watch)
+
+    def start(self, robot: int) -> None:
+        """Start a robot's node."""
+        bus = self.robots[robot] = self.network.connect()
+        bus.node = RobotNode(bus, self.run, robot)
+
+    def kill(self, robot: int) -> None:
+        """End a robot's node at once; its token goes."""
+        self.robots[robot].close()
+
+    def execute(self) -> list[dict[str, object]]:
+        """Run to the end; one report a scenario. Ctrl-C ends the run as interrupted, with its report."""
+        try:
+            self.network.run(lambda: self.world.finished)
+        except KeyboardInterrupt:
+            self.world.interrupt("interrupted", "stopped by the user")
+        return self.world.reports
+
+
+class Operator:
+    """Carries out the scheduled process faults, as a supervisor does with real processes."""
+
+    def __init__(self, fleet: LocalFleet, schedule: FaultSchedule, watch: Watcher | None) -> None:
+        self.finished = False
+        self.deadline = float("inf")
+        self._fleet = fleet
+        self._schedule = schedule
+        self._watch = watch
+        self._paused: dict[int, RobotNode] = {}
+
+    def handle(self, event: Event) -> None:
+        if not isinstance(event, Sample):
+            return
+        clock = decode(event.key, event.payload)
+        if isinstance(clock, Clock):
+            for fault in self._schedule.due(clock):
+                self._carry_out(fault)
+            if self._watch is not None:
+                self._watch(clock)
+
+    def wake(self, now: float) -> None:
+        """Nothing is due by the wall clock."""
+
+    def _carry_out(self, fault: ProcessFault) -> None:
+        fleet, robot = self._fleet, fault.robot
+        bus = fleet.robots[robot]
+        if fault.event == "kill":
+            fleet.kill(robot)
+        elif fault.event == "restart":
+            fleet.kill(robot)
+            fleet.start(robot)
+        elif fault.event == "pause" and isinstance(bus.node, RobotNode):
+            self._paused[robot] = bus.node
+            bus.node = None
+        elif fault.event == "resume" and robot in self._paused:
+            bus.node = self._paused.pop(robot)
+            fleet.network.notify(bus)

@@ -1,0 +1,30 @@
+"""How a scenario is run: everything that is not part of the scenario itself."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Literal
+
+Transport = Literal["routed", "mesh", "local"]
+Mode = Literal["lockstep", "realtime"]
+
+
+def fresh_run_name() -> str:
+    """A run name that no other fleet on this network has."""
+    return f"run-{os.urandom(4).hex()}"
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Transport, clock and names of a run."""
+
+    transport: Transport = "routed"
+    mode: Mode = "lockstep"
+    router: str | None = None  # endpoint of a router that is already there
+    run: str = field(default_factory=fresh_run_name)
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether the world waits for every robot."""
+        return self.mode == "lockstep"

@@ -1,0 +1,1 @@
+"""Studies: tables measured over many runs, each reproducible by one command."""

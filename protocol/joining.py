@@ -1,0 +1,88 @@
+"""How a robot joins a run: a request under `world/scenario`, and the world's reply.
+
+Both are msgpack maps (the one place where a reader without this code may want to ask, too):
+request `{"robot": id, "session": text, "health": Health | nil}`, reply one of `Admission`,
+`Refusal`, `Wait`, `Finished`, told apart by `"reply"`. An empty request gets the scenario alone.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from protocol.errors import MessageError
+from protocol.messages import Count, Health, Id
+from protocol.scenario import Scenario
+
+
+class Join(msgspec.Struct, frozen=True):
+    """A robot asks to take part. `session` tells two processes with one id apart."""
+
+    robot: Id
+    session: str
+    health: Health | None = None  # of the run that this process has just ended
+
+
+class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
+    """Welcome: the life that this process now is, and everything about the run."""
+
+    incarnation: Count
+    lockstep: bool
+    scenario: Scenario
+
+
+class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
+    """Not admitted, and asking again will not help; `text` says why."""
+
+    text: str
+
+
+class Wait(msgspec.Struct, frozen=True, tag="wait", tag_field="reply"):
+    """Ask again in `after` seconds."""
+
+    after: float
+    text: str = ""
+
+
+class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
+    """There is no further run: the process may end. `verdict` is that of the last one."""
+
+    verdict: str
+
+
+class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
+    """For those who only watch."""
+
+    scenario: Scenario
+
+
+Reply = Admission | Refusal | Wait | Finished | Overview
+
+_encode = msgspec.msgpack.encode
+_request = msgspec.msgpack.Decoder(Join)
+_reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
+
+
+def encode_request(join: Join) -> bytes:
+    """Payload of a request."""
+    return _encode(join)
+
+
+def decode_request(payload: bytes) -> Join:
+    """Read a request; raises MessageError."""
+    try:
+        return _request.decode(payload)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError("shape", f"join request: {error}") from None
+
+
+def encode_reply(reply: Reply) -> bytes:
+    """Payload of a reply."""
+    return _encode(reply)
+
+
+def decode_reply(payload: bytes) -> Reply:
+    """Read a reply; raises MessageError."""
+    try:
+        return _reply.decode(payload)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError("shape", f"reply to a join request: {error}") from None
