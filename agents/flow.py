@@ -9,10 +9,11 @@ estimate, with the slice's exact Jacobian. Away from contact a period is one ste
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from agents.slice import Gradient, Slice
 
-TOLERANCE = 2e-3  # error of one step, as a fraction of the distance that the speed limit allows in a period
+TOLERANCE = 2e-3  # error of one step, as a fraction of the way that the speed limit allows in a period
 MAX_STEPS = 60  # attempted steps per period; what was reached by then is returned
 _D = 1.0 / (2.0 + math.sqrt(2.0))
 _E32 = 6.0 + math.sqrt(2.0)
@@ -20,50 +21,39 @@ _E32 = 6.0 + math.sqrt(2.0)
 Vector = tuple[float, float]
 
 
-def desired_velocity(
-    field: Slice,
-    position: Vector,
-    scale: float,
-    period: float,
-    speed: float,
-    drift: Vector = (0.0, 0.0),
-) -> Vector:
-    """Mean velocity (m/s) over a period of y' = -scale D(y) + drift, y(0) = position.
+class Flow(NamedTuple):
+    """The autonomous field y' = -scale D(y) + drift, m/s."""
+
+    slice: Slice
+    scale: float
+    drift: Vector = (0.0, 0.0)
+
+
+def desired_velocity(flow: Flow, position: Vector, *, period: float, speed: float) -> Vector:
+    """Mean velocity (m/s) over one period of the flow that starts at `position` (m).
 
     Where the law asks for more than the speed limit the curve is followed at the limit: it ends after
-    `period` or after `speed * period` of arc, whichever comes first. Both ends descend phi, and a large
-    `scale` gives the flow of a robot that saturates by itself.
-
-    Args:
-        field: own slice of the gradient.
-        position: own position, m.
-        scale: pace s, 1/s, positive (`agents.pace`).
-        period: control period, s.
-        speed: speed limit, m/s; the result never exceeds it.
-        drift: constant velocity added within the flow, m/s, so that obstacles still repel it (`agents.deadlock`).
+    `period` (s), or after `speed * period` of arc if that is sooner. Either way phi descends, and a large
+    scale gives the flow of a robot that saturates by itself. The result never exceeds `speed` (m/s).
     """
-    reach = speed * period
-    x, y = _integrate(field, position, scale, period, reach, drift)
+    x, y = _end(flow, position, period, speed * period)
     vx, vy = (x - position[0]) / period, (y - position[1]) / period
-    norm = math.hypot(vx, vy)
-    if norm > speed:
-        return vx * speed / norm, vy * speed / norm
-    return vx, vy
+    excess = math.hypot(vx, vy) / speed
+    return (vx, vy) if excess <= 1.0 else (vx / excess, vy / excess)
 
 
-def _integrate(
-    field: Slice, position: Vector, scale: float, period: float, reach: float, drift: Vector
-) -> Vector:
-    """Where the flow ends after `period`, or after `reach` of arc if that is sooner."""
+def _end(flow: Flow, position: Vector, period: float, reach: float) -> Vector:
+    """Where the flow is after `period`, or after `reach` of arc if that is sooner."""
     x, y = position
+    now = flow.slice.gradient(x, y)
+    left, arc, step = period, reach, period
     tolerance = TOLERANCE * reach
-    now = field.gradient(x, y)
-    left, arc = period, reach
-    step = period
     for _ in range(MAX_STEPS):
-        rate = math.hypot(drift[0] - scale * now.dx, drift[1] - scale * now.dy)
-        step = min(step, left, 2.0 * arc / rate if rate > 0.0 else left)
-        mx, my, error, end = _step(field, x, y, now, scale, step, drift)
+        rate = math.hypot(flow.drift[0] - flow.scale * now.dx, flow.drift[1] - flow.scale * now.dy)
+        if rate * left > 2.0 * arc:
+            step = min(step, 2.0 * arc / rate)
+        step = min(step, left)
+        mx, my, error, end = _rosenbrock(flow, x, y, now, step)
         if error <= tolerance:
             moved = math.hypot(mx, my)
             if moved >= arc:
@@ -71,32 +61,34 @@ def _integrate(
             x, y, now = x + mx, y + my, end
             left -= step
             arc -= moved
-            if left <= 1e-12 * period:
+            if left <= 1e-9 * period:
                 break
-        step *= min(4.0, max(0.1, 0.8 * (tolerance / error) ** (1.0 / 3.0))) if error > 0.0 else 4.0
+        step *= min(4.0, max(0.1, 0.8 * (tolerance / max(error, 1e-3 * tolerance)) ** (1.0 / 3.0)))
     return x, y
 
 
-def _step(
-    field: Slice, x: float, y: float, now: Gradient, scale: float, step: float, drift: Vector
+def _rosenbrock(
+    flow: Flow, x: float, y: float, now: Gradient, step: float
 ) -> tuple[float, float, float, Gradient]:
-    """One Rosenbrock step: displacement (m), error estimate (m), gradient at the end.
+    """One step from (x, y): displacement (m), error estimate (m), gradient at the end.
 
-    W = I + step d scale J, since the flow's Jacobian is -scale J.
+    The matrix of the three linear systems is W = I + step d scale J, as the flow's Jacobian is -scale J.
     """
-    fx, fy = drift[0] - scale * now.dx, drift[1] - scale * now.dy
+    field, scale, (wx, wy) = flow
+    fx, fy = wx - scale * now.dx, wy - scale * now.dy
     h = step * _D * scale
     a, b, c, d = 1.0 + h * now.xx, h * now.xy, h * now.yx, 1.0 + h * now.yy
     inverse = 1.0 / (a * d - b * c)
-    k1x, k1y = (d * fx - b * fy) * inverse, (a * fy - c * fx) * inverse
-    mx, my = field(x + 0.5 * step * k1x, y + 0.5 * step * k1y)
-    gx, gy = drift[0] - scale * mx, drift[1] - scale * my
+    a, b, c, d = a * inverse, b * inverse, c * inverse, d * inverse
+    k1x, k1y = d * fx - b * fy, a * fy - c * fx
+    gx, gy = field(x + 0.5 * step * k1x, y + 0.5 * step * k1y)
+    gx, gy = wx - scale * gx, wy - scale * gy
     rx, ry = gx - k1x, gy - k1y
-    k2x, k2y = (d * rx - b * ry) * inverse + k1x, (a * ry - c * rx) * inverse + k1y
+    k2x, k2y = k1x + d * rx - b * ry, k1y + a * ry - c * rx
     mx, my = step * k2x, step * k2y
     end = field.gradient(x + mx, y + my)
-    rx = drift[0] - scale * end.dx - _E32 * (k2x - gx) - 2.0 * (k1x - fx)
-    ry = drift[1] - scale * end.dy - _E32 * (k2y - gy) - 2.0 * (k1y - fy)
-    k3x, k3y = (d * rx - b * ry) * inverse, (a * ry - c * rx) * inverse
+    rx = wx - scale * end.dx - _E32 * (k2x - gx) - 2.0 * (k1x - fx)
+    ry = wy - scale * end.dy - _E32 * (k2y - gy) - 2.0 * (k1y - fy)
+    k3x, k3y = d * rx - b * ry, a * ry - c * rx
     error = math.hypot(k1x - 2.0 * k2x + k3x, k1y - 2.0 * k2y + k3y) * step / 6.0
     return mx, my, error, end

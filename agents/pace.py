@@ -21,7 +21,7 @@ def gain(speed: float, period: float, tolerance: float) -> float:
 
 
 def own_pace(limit: float) -> float:
-    """The scale of a robot that saturates by itself: the gain; the flow keeps to the speed limit along the way."""
+    """The scale of a robot that saturates by itself: the gain; the flow keeps to the speed limit."""
     return limit
 
 

@@ -22,7 +22,7 @@ CONTACT = 1e-9
 
 
 class Peer(NamedTuple):
-    """A disk as a robot knows it: centre (m), radius (m), gamma_j = |b_j - g_j|^2 (m^2, 0 for a fixed disk)."""
+    """A disk as a robot knows it: centre and radius in m, gamma_j = |b_j - g_j|^2 in m^2 (0 if fixed)."""
 
     x: float
     y: float
