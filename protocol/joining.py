@@ -50,9 +50,10 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 
 
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
-    """For those who only watch."""
+    """For those who only watch; only a lock-step run can be steered."""
 
     scenario: Scenario
+    lockstep: bool
 
 
 Reply = Admission | Refusal | Wait | Finished | Overview

@@ -127,7 +127,7 @@ class WorldNode:
             if parse(request.key).stream == "control":
                 return self._steer(request.payload)
             if not request.payload:
-                return joining.encode_reply(joining.Overview(self._scenario))
+                return joining.encode_reply(joining.Overview(self._scenario, self._lockstep))
             return joining.encode_reply(self._admit(joining.decode_request(request.payload)))
         except MessageError as error:
             self._rejected[error.reason] += 1
