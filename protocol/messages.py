@@ -3,6 +3,7 @@ that names type and version (`"state/1"`), then the fields in the order in which
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
+The comment beside a field begins with its unit, if it has one; `docs/streams.md` is generated from them.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ Id = Annotated[int, Meta(ge=1, le=999_999_999)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 Vector = tuple[float, float]
 Size = Annotated[float, Meta(ge=0)]
+Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
+Line = Annotated[tuple[Id, float, float, float], Meta(extra={"names": ("peer", "nx", "ny", "limit")})]
 
 
 class Message(
@@ -49,17 +52,17 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class Down(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A fenced robot: that life never moves again, its disk stands where it is."""
 
-    robot: Id
-    incarnation: Count
+    robot: Id  # who stands there
+    incarnation: Count  # the life that ended
     position: Vector  # m, centre of the disk, exact
 
 
 class Measurement(Message, frozen=True, array_like=True, gc=False):
     """World to one robot, opens a tick: all commands of earlier ticks are settled."""
 
-    robot: Id
+    robot: Id  # who is addressed
     incarnation: Count  # the life that is addressed
-    tick: Count
+    tick: Count  # the tick that begins
     position: Vector | None  # m, as the sensor saw it; None when the measurement is missing
     stamp: Count  # tick at which `position` was true, <= tick
     displacement: Vector  # m, really executed during the previous tick (odometry, immediate and exact)
@@ -70,9 +73,9 @@ class Measurement(Message, frozen=True, array_like=True, gc=False):
 class State(Message, frozen=True, array_like=True, gc=False):
     """One robot to its peers: all they need to know of it."""
 
-    robot: Id
-    incarnation: Count
-    tick: Count
+    robot: Id  # who speaks
+    incarnation: Count  # its life
+    tick: Count  # the tick that this opens
     position: Vector | None  # m, own estimate; None before the first measurement
     bound: Size  # m, the truth is at most this far from `position`
     gamma: Size  # m^2, squared distance to the own goal, gamma_i
@@ -85,27 +88,27 @@ class State(Message, frozen=True, array_like=True, gc=False):
 class Command(Message, frozen=True, array_like=True, gc=False):
     """One robot to the world: a velocity, valid for the named tick only."""
 
-    robot: Id
-    incarnation: Count
-    tick: Count
-    velocity: Vector  # m/s
+    robot: Id  # who commands
+    incarnation: Count  # its life
+    tick: Count  # the only tick in which this is executed
+    velocity: Vector  # m/s, constant during the tick
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
     """World to everybody who watches: which tick begins, who takes part, whom it waits for."""
 
-    tick: Count
-    time: Size  # s of simulated time
-    active: tuple[Id, ...]
-    down: tuple[Down, ...]
+    tick: Count  # the tick that begins, or that is waited for
+    time: Size  # s, simulated time at its start
+    active: tuple[Id, ...]  # robots that state and command this tick
+    down: tuple[Down, ...]  # fenced robots
     verdict: str  # empty while the run goes on
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
     """World to everybody who watches: where every disk really is at the start of `tick`."""
 
-    tick: Count
-    robots: tuple[Id, ...]
+    tick: Count  # the tick that begins
+    robots: tuple[Id, ...]  # all of the scenario, ascending
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: float  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: float  # navigation function, 0 at the goal, 1 on the boundary
@@ -114,24 +117,22 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
 class Health(Message, frozen=True, array_like=True, gc=False):
     """One robot about itself, about once a second and at the end of a run."""
 
-    robot: Id
-    incarnation: Count
-    tick: Count
+    robot: Id  # who reports
+    incarnation: Count  # its life
+    tick: Count  # its newest tick
     bound: Size  # m, error bound of the own position
     published: Count  # messages sent in this life
     received: Count  # messages accepted
     rejected: dict[str, Count]  # messages dropped, by reason
-    heard: tuple[tuple[Id, Count], ...]  # newest tick heard of each peer
-    lines: tuple[
-        tuple[Id, float, float, float], ...
-    ]  # obeyed lines: peer, nx, ny, limit (n.x <= limit for the disk)
-    note: str = ""
+    heard: tuple[Heard, ...]  # newest tick heard of each peer
+    lines: tuple[Line, ...]  # obeyed lines: the disk keeps n.x <= limit, in m
+    note: str = ""  # for people
 
 
 class Result(Message, frozen=True, array_like=True, gc=False):
     """World to the launcher at the end: what it judged. `report` is a JSON object."""
 
-    report: str
+    report: str  # JSON text
 
 
 AnyMessage = Measurement | State | Command | Clock | Truth | Health | Result
