@@ -1,10 +1,13 @@
-"""A normal disturbance in the plane, truncated in radius: bounded for certain, drawn without rejection."""
+"""Random disturbances: uniform numbers by robot and tick, and bounded normal vectors made of them."""
 
 from __future__ import annotations
 
 import math
 
+from protocol.draws import Purpose, generator
 from protocol.messages import Vector
+
+_BLOCK = 64  # ticks drawn at once; making a generator costs as much as some hundred numbers
 
 _INSIDE = 1.0 - 1e-9  # keeps rounding in later sums from carrying a disturbance past its bound
 
@@ -27,3 +30,22 @@ def truncated_normal(radial: float, angular: float, deviation: float, bound: flo
     length = min(length, bound * _INSIDE)
     angle = 2.0 * math.pi * angular
     return (length * math.cos(angle), length * math.sin(angle))
+
+
+class Uniforms:
+    """Uniform numbers in [0, 1) of one robot: the same for a tick, whatever was asked before."""
+
+    def __init__(self, seed: int, purpose: Purpose, robot: int, columns: int) -> None:
+        self._key = (seed, purpose, robot)
+        self._columns = columns
+        self._number = -1
+        self._block: list[list[float]] = []
+
+    def at(self, tick: int) -> list[float]:
+        """The numbers of one tick, `columns` of them."""
+        number, row = divmod(tick, _BLOCK)
+        if number != self._number:
+            seed, purpose, robot = self._key
+            source = generator(seed, purpose, robot, number)
+            self._number, self._block = number, source.random((_BLOCK, self._columns)).tolist()
+        return self._block[row]

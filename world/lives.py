@@ -50,6 +50,11 @@ class Lives:
         self._schedule = sorted(schedule, key=lambda entry: entry[0])  # stable: as written within a tick
 
     @property
+    def incarnations(self) -> dict[int, int]:
+        """Newest incarnation of every robot."""
+        return {robot: life.incarnation for robot, life in self.of.items()}
+
+    @property
     def up(self) -> tuple[int, ...]:
         """Ids that take part."""
         return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
@@ -76,7 +81,7 @@ class Lives:
             raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
         if life.status is Status.UP:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
-        if life.status is Status.PAUSED and life.joined:
+        if life.status is Status.PAUSED and life.joined and life.down is None:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         if life.status is Status.GONE and not life.joined and not life.awaited:
             raise JoinError(f"robot {robot} is kept down by the scenario from its start")

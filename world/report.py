@@ -2,55 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from protocol.messages import Truth
 from protocol.scenario import Scenario
+from world.commands import Commands
 from world.contacts import Contact
 from world.lives import Lives
 from world.measures import normalised_length, tight
+from world.record import Record
 from world.sensing import Sensor
-
-REFUSALS = ("late", "early", "incarnation", "fenced", "inactive", "duplicate", "unknown")
-_RISE = 1e-12  # an increase of phi below this is rounding
-
-
-class Ledger:
-    """What adds up over a run.
-
-    Attributes:
-        refused: commands not executed, by reason (`REFUSALS`).
-        missed: commands that never came, over all active robots and ticks.
-        lengths: path length of each robot, m, in the order of ids.
-        clearance: smallest gap so far, m.
-        first, last, increases: phi at tick 0 and now, and in how many ticks it rose.
-    """
-
-    def __init__(self, robots: int) -> None:
-        self.refused: Counter[str] = Counter()
-        self.missed = 0
-        self.lengths = [0.0] * robots
-        self.clearance = math.inf
-        self.first: float | None = None
-        self.last = 1.0
-        self.increases = 0
-
-    def walked(self, index: int, dx: float, dy: float) -> None:
-        """A robot moved by (dx, dy), m."""
-        self.lengths[index] += math.hypot(dx, dy)
-
-    def note(self, clearance: float, phi: float) -> None:
-        """Clearance during the last tick and phi after it."""
-        self.clearance = min(self.clearance, clearance)
-        if self.first is None:
-            self.first = phi
-        elif phi > self.last + _RISE:
-            self.increases += 1
-        self.last = phi
 
 
 def report(
@@ -58,16 +20,21 @@ def report(
     *,
     verdict: tuple[str, str],
     arrived: list[int],
-    truth: Truth,
-    ledger: Ledger,
-    contacts: Sequence[Contact],
+    record: Record,
+    lengths: Sequence[float],
+    commands: Commands,
     lives: Lives,
     sensors: Iterable[Sensor],
-    digest: str,
 ) -> dict[str, Any]:
-    """Result fields: SI units, times in s of simulated time; None where a measure has no meaning."""
-    step = scenario.time.step
-    lengths = dict(zip(scenario.ids, ledger.lengths, strict=True))
+    """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
+
+    Args:
+        verdict: and its reason.
+        arrived: ids of robots that are at their goals.
+        lengths: path length of each robot, m, in the order of ids.
+    """
+    step, truth = scenario.time.step, record.truth
+    paths = dict(zip(scenario.ids, lengths, strict=True))
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -78,25 +45,23 @@ def report(
         "verdict": verdict[0],
         "reason": verdict[1],
         "arrived": arrived,
-        "collisions": len(contacts),
-        "contacts": [_contact(contact, step) for contact in contacts],
-        "min_clearance": ledger.clearance,
-        "nrl": normalised_length(scenario, lengths),
-        "path_lengths": {str(robot): length for robot, length in lengths.items()},
+        "collisions": len(record.contacts.all),
+        "contacts": [_contact(contact, step) for contact in record.contacts.all],
+        "min_clearance": record.clearance,
+        "nrl": normalised_length(scenario, paths),
+        "path_lengths": {str(robot): length for robot, length in paths.items()},
         "tight": tight(scenario),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
-        "missed_commands": ledger.missed,
-        "rejected_commands": {
-            reason: ledger.refused[reason] for reason in REFUSALS if ledger.refused[reason]
-        },
+        "missed_commands": commands.missed,
+        "rejected_commands": dict(commands.refused),
         "down": [fenced.robot for fenced in lives.down],
         "faults": _faults(scenario, lives, list(sensors)),
-        "phi": {"first": ledger.first, "last": ledger.last, "increases": ledger.increases},
+        "phi": {"first": record.first_phi, "last": truth.phi, "increases": record.increases},
         "positions": {
             str(robot): list(position) for robot, position in zip(truth.robots, truth.positions, strict=True)
         },
-        "trajectory_sha256": digest,
+        "trajectory_sha256": record.sha256(),
     }
 
 

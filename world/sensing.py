@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from heapq import heappop, heappush
 
-from protocol.draws import Purpose, generator
+from protocol.draws import Purpose
 from protocol.messages import Vector
 from protocol.scenario import Scenario, Sensing
-from world.disturbance import truncated_normal
+from world.disturbance import Uniforms, truncated_normal
 
 
 class Sensor:
@@ -30,7 +30,7 @@ class Sensor:
         self.ideal = _is_ideal(self._sensing)
         self._noise_bound = _noise_bound(self._sensing)
         self._scenario = scenario
-        self._robot = robot
+        self._draws = Uniforms(scenario.seed, Purpose.SENSING, robot, 4)
         self._arriving: list[tuple[int, int, Vector]] = []
         self._newest = -1
 
@@ -56,8 +56,7 @@ class Sensor:
     def _take(self, tick: int, truth: Vector) -> None:
         """Take one measurement and send it on its way."""
         sensing = self._sensing
-        source = generator(self._scenario.seed, Purpose.SENSING, self._robot, tick)
-        dropout, delay, radial, angular = source.random(4).tolist()
+        dropout, delay, radial, angular = self._draws.at(tick)
         if dropout < sensing.dropout:
             self.dropped += 1
             return

@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
+import msgspec
 
 from protocol.messages import Command, Down, Measurement, Truth, Vector
 from protocol.scenario import Scenario
-from world.clearance import Disks, Plane, gaps
-from world.contacts import Contacts
-from world.kinematics import STANDING, Actuation
+from world.commands import Commands
+from world.kinematics import Bodies
 from world.lives import Lives
-from world.phi import NavigationFunction
-from world.report import Ledger, report
+from world.record import Record
+from world.report import report
 from world.sensing import Sensor
-from world.trajectory import TrajectoryDigest
 from world.verdict import Judge
+
+_Sensed = Mapping[int, tuple[Vector | None, int]]
 
 
 class World:
@@ -29,7 +29,6 @@ class World:
 
     Attributes:
         tick: the tick that is open, or that is to be opened next.
-        truth: where every disk is at the start of `tick`.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
     """
@@ -44,30 +43,23 @@ class World:
         self.verdict = ""
         self.reason = ""
         self._scenario = scenario
-        self._disks = Disks(scenario)
-        self._ids = self._disks.ids
-        self._index = {robot: index for index, robot in enumerate(self._ids)}
-        self._positions: list[Vector] = [scenario.spec(robot).start for robot in self._ids]
-        self._displacements: list[Vector] = [STANDING] * len(self._ids)
-        self._sensors = {robot: Sensor(scenario, robot) for robot in self._ids}
+        self._bodies = Bodies(scenario)
+        self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {})
-        self._actuation = Actuation(scenario)
-        self._phi = NavigationFunction(scenario, self._disks)
-        self._contacts = Contacts(self._disks)
-        self._judge = Judge(scenario, self._ids)
-        self._digest = TrajectoryDigest(self._ids)
-        self._ledger = Ledger(len(self._ids))
-        self._measurements: dict[int, Measurement] | None = None
-        self._members = 0
-        self._waiting: set[int] = set()
-        self._commands: dict[int, Vector] = {}
-        self._plane = self._as_plane()
-        self.truth = self._look(self._plane)
+        self._commands = Commands(self._lives)
+        self._record = Record(scenario, self._bodies.positions)
+        self._judge = Judge(scenario, scenario.ids)
+        self._measurements: dict[int, Measurement] | None = None  # of the open tick
+
+    @property
+    def truth(self) -> Truth:
+        """Where every disk is at the start of `tick`."""
+        return self._record.truth
 
     @property
     def incarnations(self) -> dict[int, int]:
         """Newest incarnation of every robot; a following run counts on from there."""
-        return {robot: life.incarnation for robot, life in self._lives.of.items()}
+        return self._lives.incarnations
 
     @property
     def down(self) -> tuple[Down, ...]:
@@ -82,7 +74,7 @@ class World:
     @property
     def waiting(self) -> frozenset[int]:
         """Active robots whose command of the open tick is outstanding."""
-        return frozenset(self._waiting)
+        return frozenset(self._commands.waiting)
 
     def join(self, robot: int) -> int:
         """A process takes over a robot; it takes part from the next opening of a tick on.
@@ -92,15 +84,22 @@ class World:
         Raises:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
-        heard = self.tick - 1 if self._measurements is None else self.tick
-        return self._lives.join(robot, heard)
+        return self._lives.join(robot, heard=self.tick - 1 if self._measurements is None else self.tick)
 
     def lost(self, robot: int) -> None:
-        """The robot's process is gone or given up on: it stands still and takes no part from now on."""
+        """The robot's process is gone or given up on: it stands still and takes no part from now on.
+
+        In an open tick, `open_tick` tells the others of it.
+        """
         self._lives.lose(robot)
+        if robot not in self.active:
+            return
         self.active = tuple(other for other in self.active if other != robot)
-        self._waiting.discard(robot)
-        self._commands.pop(robot, None)
+        self._commands.drop(robot)
+        if self._measurements is not None:
+            replace = msgspec.structs.replace
+            told = self._measurements
+            self._measurements = {other: replace(told[other], active=self.active) for other in told}
 
     def give_up_waiting(self, robot: int) -> None:
         """Go on without a robot of `awaiting_join`; it may still join later."""
@@ -117,107 +116,58 @@ class World:
             awaited = self.awaiting_join
             if awaited:
                 return {robot: told for robot, told in self._tell(self._lives.up).items() if robot in awaited}
-            self._begin()
-        return self._measurements or {}
+            self.active = self._lives.up
+            self._commands.open(self.tick, self.active)
+            self._measurements = self._tell(self.active, self._sense())
+        return self._measurements
 
-    def _begin(self) -> None:
-        self.active = self._lives.up
-        self._members = len(self.active)
-        self._waiting = set(self.active)
-        sensed = {
+    def _sense(self) -> _Sensed:
+        """One measurement of every robot, those who do not listen included: sensors keep running."""
+        sensors = self._sensors.items()
+        return {
             robot: sensor.measure(self.tick, position)
-            for (robot, sensor), position in zip(self._sensors.items(), self._positions, strict=True)
+            for (robot, sensor), position in zip(sensors, self._bodies.positions, strict=True)
         }
-        self._measurements = self._tell(self.active, sensed)
 
-    def _tell(
-        self, active: tuple[int, ...], sensed: Mapping[int, tuple[Vector | None, int]] | None = None
-    ) -> dict[int, Measurement]:
+    def _tell(self, active: tuple[int, ...], sensed: _Sensed | None = None) -> dict[int, Measurement]:
         """Measurements for all that may listen; without positions unless `sensed` has them."""
-        tick, down, index = self.tick, self.down, self._index
+        tick, down = self.tick, self.down
+        moved = dict(zip(self._bodies.ids, self._bodies.displacements, strict=True))
         told = {}
         for robot, life in self._lives.listeners():
             position, stamp = sensed[robot] if sensed else (None, tick)
-            moved = self._displacements[index[robot]]
-            told[robot] = Measurement(robot, life.incarnation, tick, position, stamp, moved, active, down)
+            told[robot] = Measurement(
+                robot, life.incarnation, tick, position, stamp, moved[robot], active, down
+            )
         return told
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
-        reason = self._refusal(command)
-        if reason:
-            self._ledger.refused[reason] += 1
-            return False
-        self._waiting.discard(command.robot)
-        self._commands[command.robot] = command.velocity
-        self._lives.of[command.robot].heard = self.tick
-        return True
-
-    def _refusal(self, command: Command) -> str:
-        """Why a command is not executed; empty if it is."""
-        if command.robot in self._waiting:
-            life = self._lives.of[command.robot]
-            if command.incarnation == life.incarnation and command.tick == self.tick:
-                return ""
-        known = self._lives.of.get(command.robot)
-        if known is None:
-            return "unknown"
-        if command.incarnation != known.incarnation:
-            return "incarnation"
-        if known.down is not None:
-            return "fenced"
-        if command.tick != self.tick or self._measurements is None:
-            return "late" if command.tick < self.tick else "early"
-        return "duplicate" if command.robot in self._commands else "inactive"
+        return self._commands.accept(command)
 
     def close_tick(self) -> Truth:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
         if self._measurements is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
-        self._ledger.missed += self._members - len(self._commands)
-        self._move()
-        before, self._plane = self._plane, self._as_plane()
-        during = gaps(self._disks, before, self._plane)
-        self._contacts.add(self.tick, during, before, self._plane)
-        for robot in self._ids:
-            if robot not in self._commands:
-                self._lives.fence(self.tick, robot, self._positions[self._index[robot]])
-        self._commands, self._waiting, self._measurements = {}, set(), None
+        self._commands.close()
+        self._bodies.move(self._commands.velocities, self.tick)
+        self._fence()
+        self._measurements = None
         self.tick += 1
-        self.truth = self._look(self._plane, float(during.min()))
+        truth = self._record.add(self.tick, self._bodies.positions)
         self._decide()
-        return self.truth
+        return truth
 
-    def _move(self) -> None:
-        """All move: x += executed velocity times step."""
-        for index, robot in enumerate(self._ids):
-            velocity = self._commands.get(robot)
-            if velocity is None:
-                self._displacements[index] = STANDING
-                continue
-            dx, dy = self._actuation.displacement(velocity, robot, self.tick)
-            x, y = self._positions[index]
-            self._positions[index] = (x + dx, y + dy)
-            self._displacements[index] = (dx, dy)
-            self._ledger.walked(index, dx, dy)
-
-    def _look(self, plane: Plane, clearance: float | None = None) -> Truth:
-        """The truth at the start of `tick`; it goes into the digest and the measures."""
-        if clearance is None:
-            clearance = float(gaps(self._disks, plane, plane).min())
-        phi = self._phi(plane)
-        self._digest.add(self.tick, self._positions)
-        self._ledger.note(clearance, phi)
-        return Truth(self.tick, self._ids, tuple(self._positions), clearance, phi)
-
-    def _as_plane(self) -> Plane:
-        return np.array([complex(x, y) for x, y in self._positions])
+    def _fence(self) -> None:
+        for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
+            if robot not in self._commands.velocities:
+                self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
         if not self.verdict:
             up = self._lives.up
-            alone = len(up) < len(self._ids) and self._lives.gone_for_good(self.tick - 1)
-            verdict, reason = self._judge.judge(self.tick, self._plane, up, alone)
+            alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
+            verdict, reason = self._judge.judge(self.tick, self._record.plane, up, alone)
             if verdict:
                 self.finish(verdict, reason)
 
@@ -225,9 +175,9 @@ class World:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
         if self.verdict:
             return
-        touches = len(self._contacts.all)
+        touches = len(self._record.contacts.all)
         if touches:
-            verdict, reason = "collision", f"{touches} contacts; else {verdict}: {reason}"
+            verdict, reason = "collision", f"contacts: {touches}; besides, {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason
 
     def report(self) -> dict[str, Any]:
@@ -235,11 +185,10 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._plane),
-            truth=self.truth,
-            ledger=self._ledger,
-            contacts=self._contacts.all,
+            arrived=self._judge.arrived(self._record.plane),
+            record=self._record,
+            lengths=self._bodies.lengths,
+            commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),
-            digest=self._digest.hexdigest(),
         )
