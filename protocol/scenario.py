@@ -14,10 +14,12 @@ from annotated_types import Ge, Gt, Le, Len
 
 from protocol.errors import Problem, ScenarioError
 
-Positive = Annotated[float, Gt(0)]
-NonNegative = Annotated[float, Ge(0)]
+# The bounds of size keep squares and products of lengths away from the ends of a double's range.
+Positive = Annotated[float, Gt(0), Ge(1e-9), Le(1e6)]
+NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Probability = Annotated[float, Ge(0), Le(1)]
-Point = tuple[float, float]
+Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
+Point = tuple[Coordinate, Coordinate]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
