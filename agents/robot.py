@@ -15,7 +15,7 @@ from agents.link import Link
 from agents.neighbours import Neighbours
 from agents.safe_velocity import safe_velocity
 from agents.slice import Peer, Slice
-from protocol.messages import Command, Health, Measurement, State
+from protocol.messages import Answer, Command, Health, Measurement, Proposal, State
 from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
@@ -40,11 +40,12 @@ class Robot:
         self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
         self._filtered = scenario.control.filter == "separating-lines"
         self._gain = pace.gain(scenario.control.speed, scenario.time.step, scenario.time.tolerance)
-        self._estimate = Estimate(scenario.sensing_of(robot).bound)
+        reach = scenario.control.speed * scenario.time.step * (1.0 + scenario.actuation.bound)
+        self._estimate = Estimate(scenario.sensing_of(robot).bound, reach)
         self._neighbours = Neighbours(self._radii)
         self._link = Link(scenario, robot)
         radii = {peer.id: peer.radius for peer in scenario.robots}
-        self._lines = Ledger(robot, incarnation, radii, scenario.control.speed * scenario.time.step)
+        self._lines = Ledger(robot, incarnation, radii, reach)
         self._awaited: set[int] = set()
         self._arrived: dict[int, int] = {}
         self._desired = STILL
@@ -68,7 +69,8 @@ class Robot:
 
     def _state(self) -> State:
         position = self._estimate.position
-        proposals, answers = (), ()
+        proposals: tuple[Proposal, ...] = ()
+        answers: tuple[Answer, ...] = ()
         gamma = slice_norm = 0.0
         if position is not None:
             gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
@@ -172,10 +174,10 @@ class Robot:
             desired,
             position,
             self._lines.half_planes(),
-            room,
-            self._scenario.time.step,
-            self._control.speed,
-            self._scenario.actuation.bound,
+            workspace=room,
+            speed=self._control.speed,
+            period=self._scenario.time.step,
+            noise=self._scenario.actuation.bound,
         )
 
     # -- about itself

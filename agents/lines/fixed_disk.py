@@ -1,0 +1,41 @@
+"""A fenced peer: a disk that stands still for ever, instead of a line that nobody else can move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from agents.lines.line import ROUNDING, HalfPlane
+
+
+class FixedDisk:
+    """Keeps to the tangent half-plane between the own present position and the disk, renewed every tick.
+
+    A new tangent is taken only when the own disk surely satisfies it; until then the last one stays
+    in force, first of all the obeyed line behind which the disk was left.
+
+    Args:
+        x, y: centre of the fenced disk, m.
+        radius: its radius, m.
+        own_radius: radius of this robot, m.
+        obeyed: half-planes for the own centre that were obeyed so far.
+    """
+
+    def __init__(
+        self, x: float, y: float, radius: float, own_radius: float, obeyed: Iterable[HalfPlane]
+    ) -> None:
+        self._x, self._y = x, y
+        self._contact = radius + own_radius
+        behind = (side for side in obeyed if -side.slack(x, y) >= self._contact)
+        self.half_plane = next(behind, None)  # None: not known to be clear of the disk, so stand still
+
+    def renew(self, x: float, y: float, bound: float) -> None:
+        """Turn the half-plane towards the own position (x, y), known to within `bound`, m."""
+        dx, dy = self._x - x, self._y - y
+        distance = math.hypot(dx, dy)
+        if distance == 0.0:
+            return
+        nx, ny = dx / distance, dy / distance
+        tangent = HalfPlane(nx, ny, nx * self._x + ny * self._y - self._contact)
+        if tangent.slack(x, y) >= bound + ROUNDING:
+            self.half_plane = tangent

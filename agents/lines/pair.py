@@ -1,0 +1,122 @@
+"""The two ends of one pair's line: what each has to obey, whatever is lost, late or repeated.
+
+The lower id owns the line: only it proposes, numbering its proposals. Rules:
+
+- The owner proposes only a line that its own disk satisfies, repeats it until it is answered, and
+  from the first moment obeys the held line and every unanswered proposal.
+- The follower answers each number once: it adopts the line when its own disk satisfies it, and
+  from then on obeys that one only; otherwise it rejects it, and never adopts it later.
+- An answer (held, seen) says which number the follower obeys and up to which it has answered. The
+  owner drops every line up to `seen` other than `held`.
+- Numbers count within one life of the owner. Whatever names an older life of either end than the
+  newest known is ignored. An owner whose follower lives anew keeps obeying all it obeyed, for the
+  follower may have adopted any of it before it died, until the newcomer adopts a fresh line.
+
+Invariant: the line that the follower holds is among those that the owner obeys; an end that has
+never had a line in this life stands still. It asks nothing of delay, order or delivery.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from agents.lines.line import Line
+
+
+class Owner:
+    """The end with the lower id."""
+
+    def __init__(self) -> None:
+        self.peer_life = 0  # newest incarnation known of the follower; older ones are ignored
+        self.held_number = 0  # number of the line that the follower is known to hold, 0 for none
+        self.seen = 0  # highest number known to be answered
+        self.number = 0  # of the newest proposal
+        self.proposed: dict[int, Line] = {}  # unanswered, by number
+        self.agreed = False  # whether the follower is known to have held a line of this life
+        self.held: Line | None = None  # what the follower is known to hold
+        self._inherited: tuple[Line, ...] = ()  # what an earlier life of the follower may have held
+
+    @property
+    def obeyed(self) -> tuple[Line, ...]:
+        """All lines that this robot must obey."""
+        held = () if self.held is None else (self.held,)
+        return (*self._inherited, *held, *self.proposed.values())
+
+    def meet(self, peer_life: int) -> bool:
+        """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
+        if peer_life > self.peer_life:
+            self._inherited = self.obeyed
+            self.held, self.held_number = None, 0
+            self.proposed = {}
+            self.seen = self.number
+            self.peer_life = peer_life
+        return peer_life == self.peer_life
+
+    def propose(self, line: Line) -> int:
+        """Offer a line that the own disk satisfies now; its number. Obeyed from now on."""
+        self.number += 1
+        self.proposed[self.number] = line
+        return self.number
+
+    def hear(self, held: int, seen: int) -> bool:
+        """Process an answer between the two present lives; True when it changed what is obeyed."""
+        if not self.seen < seen <= self.number:
+            return False
+        if held in self.proposed:
+            self.held, self.held_number = self.proposed[held], held
+            self._inherited = ()
+            self.agreed = True
+        self.seen = seen
+        self.proposed = {number: line for number, line in self.proposed.items() if number > seen}
+        return True
+
+    def bury(self, life: int) -> None:
+        """The follower's `life` is fenced: its disk stands still for ever and replaces all lines."""
+        self.meet(life + 1)
+        self._inherited = ()
+        self.agreed = False
+
+
+class Follower:
+    """The end with the higher id."""
+
+    def __init__(self) -> None:
+        self.peer_life = 0  # newest incarnation known of the owner; older ones are ignored
+        self.held_number = 0  # number of the held line, 0 when it is not of the owner's present life
+        self.seen = 0  # highest number answered
+        self._held: Line | None = None
+
+    @property
+    def obeyed(self) -> tuple[Line, ...]:
+        """The line that this robot must obey, if any."""
+        return () if self._held is None else (self._held,)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether it holds a line."""
+        return self._held is not None
+
+    def meet(self, peer_life: int) -> bool:
+        """Hear from an incarnation of the owner; False when it is an old one, to be ignored."""
+        if peer_life > self.peer_life:
+            self.held_number = self.seen = 0
+            self.peer_life = peer_life
+        return peer_life == self.peer_life
+
+    def hear(self, number: int, line: Line, fits: Callable[[Line], bool]) -> bool:
+        """Process a proposal between the two present lives; True when it was adopted.
+
+        `fits` tells whether the own disk satisfies a line now.
+        """
+        if number <= self.seen:
+            return False
+        self.seen = number
+        if not fits(line):
+            return False
+        self._held, self.held_number = line, number
+        return True
+
+    def bury(self, life: int) -> None:
+        """The owner's `life` is fenced: its disk stands still for ever and replaces the line."""
+        self.meet(life + 1)
+        self._held = None

@@ -1,0 +1,146 @@
+"""The applied velocity: nearest to the desired one within all that must be obeyed until it expires.
+
+A convex program in two variables: half-planes, the workspace disk, the speed disk. All contain 0, so
+standing still is always allowed and any positive scale or projection keeps phi descending.
+
+Execution noise turns v into v + |v| w with |w| <= noise < 1. Against a half-plane n.d <= s of
+displacements, n.d + noise |d| <= s is wanted: one branch of a hyperbola around n. The wedge from its
+apex along its asymptotes lies inside it, is exact for s = 0, and consists of two half-planes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from agents.lines.line import HalfPlane
+
+_CUTS = 12  # tangents of the workspace boundary that are tried
+_SHRINK = (1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
+
+Vector = tuple[float, float]
+
+
+def safe_velocity(
+    desired: Vector,
+    position: Vector,
+    half_planes: Sequence[HalfPlane],
+    *,
+    workspace: float,
+    speed: float,
+    period: float,
+    noise: float = 0.0,
+) -> Vector:
+    """The velocity nearest to `desired` that keeps all constraints until `period` is over, m/s.
+
+    The result satisfies every constraint in floating point, rounding inwards.
+
+    Args:
+        desired: m/s.
+        position: estimated own centre, m.
+        half_planes: where the estimated centre must stay; one already violated must not be approached.
+        workspace: largest allowed distance of the estimated centre from the origin, m.
+        speed: speed limit, m/s.
+        period: how long the command holds, s.
+        noise: bound on the relative execution noise, in [0, 1).
+    """
+    x, y = position
+    reach = speed * period
+    want = (desired[0] * period, desired[1] * period)
+    limits = _near(half_planes, x, y, reach * (1.0 + noise))
+    if noise > 0.0:
+        limits = [wedge for limit in limits for wedge in _wedge(limit, noise)]
+    rim = max(workspace, math.hypot(x, y))
+    step = _nearest(want, limits, reach)
+    for _ in range(_CUTS):
+        ex, ey = x + step[0], y + step[1]
+        distance = math.hypot(ex, ey)
+        if distance + noise * math.hypot(*step) <= rim * (1.0 + 1e-12):
+            break
+        nx, ny = ex / distance, ey / distance
+        cut = HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
+        limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
+        step = _nearest(want, limits, reach)
+    return _inwards(step, position, limits, rim=rim, reach=reach, period=period, noise=noise)
+
+
+def _near(half_planes: Sequence[HalfPlane], x: float, y: float, reach: float) -> list[HalfPlane]:
+    """The half-planes whose edge is within reach, for displacements: n.d <= slack, never negative."""
+    near = []
+    for nx, ny, limit in half_planes:
+        slack = limit - nx * x - ny * y
+        if slack < reach:
+            near.append(HalfPlane(nx, ny, slack if slack > 0.0 else 0.0))
+    return near
+
+
+def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
+    """Two half-planes inside {d: n.d + noise |d| <= s}: apex s/(1 + noise) n, edges along the asymptotes."""
+    nx, ny, slack = limit
+    cosine = math.sqrt(1.0 - noise * noise)
+    offset = slack * cosine / (1.0 + noise)
+    return (
+        HalfPlane(cosine * nx - noise * ny, noise * nx + cosine * ny, offset),
+        HalfPlane(cosine * nx + noise * ny, cosine * ny - noise * nx, offset),
+    )
+
+
+def _nearest(want: Vector, limits: Sequence[HalfPlane], reach: float) -> Vector:
+    """The point nearest to `want` in a disk of radius `reach` around 0 and all half-planes.
+
+    One constraint after another: the nearest point so far stays if the next one allows it, otherwise
+    the new one lies on that constraint's edge, a problem in one variable (Seidel; de Berg et al.,
+    "Computational Geometry", chapter 4).
+    """
+    px, py = want
+    length = math.hypot(px, py)
+    if length > reach:
+        px, py = px * reach / length, py * reach / length
+    for index, (nx, ny, limit) in enumerate(limits):
+        if nx * px + ny * py > limit:
+            px, py = _on_edge(want, limits, index, reach)
+    return px, py
+
+
+def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, reach: float) -> Vector:
+    """The point nearest to `want` on the edge of one half-plane, within the disk and all earlier ones."""
+    nx, ny, limit = limits[index]
+    high = math.sqrt(max(0.0, reach * reach - limit * limit))
+    low = -high
+    for mx, my, other in limits[:index]:
+        along = nx * my - ny * mx  # m . t with the edge's direction t = (-ny, nx)
+        room = other - limit * (mx * nx + my * ny)
+        if along > 1e-15:
+            high = min(high, room / along)
+        elif along < -1e-15:
+            low = max(low, room / along)
+    along = nx * want[1] - ny * want[0]
+    if low > high:  # only by rounding: 0 is allowed, so the edge is too, up to that
+        low = high = 0.5 * (low + high)
+    along = min(max(along, low), high)
+    return limit * nx - along * ny, limit * ny + along * nx
+
+
+def _inwards(
+    step: Vector,
+    position: Vector,
+    limits: Sequence[HalfPlane],
+    *,
+    rim: float,
+    reach: float,
+    period: float,
+    noise: float,
+) -> Vector:
+    """The velocity for `step`, shortened until floating point agrees that all constraints hold."""
+    for shrink in _SHRINK:
+        vx, vy = step[0] / period * shrink, step[1] / period * shrink
+        dx, dy = vx * period, vy * period
+        length = math.hypot(dx, dy)
+        if (
+            length <= reach
+            and math.hypot(vx, vy) * period <= reach
+            and all(nx * dx + ny * dy <= limit for nx, ny, limit in limits)
+            and math.hypot(position[0] + dx, position[1] + dy) + noise * length <= rim
+        ):
+            return vx, vy
+    return 0.0, 0.0
