@@ -50,7 +50,7 @@ def schema(message: type[Message]) -> dict[str, Any]:
 def to_object(message: type[Message]) -> Callable[[Message], Content]:
     """What turns messages of this type into their recorded form."""
     expression = _form(message).to_json("message")
-    change: Callable[[Message], Content] = eval(f"lambda message: {expression}")  # noqa: PLW0123  # see Form
+    change: Callable[[Message], Content] = eval(f"lambda message: {expression}")  # see Form
     return change
 
 
@@ -71,19 +71,23 @@ def _form(message: type[msgspec.Struct]) -> Form:
 
 
 def _of(described: inspect.Type) -> Form:
-    if isinstance(described, inspect.Metadata):
-        return _named(described)
-    if isinstance(described, inspect.UnionType):
-        return _optional(described)
-    if isinstance(described, inspect.StructType):
-        return _form(described.cls)
-    if isinstance(described, inspect.VarTupleType):
-        return _array(_of(described.item_type))
-    if isinstance(described, inspect.TupleType):
-        return _tuple(described, _VECTOR)
-    if isinstance(described, inspect.DictType):
-        inner = _of(described.value_type).schema
-        return Form({"type": "object", "properties": {}, "additionalProperties": inner})
+    """The form of a declared type."""
+    match described:
+        case inspect.Metadata():
+            return _named(described)
+        case inspect.UnionType():
+            return _optional(described)
+        case inspect.VarTupleType():
+            return _array(_of(described.item_type))
+        case inspect.TupleType():
+            return _tuple(described, _VECTOR)
+        case inspect.DictType():
+            values = _of(described.value_type).schema
+            return Form({"type": "object", "properties": {}, "additionalProperties": values})
+    return _form(described.cls) if isinstance(described, inspect.StructType) else _scalar(described)
+
+
+def _scalar(described: inspect.Type) -> Form:
     return Form({"type": _SCALARS[type(described)]})
 
 

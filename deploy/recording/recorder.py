@@ -1,0 +1,146 @@
+"""The recorder: hears all recorded streams of a run and writes them to one file.
+
+What arrives is put aside as it is and written in batches, so that hearing costs next to nothing and
+the network never waits. Half a second at most is lost when this process is killed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable
+from math import inf
+from pathlib import Path
+
+from deploy.recording.writer import RecordingFile
+from protocol import joining
+from protocol.bus import Bus, Event, Presence, Sample
+from protocol.codec import decode
+from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.keys import ROBOT_STREAMS, every_robot, world_key
+from protocol.messages import Result
+from protocol.streams import STREAMS
+
+PATIENCE = 30.0  # s that the world may take to appear
+_BATCH = 512  # messages put aside at most
+_WRITE_PERIOD = 0.1  # s between batches
+_FLUSH_PERIOD = 0.4  # s between chunks
+_LAST_WORDS = 0.2  # s for what robots said before the result to arrive after it
+_ASK_TIMEOUT = 5.0
+
+
+class Recorder:
+    """Records one run, from now to its result; a node on any bus.
+
+    `on_ready` is called once the scenario is known and everything is subscribed: nothing that is
+    published from then on can be missed.
+
+    Attributes:
+        rejected: payloads that were no messages of this run, by reason; they are not recorded.
+
+    Raises:
+        UsageError: the file cannot be created.
+        BusError: no world within `patience` s.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        run: str,
+        path: Path,
+        *,
+        on_ready: Callable[[], None] | None = None,
+        patience: float = PATIENCE,
+    ) -> None:
+        self.finished = False
+        self.rejected: Counter[str] = Counter()
+        self._bus, self._run, self._patience = bus, run, patience
+        self._on_ready, self._ready = on_ready, False
+        self._file = RecordingFile(path)
+        self._aside: list[Sample] = []
+        self._result: str | None = None
+        self._result_key = world_key(run, "result")
+        self._flushed = time.monotonic()
+        self.deadline = self._flushed + patience
+        self._subscribe()
+
+    def _subscribe(self) -> None:
+        for name in STREAMS:
+            key = every_robot(self._run, name) if name in ROBOT_STREAMS else world_key(self._run, name)
+            self._bus.subscribe(key)
+        self._bus.watch(world_key(self._run, "alive"))
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample):
+            self._aside.append(event)
+            if len(self._aside) >= _BATCH and self._ready:
+                self._write(time.monotonic())
+            if event.key == self._result_key:
+                self._on_result(event)
+        elif isinstance(event, Presence):
+            self._on_world(event.alive)
+
+    def wake(self, now: float) -> None:
+        if not self._ready:
+            raise BusError(f"run {self._run!r}: no world to record within {self._patience:g} s")
+        if self._result is not None:
+            self.close()
+        else:
+            self._write(now)
+
+    def close(self) -> None:
+        """Write what is there and finish the file; what happens later is not recorded."""
+        while not self.finished and (event := self._bus.receive(0.0)) is not None:
+            self.handle(event)
+        if not self.finished:
+            self.finished, self.deadline = True, inf
+            self._write(time.monotonic())
+            self._file.finish(self._result, dict(self.rejected))
+
+    def wind_up(self, patience: float) -> None:
+        """Go on until the result is there, `patience` (s) at most, and finish: for a process told to stop."""
+        until = time.monotonic() + patience
+        while not self.finished and self._result is None and (rest := until - time.monotonic()) > 0.0:
+            event = self._bus.receive(rest)
+            if event is not None:
+                self.handle(event)
+        self.close()
+
+    def _on_world(self, alive: bool) -> None:
+        if not alive:
+            self.close()
+        elif not self._ready:
+            reply = joining.decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+            if not isinstance(reply, joining.Overview):
+                raise BusError(f"run {self._run!r}: the world does not say which scenario it runs")
+            self._file.begin(self._run, reply.scenario)
+            self._ready = True
+            self.deadline = time.monotonic() + _WRITE_PERIOD
+            if self._on_ready is not None:
+                self._on_ready()
+
+    def _on_result(self, sample: Sample) -> None:
+        try:
+            message = decode(sample.key, sample.payload)
+        except MessageError:
+            return  # counted when it is written
+        if isinstance(message, Result) and self._result is None:
+            self._result = message.report
+            self.deadline = time.monotonic() + _LAST_WORDS
+
+    def _write(self, now: float) -> None:
+        batch, self._aside = self._aside, []
+        for key, payload in batch if self._ready else ():
+            if key == self._result_key:
+                continue
+            try:
+                self._file.add(key, payload)
+            except MessageError as error:
+                self.rejected[error.reason] += 1
+            except KeyGrammarError:
+                self.rejected["key"] += 1
+        if now >= self._flushed + _FLUSH_PERIOD:
+            self._flushed = now
+            self._file.flush()
+        if self._result is None:
+            self.deadline = now + _WRITE_PERIOD

@@ -1,0 +1,112 @@
+"""The MCAP file of a run: one JSON channel a key, scenario and result as metadata."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+from mcap.writer import Writer
+
+from deploy.recording.form import schema, to_object
+from protocol.codec import decode_stream
+from protocol.errors import MessageError, RecordingError, UsageError
+from protocol.keys import Address, parse
+from protocol.messages import VERSION, AnyMessage
+from protocol.scenario import Scenario
+from protocol.streams import STREAMS
+
+LIBRARY = "disknav"
+_CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
+_encode = msgspec.json.encode
+
+
+class Channel:
+    """What is written under one key."""
+
+    def __init__(self, address: Address, number: int) -> None:
+        self.stream, self.robot, self.number = address.stream, address.robot, number
+        self.form = to_object(STREAMS[address.stream].message)
+
+
+class RecordingFile:
+    """A recording that is being written.
+
+    Raises:
+        UsageError: the file cannot be created.
+        RecordingError: (all methods) it cannot be written any more.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._channels: dict[str, Channel] = {}
+        self._schemas: dict[str, int] = {}
+        self._robots: frozenset[int] = frozenset()
+        self._run = ""
+        self._step = 0.0
+        self._count = 0
+        try:
+            self._file: BinaryIO = path.open("wb")
+        except OSError as error:
+            raise UsageError(
+                f"cannot record to {path}: {error.strerror}; name a file that can be written"
+            ) from error
+        self._writer: Any = Writer(self._file, chunk_size=_CHUNK)
+        self._writer.start(library=LIBRARY)
+
+    def begin(self, run: str, scenario: Scenario) -> None:
+        """Say what is recorded; comes before every message."""
+        self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
+        self._writer.add_metadata("run", {"name": run, "protocol": str(VERSION)})
+        self._writer.add_metadata("scenario", {"json": _encode(scenario).decode()})
+        self.flush()
+
+    def add(self, key: str, payload: bytes) -> AnyMessage:
+        """Record what was published under `key`, at the simulated time of its tick.
+
+        Raises:
+            MessageError: it is not a valid message of this run; nothing is recorded.
+        """
+        channel = self._channels.get(key) or self._open(key)
+        message: Any = decode_stream(channel.stream, channel.robot, payload)
+        data = _encode(channel.form(message))
+        time = round(message.tick * self._step * 1e9)
+        self._writer.add_message(channel.number, time, data, time, self._count & 0xFFFFFFFF)
+        self._count += 1
+        return message  # type: ignore[no-any-return]  # every recorded stream has a tick, their union has not
+
+    def _open(self, key: str) -> Channel:
+        address = parse(key)
+        if address.run != self._run or (address.robot is not None and address.robot not in self._robots):
+            raise MessageError("key", f"{key} is not a key of run {self._run!r}")
+        stream = STREAMS.get(address.stream)
+        if stream is None or not stream.recorded:
+            raise MessageError("key", f"{key} is not a recorded stream")
+        if stream.name not in self._schemas:
+            text = json.dumps(schema(stream.message)).encode()
+            name = f"disknav.{stream.message.__name__}"
+            self._schemas[stream.name] = self._writer.register_schema(name, "jsonschema", text)
+        number = self._writer.register_channel(key, "json", self._schemas[stream.name], {"rate": stream.rate})
+        channel = self._channels[key] = Channel(address, number)
+        return channel
+
+    def flush(self) -> None:
+        """Close the present chunk: what was added can be read whatever happens to this process."""
+        try:
+            self._writer.flush()
+        except OSError as error:
+            raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
+
+    def finish(self, result: str | None, rejected: dict[str, int]) -> None:
+        """Write the result (a JSON object) and the index; nothing can be added afterwards."""
+        try:
+            if result is not None:
+                self._writer.flush()
+                self._writer.add_metadata("result", {"json": result})
+            counts = {"messages": str(self._count), "rejected": json.dumps(rejected)}
+            self._writer.add_metadata("recorder", counts)
+            self._writer.finish()
+            self._file.close()
+        except OSError as error:
+            raise RecordingError(f"cannot finish {self.path}: {error.strerror}") from error
