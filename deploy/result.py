@@ -59,8 +59,8 @@ def _figures(result: Mapping[str, Any]) -> Table:
     rows = [
         ("time", f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real"),
         ("ticks", f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, {result['transport']}"),
-        ("path", f"nrl {result['nrl']:.3f}, tight {_number(result.get('tight'))}"),
-        ("clearance", f"{1000 * result['min_clearance']:.2f} mm smallest, {result['collisions']} collisions"),
+        ("path", f"nrl {_number(result['nrl'], 3)}, tight {_number(result['tight'])}"),
+        ("clearance", f"{_number(result['min_clearance'], 5)} m smallest, {result['collisions']} collisions"),
         ("phi", f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases"),
         ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
         (
@@ -68,7 +68,7 @@ def _figures(result: Mapping[str, Any]) -> Table:
             f"{messages.get('published', 0)} published, {messages.get('received', 0)} received, {rejected} rejected",
         ),
         ("missed", f"{result['missed_commands']} commands"),
-        ("trajectory", result["trajectory_sha256"]),
+        ("trajectory", result["trajectory_sha256"] or "-"),
     ]
     for name, value in rows:
         grid.add_row(Text(name, style="dim"), value)
@@ -98,5 +98,5 @@ def _process_cells(row: Mapping[str, Any]) -> list[str]:
     return ["" if cell is None else str(cell) for cell in cells]
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
+def _number(value: float | None, digits: int = 2) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

@@ -1,0 +1,187 @@
+"""A fleet of real processes: router, world, robots; started, watched, and stopped whatever happens."""
+
+from __future__ import annotations
+
+import json
+import signal
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from deploy import process_table as table
+from deploy.fault_schedule import FaultSchedule
+from deploy.options import RunOptions
+from deploy.supervisor import Exit, Supervisor
+from deploy.topology import Mesh, Routed, Topology
+from deploy.unjudged import unjudged
+from protocol.bus import Event, Sample
+from protocol.bus_zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.connection import Connection
+from protocol.errors import MessageError
+from protocol.keys import world_key
+from protocol.messages import Clock, Result, Truth
+from protocol.scenario import ProcessFault, Scenario
+
+Report = dict[str, Any]
+Watcher = Callable[[Clock | Truth], None]
+_START = 10.0  # s for a process to say that it is ready
+_LAST_WORDS = 5.0  # s for the world to report when it is cut short
+_LEAVING = 2.0  # s for processes to end by themselves after the last run
+_POLL = 0.02  # s
+
+
+class FleetLost(Exception):
+    """A process that the run needs has ended."""
+
+
+class Fleet:
+    """The processes of one or more runs (same robots, one after another); a context manager.
+
+    Args:
+        scenarios: k already numbers; all with the same robot ids.
+        options: transport, clock, names.
+        watch: is told every Clock and Truth that is heard.
+        record: file that a recorder process writes.
+
+    Raises:
+        ProcessError, BusError: a process did not start, or an endpoint is taken.
+    """
+
+    def __init__(
+        self,
+        scenarios: Sequence[Scenario],
+        options: RunOptions,
+        *,
+        watch: Watcher | None = None,
+        record: Path | None = None,
+    ) -> None:
+        self._scenarios, self._options = scenarios, options
+        self._watch, self._record = watch, record
+        self._schedule = FaultSchedule(scenarios)
+        self._truth: Truth | None = None
+        self._began = time.monotonic()
+        self._started = False
+        self._foreign = 0
+        self._reports: list[Report] = []
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Fleet:
+        with ExitStack() as stack:
+            self._supervisor = stack.enter_context(Supervisor())
+            self.topology = self._begin(stack)
+            self._start_world()
+            self._supervisor.start(self._robots())
+            self._listen(stack)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self._stack.close()
+
+    def _begin(self, stack: ExitStack) -> Topology:
+        options = self._options
+        if options.transport == "mesh":
+            folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
+            return Mesh(Path(folder), self._scenarios[0].ids)
+        if options.router is not None:
+            return Routed(options.router)
+        self._supervisor.start([table.router(Connection("router"))])
+        return Routed(self._supervisor.report("router", _START))
+
+    def _start_world(self) -> None:
+        """The world, and before anything can happen the recorder."""
+        run, topology = self._options.run, self.topology
+        self._supervisor.start([table.world(topology.world(), run, self._scenarios, self._options.lockstep)])
+        if self._record is not None:
+            self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
+            self._supervisor.report(table.RECORDER, _START)
+
+    def _robots(self) -> list[table.Process]:
+        run, topology = self._options.run, self.topology
+        return [table.robot(topology.robot(robot), run, robot) for robot in self._scenarios[0].ids]
+
+    def _listen(self, stack: ExitStack) -> None:
+        self._bus = ZenohBus(self.topology.observer())
+        stack.callback(self._bus.close)
+        for stream in ("clock", "truth", "result"):
+            self._bus.subscribe(world_key(self._options.run, stream))
+
+    def execute(self) -> list[Report]:
+        """Watch until every scenario has its report; Ctrl-C and lost processes end the run, with a report."""
+        try:
+            while len(self._reports) < len(self._scenarios):
+                self._take(self._bus.receive(_POLL))
+                self._check(self._supervisor.poll())
+        except KeyboardInterrupt:
+            self._cut("interrupted", "stopped by the user")
+        except FleetLost as loss:
+            self._cut("aborted", str(loss))
+        return self._reports
+
+    def processes(self) -> list[dict[str, Any]]:
+        """Let everybody leave, stop whoever does not; what each process cost."""
+        deadline = time.monotonic() + _LEAVING
+        while self._supervisor.running() not in ([], ["router"]) and time.monotonic() < deadline:
+            self._supervisor.poll(_POLL)
+        self._supervisor.stop()
+        return [usage._asdict() for usage in self._supervisor.usage()]
+
+    def _take(self, event: Event | None) -> None:
+        if not isinstance(event, Sample):
+            return
+        try:
+            message = decode(event.key, event.payload)
+        except MessageError:
+            self._foreign += 1
+            return
+        if isinstance(message, Result):
+            self._reports.append(json.loads(message.report))
+        elif isinstance(message, Clock | Truth):
+            self._follow(message)
+
+    def _follow(self, message: Clock | Truth) -> None:
+        if isinstance(message, Clock):
+            for fault in self._schedule.due(message):
+                self._carry_out(fault)
+            self._started = self._started or message.tick > 0
+        else:
+            self._truth = message
+        if self._watch is not None:
+            self._watch(message)
+
+    def _carry_out(self, fault: ProcessFault) -> None:
+        name = table.robot_name(fault.robot)
+        actions = {
+            "kill": self._supervisor.kill,
+            "pause": self._supervisor.pause,
+            "resume": self._supervisor.resume,
+            "restart": self._supervisor.restart,
+        }
+        actions[fault.event](name)
+
+    def _check(self, exits: Sequence[Exit]) -> None:
+        """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
+        for exit_ in exits:
+            vital = exit_.process.vital and len(self._reports) < len(self._scenarios)
+            if vital or not (exit_.expected or self._started):
+                raise FleetLost(str(exit_))
+
+    def _cut(self, verdict: str, reason: str) -> None:
+        """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""
+        if "world" in self._supervisor.running():
+            self._supervisor.signal("world", signal.SIGTERM)
+            deadline = time.monotonic() + _LAST_WORDS
+            already = len(self._reports)
+            while len(self._reports) == already and time.monotonic() < deadline:
+                self._take(self._bus.receive(_POLL))
+        if not self._reports:
+            self._reports.append(self._unjudged())
+        if self._reports[-1]["verdict"] != "collision":
+            self._reports[-1].update(verdict=verdict, reason=reason)
+
+    def _unjudged(self) -> Report:
+        return unjudged(self._scenarios[0], self._truth, time.monotonic() - self._began)

@@ -1,0 +1,48 @@
+"""The processes of a fleet as a table: one row each. `deploy.supervisor` walks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from protocol.connection import Connection
+
+RECORDER = "recorder"
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """One row: what to start, and what its end means."""
+
+    name: str  # unique in a fleet, such as `robot-3`
+    entry: str  # "module:function"; it returns the exit status
+    arguments: tuple[Any, ...] = ()  # picklable
+    vital: bool = False  # the fleet cannot go on without it
+    restarts: int = 0  # how many times it is started again by itself after it failed
+    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
+
+
+def router(connection: Connection) -> Process:
+    """The router; it reports the endpoint that it listens on."""
+    return Process("router", "deploy.router:main", (connection,), vital=True, reports=True)
+
+
+def world(connection: Connection, run: str, *arguments: Any) -> Process:
+    """The world of a run."""
+    return Process("world", "world.process:main", (connection, run, *arguments), vital=True)
+
+
+def robot(connection: Connection, run: str, identity: int) -> Process:
+    """One robot; the fleet goes on without it."""
+    return Process(robot_name(identity), "agents.process:main", (connection, run, identity))
+
+
+def recorder(connection: Connection, run: str, path: Path) -> Process:
+    """The recorder; it reports once it cannot miss anything."""
+    return Process(RECORDER, "deploy.recording.process:main", (connection, run, path), reports=True)
+
+
+def robot_name(identity: int) -> str:
+    """Name of a robot's row, `robot-3`."""
+    return f"robot-{identity}"
