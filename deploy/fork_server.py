@@ -4,9 +4,6 @@ It imports what they need once (numpy, zenoh, the robots' modules) and opens no 
 which forking would not be safe. A fork takes about a millisecond and shares the imported memory.
 One channel joins it to the supervisor: requests come in, news of the processes go out. When the
 channel ends, because the supervisor closed it or died in whatever way, all processes are killed.
-
-Started by `deploy.spawn`. It and its processes are a session of their own, so a terminal's Ctrl-C
-reaches the supervisor alone.
 """
 
 from __future__ import annotations
@@ -19,68 +16,18 @@ import sys
 from collections.abc import Sequence
 from multiprocessing.connection import Connection as Channel
 from multiprocessing.connection import wait
-from pathlib import Path
-from typing import Any, NamedTuple
 
-FAULT = 3  # exit status of a process that an exception ended
-
-
-class Start(NamedTuple):
-    """Request: fork a process that calls `entry` ("module:function") with `arguments`.
-
-    `reports`: the function gets one more argument, a callable that sends text to the supervisor.
-    """
-
-    life: int  # names this one process, for ever
-    name: str
-    entry: str
-    arguments: tuple[Any, ...]
-    reports: bool
-    log: Path | None  # where its output goes; the terminal unless given
+from deploy.fork_messages import Exited, News, Report, Request, Start, Started
+from deploy.forked import run_forked
 
 
-class Signal(NamedTuple):
-    """Request: send a signal. To a process that has ended, nothing is sent."""
-
-    life: int
-    number: int
-
-
-class Started(NamedTuple):
-    """News: the process exists."""
-
-    life: int
-    pid: int
-
-
-class Report(NamedTuple):
-    """News: the process says something."""
-
-    life: int
-    text: str
-
-
-class Exited(NamedTuple):
-    """News: the process is gone; the exit code is negative for a signal."""
-
-    life: int
-    code: int
-    cpu_s: float
-    max_rss_mb: float
-
-
-Request = Start | Signal
-News = Started | Report | Exited
-
-
-def main(channel_descriptor: int, modules: Sequence[str]) -> None:
-    """Serve one supervisor until its end of the channel is closed."""
+def main(channel: int, modules: Sequence[str]) -> None:
+    """Serve one supervisor, on a socket inherited from it, until the other end is closed."""
     for module in modules:
         importlib.import_module(module)
     gc.collect()
-    gc.freeze()  # the collector would write to, and so copy, every shared page
-    channel: Channel[News, Request] = Channel(channel_descriptor)
-    server = _Server(channel)
+    gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
+    server = _Server(Channel(channel))
     try:
         server.serve()
     finally:
@@ -90,70 +37,68 @@ def main(channel_descriptor: int, modules: Sequence[str]) -> None:
 class _Server:
     def __init__(self, channel: Channel[News, Request]) -> None:
         self._channel = channel
-        self._pids: dict[int, int] = {}  # life -> pid of those not yet waited for
-        self._reports: dict[Channel[str, str], int] = {}  # reading end -> life
-        # SIGCHLD interrupts nothing; it makes one end of a pipe readable.
-        self._child_ended, written = os.pipe()
+        self._lives: dict[int, int] = {}  # pid -> life, of those not yet waited for
+        self._reports: dict[int, tuple[int, Channel[str, str]]] = {}  # descriptor -> life, its pipe
+        self._lifeline, self._held = os.pipe()  # the forks' ends are at end of file when this process is gone
+        self._child_ended, written = os.pipe()  # SIGCHLD makes it readable
         os.set_blocking(written, False)
         signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.set_wakeup_fd(written, warn_on_full_buffer=False)
 
     def serve(self) -> None:
+        requests = self._channel.fileno()
         while True:
-            for ready in wait([self._channel, self._child_ended, *self._reports]):
-                if ready is self._channel:
+            for ready in wait([requests, self._child_ended, *self._reports]):
+                if ready == requests:
                     try:
-                        request = self._channel.recv()
+                        self._obey(self._channel.recv())
                     except (EOFError, ConnectionError):
                         return
-                    self._obey(request)
                 elif ready == self._child_ended:
                     os.read(self._child_ended, 4096)
                     self._collect()
-                elif isinstance(ready, Channel) and ready in self._reports:
+                elif isinstance(ready, int):
                     self._relay(ready)
 
     def kill_all(self) -> None:
-        for pid in self._pids.values():
+        for pid in self._lives:
             os.kill(pid, signal.SIGKILL)
-        for pid in self._pids.values():
+        for pid in self._lives:
             os.waitpid(pid, 0)
 
     def _obey(self, request: Request) -> None:
         if isinstance(request, Start):
             self._fork(request)
-        elif (pid := self._pids.get(request.life)) is not None:
-            os.kill(pid, request.number)
+            return
+        for pid, life in self._lives.items():
+            if life == request.life:
+                os.kill(pid, request.number)
 
     def _fork(self, start: Start) -> None:
-        reading, writing = os.pipe()
+        reading, writing = os.pipe() if start.reports else (None, None)
         pid = os.fork()
         if pid == 0:
-            os.close(reading)
-            _become(start, writing)
-        os.close(writing)
-        self._pids[start.life] = pid
-        self._reports[Channel(reading, writable=False)] = start.life
+            run_forked(start, writing, self._lifeline)
+        if reading is not None and writing is not None:
+            os.close(writing)
+            self._reports[reading] = (start.life, Channel(reading, writable=False))
+        self._lives[pid] = start.life
         self._channel.send(Started(start.life, pid))
 
-    def _relay(self, pipe: Channel[str, str]) -> None:
+    def _relay(self, descriptor: int) -> None:
+        life, pipe = self._reports[descriptor]
         try:
-            self._channel.send(Report(self._reports[pipe], pipe.recv()))
+            self._channel.send(Report(life, pipe.recv()))
         except EOFError:
-            del self._reports[pipe]
+            del self._reports[descriptor]
             pipe.close()
 
     def _collect(self) -> None:
-        for life, pid in list(self._pids.items()):
-            found, status, usage = os.wait4(pid, os.WNOHANG)
-            if found:
-                del self._pids[life]
-                mega = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss is bytes there, KiB here
-                self._channel.send(
-                    Exited(
-                        life,
-                        os.waitstatus_to_exitcode(status),
-                        usage.ru_utime + usage.ru_stime,
-                        usage.ru_maxrss / mega,
-                    )
-                )
+        unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss is in bytes there, in KiB here
+        while self._lives:
+            pid, status, usage = os.wait4(-1, os.WNOHANG)
+            if pid == 0:
+                return
+            code = os.waitstatus_to_exitcode(status)
+            cpu = usage.ru_utime + usage.ru_stime
+            self._channel.send(Exited(self._lives.pop(pid), code, cpu, usage.ru_maxrss / unit))

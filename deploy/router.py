@@ -76,7 +76,7 @@ def holder(endpoint: str) -> str:
     port = endpoint.partition("#")[0].rpartition(":")[2]
     try:
         for socket in psutil.net_connections("inet"):
-            if socket.status == psutil.CONN_LISTEN and str(socket.laddr.port) == port:
+            if socket.status == psutil.CONN_LISTEN and str(getattr(socket.laddr, "port", "")) == port:
                 if socket.pid is None:
                     return "a process of another user"
                 return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"

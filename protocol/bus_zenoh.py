@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from queue import Empty, SimpleQueue
 
@@ -133,11 +136,26 @@ def _open(connection: Connection) -> zenoh.Session:
         attempt = min(_ATTEMPT, max(0.1, deadline - time.monotonic()))
         config = zenoh.Config.from_json5(json.dumps(configuration(connection, attempt)))
         try:
-            return zenoh.open(config)
+            with _signals_for_this_thread():
+                return zenoh.open(config)
         except zenoh.ZError as error:
             failure = _explained(connection, error)
             if isinstance(failure, EndpointTakenError) or time.monotonic() >= deadline:
                 raise failure from error
+
+
+@contextmanager
+def _signals_for_this_thread() -> Iterator[None]:
+    """Threads started inside leave signals alone.
+
+    Else a frozen process that is told to end gives SIGTERM to whichever thread wakes first, and
+    Python, which handles signals on the main thread, hears of it only when that has waited enough.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _explained(connection: Connection, error: zenoh.ZError) -> BusError:

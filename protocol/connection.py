@@ -53,7 +53,10 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
         # Ticks are in the messages; a router would stamp every sample with the wall clock.
         "timestamping": {"enabled": {"router": False, "peer": False, "client": False}},
         "transport": {
-            "unicast": {"accept_pending": 1000},  # a fleet connects all at once (default 100)
+            "unicast": {
+                "accept_pending": 1000,  # a fleet connects all at once (default 100)
+                "open_timeout": 2000,  # closing waits for an attempt to reach a frozen router (default 10 s)
+            },
             "shared_memory": {"enabled": False},  # messages are far too small to gain by it
             "link": {
                 "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
