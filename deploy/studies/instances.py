@@ -1,4 +1,4 @@
-"""Random free configurations of disks in a disk, for studies of the flow."""
+"""Random instances of the coordinated navigation problem: radii, goals and start at a given density."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.navigation.function import Problem
+from agents.navigation.sampling import random_configuration
+from agents.navigation.tuning import automatic_k
+from protocol.errors import UsageError
 
 Array = NDArray[np.float64]
 
@@ -15,28 +18,18 @@ def random_radii(draw: np.random.Generator, p: int, ratio: float) -> Array:
     return np.asarray(np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1])
 
 
-def random_configuration(draw: np.random.Generator, radii: Array, workspace: float) -> Array:
-    """(p, 2) centres of disjoint disks, by dart throwing; starts again when a disk finds no place."""
-    while True:
-        placed = np.empty((0, 2))
-        for i, radius in enumerate(radii):
-            darts = draw.uniform(-workspace, workspace, (500, 2))
-            inside = np.hypot(*darts.T) < workspace - radius
-            gaps = np.linalg.norm(darts[:, None] - placed[None], axis=2) - radius - radii[:i]
-            free = np.flatnonzero(inside & (gaps > 0.0).all(axis=1))
-            if not len(free):
-                break
-            placed = np.vstack([placed, darts[free[0]]])
-        else:
-            return placed
+def random_instance(draw: np.random.Generator, p: int, density: float, ratio: float) -> tuple[Problem, Array]:
+    """A problem, its k set by the automatic rule, and a start (p, 2).
 
+    density: area of the disks over area of the workspace; ratio: largest over smallest possible radius.
 
-def random_instance(
-    draw: np.random.Generator, p: int, density: float, ratio: float, k: float
-) -> tuple[Problem, Array]:
-    """A problem with random goals, and a random start; `density` is area of disks over area of workspace."""
+    Raises:
+        UsageError: no free configuration was found at this density.
+    """
     radii = random_radii(draw, p, ratio)
     workspace = float(np.sqrt((radii**2).sum() / density))
     goals = random_configuration(draw, radii, workspace)
     start = random_configuration(draw, radii, workspace)
-    return Problem(goals, radii, workspace, k), start
+    if goals is None or start is None:
+        raise UsageError(f"no free configuration of {p} disks found at density {density:g}; use a lower one")
+    return Problem(goals, radii, workspace, automatic_k(radii, workspace)), start
