@@ -16,10 +16,12 @@ from dataclasses import dataclass
 from agents.slice import Peer
 
 Vector = tuple[float, float]
+Mean = tuple[Vector, Vector]  # averaged once, averaged twice
+MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 
 SLOW = 0.1  # below this fraction of the free speed there is no progress
-WINDOW = 0.5  # s, time constant over which motion is averaged, so that swinging to and fro is none
-SWING = 4.0  # robots that repel each other late swing with a period of about four times the delay
+WINDOW = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
+SWING = 3.0  # the window grows by this times the latency: robots that repel each other late swing slowly
 PATIENCE = 1.0  # s without progress before the escape begins
 RISE = 0.5  # s from no drift to full drift
 RELEASE = 1.0  # s from full drift to none, once there is progress
@@ -45,8 +47,8 @@ class Progress:
 
     period: float
     strength: float = 0.0
-    _moved: Vector = (0.0, 0.0)
-    _wanted: Vector = (0.0, 0.0)
+    _moved: Mean = MOTIONLESS
+    _wanted: Mean = MOTIONLESS
     _free: float = 0.0
     _stalled: float = 0.0
     _quiet: float = 0.0
@@ -74,10 +76,9 @@ class Progress:
                 patience grows by twice that.
         """
         weight = min(1.0, self.period / (WINDOW + SWING * latency))
-        self._moved = _toward(
-            self._moved, (displacement[0] / self.period, displacement[1] / self.period), weight
-        )
-        self._wanted = _toward(self._wanted, desired, weight)
+        moved = displacement[0] / self.period, displacement[1] / self.period
+        self._moved = _average(self._moved, moved, weight)
+        self._wanted = _average(self._wanted, desired, weight)
         self._free += weight * (free - self._free)
         self._quiet += self.period
         if gamma < FALL * self._mark:
@@ -91,11 +92,12 @@ class Progress:
         return self.strength
 
     def _stalls(self, barred: bool, latency: float) -> bool:
-        wanted = math.hypot(*self._wanted)
+        _, (wx, wy) = self._wanted
+        _, (mx, my) = self._moved
+        wanted = math.hypot(wx, wy)
         if wanted < SLOW * self._free:
             return barred or self._quiet > PATIENCE + 2.0 * latency
-        along = self._moved[0] * self._wanted[0] + self._moved[1] * self._wanted[1]
-        return along < SLOW * self._free * wanted
+        return mx * wx + my * wy < SLOW * self._free * wanted
 
 
 def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer]) -> bool:
@@ -147,6 +149,12 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
     if farthest == 0.0:
         return 0.0, 0.0
     return (position[1] - cy) / farthest, (cx - position[0]) / farthest
+
+
+def _average(mean: Mean, value: Vector, weight: float) -> Mean:
+    """Exponential mean of the exponential mean: a swing of angular frequency w fades by (w window)^2."""
+    first = _toward(mean[0], value, weight)
+    return first, _toward(mean[1], first, weight)
 
 
 def _toward(mean: Vector, value: Vector, weight: float) -> Vector:

@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from fleet import Fleet, scattered, tight_goals
+
+from agents.deadlock import PATIENCE, Progress, barred, circling, cluster
+from agents.slice import Peer
+
+
+def swap(n: int, **options: object) -> Fleet:
+    """n robots on a ring, each bound for the opposite point; two of them are symmetric to the last bit."""
+    angles = 2 * np.pi * np.arange(n) / n
+    starts = 0.4 * np.c_[np.cos(angles), np.sin(angles)]
+    starts[np.abs(starts) < 1e-12] = 0.0
+    return Fleet(starts, -starts, [0.03] * n, 0.45, 60.0 * max(1.0, n / 6) ** 2, **options)
+
+
+def test_without_an_escape_a_head_on_swap_rests_on_the_saddle() -> None:
+    fleet = swap(2)
+    assert not fleet.run(30.0)
+    assert all(y == 0.0 for _, y in fleet.positions)
+
+
+@pytest.mark.parametrize("n", range(2, 13))
+@pytest.mark.parametrize("pace", ["common", "own"])
+def test_symmetric_swaps_arrive_without_collision(n: int, pace: str) -> None:
+    fleet = swap(n, pace=pace, escapes=True)
+    assert fleet.run(30.0)
+    assert fleet.clearance > 0.0
+    assert fleet.nrl < 1.7
+
+
+def test_a_swap_among_late_peers_arrives() -> None:
+    assert swap(4, escapes=True, delay=6).run(60.0)
+
+
+def test_an_ordinary_run_never_escapes() -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
+        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, escapes=True)
+        assert fleet.run(30.0)
+        assert fleet.escaping == 0
+
+
+def still(progress: Progress, seconds: float, **changes: object) -> float:
+    tick = {"displacement": (0.0, 0.0), "desired": (0.1, 0.0), "free": 0.1, "gamma": 0.2, "barred": False}
+    strength = 0.0
+    for _ in range(round(seconds / progress.period)):
+        strength = progress.update(**(tick | changes))
+    return strength
+
+
+def test_lines_that_block_are_noticed_by_what_was_really_executed() -> None:
+    progress = Progress(0.05)
+    assert still(progress, 0.9 * PATIENCE) == 0.0
+    assert 0.0 < still(progress, 0.4) < 1.0
+    assert still(progress, 1.0) == 1.0
+    assert still(progress, 0.5, displacement=(0.005, 0.0)) < 1.0
+    assert still(progress, 2.0, displacement=(0.005, 0.0)) == 0.0
+
+
+def test_swinging_to_and_fro_is_no_progress() -> None:
+    progress, strength = Progress(0.05), 0.0
+    for tick in range(200):
+        swing = 0.1 * math.cos(2 * math.pi * tick / 8)
+        strength = progress.update(
+            displacement=(0.05 * swing, 0.0), desired=(swing, 0.0), free=0.1, gamma=0.2, barred=True
+        )
+    assert strength == 1.0
+
+
+def test_patience_grows_with_the_latency() -> None:
+    assert still(Progress(0.05), 2.5, latency=1.0) == 0.0
+    assert still(Progress(0.05), 5.0, latency=1.0) == 1.0
+
+
+def test_at_the_goal_there_is_nothing_to_escape() -> None:
+    assert still(Progress(0.05), 20.0, free=0.0) == 0.0
+
+
+def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
+    progress, gamma = Progress(0.05), 1.0
+    for _ in range(200):
+        gamma *= 0.99
+        assert (
+            progress.update(displacement=(0.0, 0.0), desired=(0.0, 0.0), free=0.1, gamma=gamma, barred=False)
+            == 0.0
+        )
+    assert still(progress, 3.0, desired=(0.0, 0.0), gamma=gamma) == 1.0
+
+
+def test_a_cluster_is_the_transitive_closure_of_closest_neighbours() -> None:
+    chain = [Peer(0.1 * n, 0.0, 0.04, 0.0) for n in (1, 2, 3)]
+    alone = Peer(0.0, 1.0, 0.04, 0.0)
+    assert sorted(cluster((0.0, 0.0), 0.04, [chain[2], alone, chain[0], chain[1]])) == chain
+
+
+def test_members_of_a_cluster_circle_in_one_sense() -> None:
+    angles = [0.3 + 2 * math.pi * n / 5 for n in range(5)]
+    places = [(0.07 * math.cos(a), 0.07 * math.sin(a)) for a in angles]
+    for i, (x, y) in enumerate(places):
+        peers = [Peer(*place, 0.04, 0.0) for j, place in enumerate(places) if j != i]
+        assert circling((x, y), (0.0, 0.0), 0.04, peers) == pytest.approx((y / 0.07, -x / 0.07))
+
+
+def test_a_lone_robot_sidesteps_in_the_same_sense() -> None:
+    assert circling((-0.2, 0.0), (0.2, 0.0), 0.04, []) == pytest.approx((0.0, 1.0))
+    assert circling((0.2, 0.0), (0.2, 0.0), 0.04, []) == (0.0, 0.0)
+
+
+def test_only_a_disk_on_the_way_bars_it() -> None:
+    way = ((-0.2, 0.0), (0.2, 0.0), 0.04)
+    assert barred(*way, [Peer(0.0, 0.07, 0.04, 0.0)])
+    assert not barred(*way, [Peer(0.0, 0.09, 0.04, 0.0), Peer(-0.25, 0.0, 0.04, 0.0)])
