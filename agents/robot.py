@@ -7,14 +7,12 @@ these two places, when every earlier command is settled, so no command is ever o
 
 from __future__ import annotations
 
-from agents import pace
 from agents.estimate import Estimate
-from agents.flow import Flow, desired_velocity
+from agents.laws import choose
 from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
 from agents.safe_velocity import safe_velocity
-from agents.slice import Peer, Slice
 from protocol.messages import Answer, Command, Health, Measurement, Proposal, State
 from protocol.scenario import Scenario
 
@@ -39,7 +37,7 @@ class Robot:
         self._goal, self._radius = spec.goal, spec.radius
         self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
         self._filtered = scenario.control.filter == "separating-lines"
-        self._gain = pace.gain(scenario.control.speed, scenario.time.step, scenario.time.tolerance)
+        self._law = choose(scenario, robot)
         reach = scenario.control.speed * scenario.time.step * (1.0 + scenario.actuation.bound)
         self._estimate = Estimate(scenario.sensing_of(robot).bound, reach)
         self._neighbours = Neighbours(self._radii)
@@ -48,8 +46,7 @@ class Robot:
         self._lines = Ledger(robot, incarnation, radii, reach)
         self._awaited: set[int] = set()
         self._arrived: dict[int, int] = {}
-        self._desired = STILL
-        self._slice: Slice | None = None
+        self._desired = self._moved = STILL
 
     # -- phase 1
 
@@ -60,6 +57,7 @@ class Robot:
             j for j in measurement.active if j != self.robot and self._arrived.get(j, -1) < self.tick
         }
         self._estimate.update(measurement)
+        self._moved = measurement.displacement
         if self._estimate.position is not None:
             self._lines.locate(self.tick, self._estimate.position, self._estimate.bound)
         for down in self._neighbours.fence(measurement.down):
@@ -74,7 +72,7 @@ class Robot:
         gamma = slice_norm = 0.0
         if position is not None:
             gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
-            slice_norm = self._slice.norm(*position) if self._slice is not None else 2.0 * gamma**0.5
+            slice_norm = self._law.slice_norm(position)
             if self._filtered:
                 proposals, answers = self._lines.speak(self._desired)
         return State(
@@ -121,7 +119,7 @@ class Robot:
         if position is None:
             self._desired = STILL
         else:
-            self._desired = self._wanted(position)
+            self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
             velocity = self._allowed(position, self._desired)
         return Command(self.robot, self.incarnation, self.tick, velocity)
 
@@ -130,38 +128,6 @@ class Robot:
         for state in self._link.take(tick):
             self._neighbours.hear(state)
             self._lines.hear(state)
-
-    def _wanted(self, position: Vector) -> Vector:
-        """Desired velocity: the law at the pace, away from a deadlock."""
-        control, period = self._control, self._scenario.time.step
-        self._slice = Slice(
-            self._goal, self._radius, self._scenario.workspace.radius, self._scenario.gain, self._peers()
-        )
-        flow = Flow(self._slice, self._scale(position))
-        return desired_velocity(flow, position, period=period, speed=control.speed)
-
-    def _peers(self) -> list[Peer]:
-        known = self._neighbours
-        peers = []
-        for peer, radius in self._radii.items():
-            place = known.position(peer)
-            if place is not None:
-                state = known.states.get(peer)
-                peers.append(Peer(*place, radius, 0.0 if state is None else state.gamma))
-        return peers
-
-    def _scale(self, position: Vector) -> float:
-        if self._control.pace == "own":
-            return pace.own_pace(self._gain)
-        states = [s for j, s in self._neighbours.states.items() if j not in self._neighbours.down]
-        own = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
-        assert self._slice is not None
-        return pace.common_pace(
-            [self._slice.norm(*position), *(s.slice for s in states)],
-            [own, *(s.gamma for s in states)],
-            self._control.speed,
-            self._gain,
-        )
 
     def _allowed(self, position: Vector, desired: Vector) -> Vector:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""

@@ -1,0 +1,94 @@
+"""The paper's law: u_i = -s D_i, integrated within the period; away from a deadlock if need be."""
+
+from __future__ import annotations
+
+import math
+
+from agents import pace
+from agents.deadlock import Progress, barred, circling
+from agents.flow import Flow, desired_velocity
+from agents.neighbours import Neighbours
+from agents.slice import Peer, Slice
+from protocol.scenario import Scenario
+
+Vector = tuple[float, float]
+
+
+class GradientLaw:
+    """One robot's slice of the gradient of the navigation function."""
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        spec, control = scenario.spec(robot), scenario.control
+        self._goal, self._radius = spec.goal, spec.radius
+        self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
+        self._workspace, self._k = scenario.workspace.radius, scenario.gain
+        self._speed, self._period = control.speed, scenario.time.step
+        self._common = control.pace == "common"
+        self._tolerance = scenario.time.tolerance
+        self._gain = pace.gain(control.speed, scenario.time.step, scenario.time.tolerance)
+        self._progress = Progress(scenario.time.step)
+        self._wanted: Vector = (0.0, 0.0)
+        self._slice: Slice | None = None
+
+    def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:
+        """See `agents.laws.law.Law`."""
+        peers = self._peers(neighbours)
+        field = self._slice = Slice(self._goal, self._radius, self._workspace, self._k, peers)
+        scale = self._scale(field, position, neighbours)
+        strength = self._stuck(position, displacement, scale, peers, neighbours, tick)
+        self._wanted = self._follow(Flow(field, scale), position)
+        if strength == 0.0:
+            return self._wanted
+        vx, vy = circling(position, self._goal, self._radius, peers)
+        drift = (strength * self._speed * vx, strength * self._speed * vy)
+        return self._follow(Flow(field, scale, drift), position)
+
+    def slice_norm(self, position: Vector) -> float:
+        """See `agents.laws.law.Law`; before the first tick the attraction alone."""
+        return 2.0 * self._away(position) if self._slice is None else self._slice.norm(*position)
+
+    def _follow(self, flow: Flow, position: Vector) -> Vector:
+        return desired_velocity(flow, position, period=self._period, speed=self._speed)
+
+    def _peers(self, neighbours: Neighbours) -> list[Peer]:
+        states = neighbours.states
+        peers = []
+        for peer, radius in self._radii.items():
+            place = neighbours.position(peer)
+            if place is not None:
+                gamma = states[peer].gamma if peer in states else 0.0
+                peers.append(Peer(place[0], place[1], radius, gamma))
+        return peers
+
+    def _scale(self, field: Slice, position: Vector, neighbours: Neighbours) -> float:
+        if not self._common:
+            return pace.own_pace(self._gain)
+        moving = [state for peer, state in neighbours.states.items() if peer not in neighbours.down]
+        slices = [field.norm(*position), *(state.slice for state in moving)]
+        gammas = [self._away(position) ** 2, *(state.gamma for state in moving)]
+        return pace.common_pace(slices, gammas, self._speed, self._gain)
+
+    def _stuck(
+        self,
+        position: Vector,
+        displacement: Vector,
+        scale: float,
+        peers: list[Peer],
+        neighbours: Neighbours,
+        tick: int,
+    ) -> float:
+        """How strongly to escape from a deadlock, 0 to 1."""
+        away = self._away(position)
+        oldest = min((state.tick for state in neighbours.states.values()), default=tick)
+        return self._progress.update(
+            displacement=displacement,
+            desired=self._wanted,
+            free=min(self._speed, 2.0 * scale * away) if away > self._tolerance else 0.0,
+            gamma=away**2 + sum(peer.gamma for peer in peers),
+            barred=barred(position, self._goal, self._radius, peers),
+            latency=(tick - oldest) * self._period,
+        )
+
+    def _away(self, position: Vector) -> float:
+        """Distance to the own goal, m."""
+        return math.hypot(position[0] - self._goal[0], position[1] - self._goal[1])
