@@ -177,7 +177,7 @@ class World:
             return
         touches = len(self._record.contacts.all)
         if touches:
-            verdict, reason = "collision", f"contacts: {touches}; besides, {verdict}: {reason}"
+            verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason
 
     def report(self) -> dict[str, Any]:

@@ -1,0 +1,63 @@
+"""Short ways to set up and drive a world without robots."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from protocol.messages import Command, Vector
+from protocol.scenario import Control, RobotSpec, Scenario, Time
+from world.world import World
+
+STEP = 0.05
+
+
+def scenario(*robots: tuple[Vector, Vector], radius: float = 0.04, **settings: object) -> Scenario:
+    """Robots 1, 2, ... given as (start, goal); short times unless given."""
+    specs = tuple(RobotSpec(n, radius, start, goal) for n, (start, goal) in enumerate(robots, 1))
+    defaults = Scenario(
+        specs,
+        control=Control(k=60.0),
+        time=Time(step=STEP, limit=10.0, tolerance=0.005, fence=0.2, deadlock=0.5),
+    )
+    return replace(defaults, **settings)
+
+
+def two(**settings: object) -> Scenario:
+    """Two robots far apart, each with some way to go."""
+    return scenario(((-0.1, 0.1), (0.1, 0.1)), ((-0.1, -0.1), (0.1, -0.1)), **settings)
+
+
+def joined(setting: Scenario, robots: Iterable[int] | None = None) -> World:
+    """A world that these robots, or all, have joined."""
+    world = World(setting)
+    for robot in setting.ids if robots is None else robots:
+        world.join(robot)
+    return world
+
+
+def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> None:
+    """One tick in which every active robot commands, zero unless told otherwise."""
+    told = world.open_tick()
+    assert not world.awaiting_join
+    for robot in world.active:
+        velocity = (velocities or {}).get(robot, (0.0, 0.0))
+        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity))
+    assert not world.waiting
+    world.close_tick()
+
+
+def toward(world: World, setting: Scenario) -> dict[int, Vector]:
+    """Velocities straight to the goals, at the speed limit or less."""
+    velocities = {}
+    for robot, (x, y) in zip(world.truth.robots, world.truth.positions, strict=True):
+        gx, gy = setting.spec(robot).goal
+        velocities[robot] = ((gx - x) / STEP, (gy - y) / STEP)
+    return velocities
+
+
+def play(setting: Scenario, most: int = 1000) -> World:
+    """All robots go straight to their goals until a verdict."""
+    world = joined(setting)
+    while not world.verdict:
+        assert world.tick < most
+        advance(world, toward(world, setting))
+    return world

@@ -1,0 +1,109 @@
+import math
+
+import numpy as np
+import pytest
+from driving import STEP, two
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.draws import Purpose, generator
+from protocol.scenario import Sensing
+from world import disturbance
+from world.disturbance import Uniforms, truncated_normal
+from world.sensing import Sensor
+
+TRUTH = (0.123, -0.0456)
+
+
+def sensor(robot=1, seed=0, **faults):
+    return Sensor(two(seed=seed, sensing=(Sensing(**faults),)), robot)
+
+
+@given(
+    st.integers(0, 2**63 - 1),
+    st.floats(1e-6, 0.1),
+    st.none() | st.floats(1e-6, 0.2),
+    st.tuples(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05)),
+)
+def test_the_error_of_a_measurement_never_exceeds_its_stated_bound(seed, noise, noise_bound, bias):
+    faults = Sensing(noise=noise, noise_bound=noise_bound, bias=bias)
+    eye = sensor(seed=seed, noise=noise, noise_bound=noise_bound, bias=bias)
+    for tick in range(20):
+        (x, y), stamp = eye.measure(tick, TRUTH)
+        assert stamp == tick
+        assert math.hypot(x - TRUTH[0], y - TRUTH[1]) <= faults.bound
+
+
+def test_truncated_normal_has_the_right_distribution():
+    """Against rejection: radius by its empirical distribution, angle by its first two moments."""
+    source = np.random.default_rng(3)
+    deviation, bound, count = 1.0, 1.5, 20_000
+    drawn = np.array([truncated_normal(*pair, deviation, bound) for pair in source.random((count, 2))])
+    normal = source.normal(0.0, deviation, (3 * count, 2))
+    kept = normal[np.hypot(*normal.T) <= bound][:count]
+    radii, expected = np.sort(np.hypot(*drawn.T)), np.sort(np.hypot(*kept.T))
+    assert np.abs(radii - expected).max() < 0.04
+    assert np.abs(drawn.mean(axis=0)).max() < 0.03
+    assert np.allclose(np.cov(drawn.T), np.cov(kept.T), atol=0.03)
+
+
+def test_a_bound_far_below_the_deviation_still_takes_one_draw():
+    x, y = truncated_normal(0.999999, 0.3, 1.0, 1e-6)
+    assert math.hypot(x, y) <= 1e-6
+
+
+def test_ideal_sensing_tells_the_truth_and_draws_nothing(monkeypatch):
+    monkeypatch.setattr(disturbance, "generator", lambda *_: pytest.fail("a random draw"))
+    eye = sensor(noise_bound=0.01)
+    assert [eye.measure(tick, (0.1 * tick, 0.0)) for tick in range(3)] == [
+        ((0.1 * tick, 0.0), tick) for tick in range(3)
+    ]
+
+
+@pytest.mark.parametrize(("delay", "ticks"), [(STEP, 1), (0.1, 2), (0.11, 3), (0.001, 1), (0.15, 3)])
+def test_a_fixed_delay_takes_effect_at_the_first_tick_at_or_after_it(delay, ticks):
+    eye = sensor(delay=delay)
+    heard = [eye.measure(tick, (float(tick), 0.0)) for tick in range(10)]
+    assert heard[:ticks] == [(None, tick) for tick in range(ticks)]
+    assert heard[ticks:] == [((float(tick - ticks), 0.0), tick - ticks) for tick in range(ticks, 10)]
+    assert (eye.missing, eye.delayed) == (ticks, 10 - ticks)
+
+
+@given(st.integers(0, 2**40))
+def test_random_delays_deliver_the_newest_once_and_never_go_back(seed):
+    eye = sensor(seed=seed, delay=(0.0, 0.3))
+    newest = -1
+    for tick in range(60):
+        position, stamp = eye.measure(tick, (float(tick), 0.0))
+        if position is None:
+            assert stamp == tick
+        else:
+            assert position == (float(stamp), 0.0)
+            assert newest < stamp <= tick
+            assert tick - stamp <= 6
+            newest = stamp
+
+
+def test_dropout_loses_its_share():
+    eye = sensor(dropout=0.3)
+    missing = sum(eye.measure(tick, TRUTH)[0] is None for tick in range(3000))
+    assert missing == eye.missing == eye.dropped
+    assert 800 < missing < 1000
+    nothing = sensor(dropout=1.0)
+    assert all(nothing.measure(tick, TRUTH)[0] is None for tick in range(50))
+
+
+def test_sensing_faults_may_name_robots():
+    setting = two(sensing=(Sensing(), Sensing(bias=(0.01, 0.0), robots=(2,))))
+    assert Sensor(setting, 1).measure(0, TRUTH) == (TRUTH, 0)
+    assert Sensor(setting, 2).measure(0, TRUTH) == ((TRUTH[0] + 0.01, TRUTH[1]), 0)
+
+
+def test_draws_of_a_tick_do_not_depend_on_what_was_asked_before():
+    forward, backward = (Uniforms(9, Purpose.SENSING, 4, 3) for _ in range(2))
+    ticks = range(200)
+    one = {tick: forward.at(tick) for tick in ticks}
+    other = {tick: backward.at(tick) for tick in reversed(ticks)}
+    assert one == other
+    assert len({tuple(draws) for draws in one.values()}) == len(ticks)
+    assert one[70] == generator(9, Purpose.SENSING, 4, 1).random((64, 3))[6].tolist()

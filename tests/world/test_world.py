@@ -1,0 +1,184 @@
+import hashlib
+import json
+import math
+import struct
+
+import pytest
+from driving import STEP, advance, joined, play, scenario, toward, two
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.errors import JoinError
+from protocol.messages import Command
+from protocol.scenario import Actuation, Sensing
+from world.world import World
+
+FAULTS = {
+    "sensing": (Sensing(delay=(0.0, 0.3), noise=0.002, dropout=0.2),),
+    "actuation": Actuation(noise=0.1),
+}
+FIELDS = {
+    *("scenario", "seed", "robots", "law", "filter", "k", "verdict", "reason", "arrived", "collisions"),
+    *("contacts", "min_clearance", "nrl", "path_lengths", "tight", "ticks", "sim_time", "missed_commands"),
+    *("rejected_commands", "faults", "phi", "trajectory_sha256", "positions", "down"),
+}
+
+
+def test_robots_join_before_the_first_tick():
+    world = World(two(), {2: 7})
+    assert world.awaiting_join == {1, 2}
+    assert world.open_tick() == {}
+    assert world.join(1) == 1
+    assert world.open_tick() == {}
+    assert world.join(2) == 8
+    assert world.open_tick().keys() == {1, 2}
+    assert (world.active, world.waiting, world.incarnations) == ((1, 2), {1, 2}, {1: 1, 2: 8})
+
+
+def test_joining_twice_or_as_nobody_is_refused():
+    world = joined(two())
+    with pytest.raises(JoinError, match="robot 1 is already running; stop it or use another id"):
+        world.join(1)
+    with pytest.raises(JoinError, match=r"no robot 3 in scenario 'scenario'; there are 1, 2"):
+        world.join(3)
+
+
+def test_a_tick_must_be_opened_before_it_is_closed():
+    world = World(two())
+    with pytest.raises(RuntimeError, match="tick 0 is not open"):
+        world.close_tick()
+
+
+def test_measurements_lead_from_truth_to_truth_bit_for_bit():
+    setting = two(actuation=Actuation(noise=0.2))
+    world = joined(setting)
+    before = {1: (-0.1, 0.1), 2: (-0.1, -0.1)}
+    for tick in range(30):
+        told = world.open_tick()
+        assert world.open_tick() == told
+        truth = dict(zip(world.truth.robots, world.truth.positions, strict=True))
+        for robot, measurement in told.items():
+            assert measurement.tick == measurement.stamp == tick
+            assert (measurement.active, measurement.down) == ((1, 2), ())
+            assert measurement.position == truth[robot]
+            dx, dy = measurement.displacement
+            assert truth[robot] == (before[robot][0] + dx, before[robot][1] + dy)
+        before = truth
+        advance(world, toward(world, setting))
+
+
+def test_missing_commands_mean_standing_still_and_are_counted():
+    world = joined(two())
+    told = world.open_tick()
+    world.accept(Command(2, told[2].incarnation, 0, (0.1, 0.0)))
+    assert world.waiting == {1}
+    truth = world.close_tick()
+    assert truth.positions[0] == (-0.1, 0.1)
+    assert truth.positions[1] == (-0.1 + 0.1 * STEP, -0.1)
+    assert world.report()["missed_commands"] == 1
+
+
+def test_commands_are_refused_by_reason():
+    world = joined(two())
+    assert not world.accept(Command(1, 1, 0, (0.1, 0.0)))  # not open yet
+    advance(world)
+    world.open_tick()
+    refused = [
+        Command(1, 1, 0, (0.1, 0.0)),
+        Command(1, 1, 2, (0.1, 0.0)),
+        Command(1, 2, 1, (0.1, 0.0)),
+        Command(3, 1, 1, (0.1, 0.0)),
+    ]
+    assert not any(world.accept(command) for command in refused)
+    assert world.accept(Command(1, 1, 1, (0.0, 0.0)))
+    assert not world.accept(Command(1, 1, 1, (0.1, 0.0)))
+    world.lost(2)
+    assert not world.accept(Command(2, 1, 1, (0.1, 0.0)))
+    world.close_tick()
+    assert world.truth.positions == ((-0.1, 0.1), (-0.1, -0.1))
+    assert world.report()["rejected_commands"] == {
+        **{"early": 2, "late": 1, "incarnation": 1},
+        **{"unknown": 1, "duplicate": 1, "inactive": 1},
+    }
+
+
+@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+def test_nobody_is_faster_than_the_limit(x, y):
+    world = joined(scenario(((0.0, 0.0), (0.1, 0.0))))
+    advance(world, {1: (x, y)})
+    assert math.hypot(*world.truth.positions[0]) <= 0.1 * STEP * (1 + 1e-15)
+
+
+def test_the_digest_is_that_of_little_endian_doubles():
+    setting = two(**FAULTS)
+    world = joined(setting)
+    bits = b""
+    for tick in range(30):
+        for robot, (x, y) in zip((1, 2), world.truth.positions, strict=True):
+            bits += struct.pack("<d", tick) + struct.pack("<d", robot) + struct.pack("<dd", x, y)
+        assert world.report()["trajectory_sha256"] == hashlib.sha256(bits).hexdigest()
+        advance(world, toward(world, setting))
+
+
+def follow_measurements(seed, reverse=False):
+    """Robots that steer by what they are told, with all faults; commands arrive in either order."""
+    setting = two(seed=seed, **FAULTS)
+    world = joined(setting)
+    for _ in range(60):
+        told = world.open_tick()
+        for robot, heard in sorted(told.items(), reverse=reverse):
+            x, y = heard.position or (0.0, 0.0)
+            gx, gy = setting.spec(robot).goal
+            world.accept(Command(robot, 1, world.tick, ((gx - x) / 4, (gy - y) / 4)))
+        world.close_tick()
+    return world.report()
+
+
+@given(st.integers(0, 2**63 - 1))
+def test_the_same_seed_gives_the_same_run_whatever_order_commands_arrive_in(seed):
+    assert follow_measurements(seed) == follow_measurements(seed, reverse=True)
+    assert (
+        follow_measurements(seed)["trajectory_sha256"] != follow_measurements(seed ^ 1)["trajectory_sha256"]
+    )
+
+
+def test_truth_carries_what_the_result_sums_up():
+    setting = two()
+    world = joined(setting)
+    first = world.truth
+    clearance, rises = first.clearance, 0
+    assert first.tick == 0
+    assert first.clearance == pytest.approx(min(0.2 - 0.08, 0.3 - 0.04 - math.hypot(0.1, 0.1)))
+    while not world.verdict:
+        before = world.truth.phi
+        advance(world, toward(world, setting))
+        clearance = min(clearance, world.truth.clearance)
+        rises += world.truth.phi > before + 1e-12
+    report = world.report()
+    assert report["min_clearance"] == clearance
+    assert report["phi"] == {"first": first.phi, "last": world.truth.phi, "increases": rises}
+    assert report["positions"] == {
+        str(r): list(p) for r, p in zip((1, 2), world.truth.positions, strict=True)
+    }
+
+
+def test_going_back_raises_phi():
+    world = joined(scenario(((0.0, 0.0), (0.1, 0.0))))
+    for velocity in (0.1, 0.1, -0.1):
+        advance(world, {1: (velocity, 0.0)})
+    assert world.report()["phi"]["increases"] == 1
+
+
+def test_the_report_has_every_field_and_is_plain_json():
+    report = play(two(**FAULTS)).report()
+    assert report.keys() >= FIELDS
+    assert json.loads(json.dumps(report, allow_nan=False)) == report
+    assert report["faults"]["sensing"] == [
+        {"delay": [0.0, 0.3], "noise": 0.002, "noise_bound": None, "bias": [0.0, 0.0]}
+        | {"dropout": 0.2, "robots": None}
+    ]
+    assert report["faults"]["actuation"] == {"noise": 0.1}
+    assert report["faults"]["link"]["partition"] == []
+    counts = report["faults"]["measurements"]
+    assert counts["delayed"] > 0
+    assert counts["missing"] >= counts["dropped"] > 0
