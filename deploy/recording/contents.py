@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -69,16 +70,25 @@ def contents(path: Path) -> Contents:
     return found
 
 
+def records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Opcode, start and end of every record that is complete, the footer at most."""
+    place = len(MCAP0_MAGIC)
+    opcode = 0
+    while opcode != Opcode.FOOTER and place + _HEAD.size <= len(data):
+        opcode, length = _HEAD.unpack_from(data, place)
+        end = place + _HEAD.size + length
+        if end > len(data):
+            return
+        yield opcode, place, end
+        place = end
+
+
 def _complete(data: bytes) -> tuple[int, bool]:
     """Where the last complete record ends, and whether that is the file's proper end."""
     place = len(MCAP0_MAGIC)
-    while place + _HEAD.size <= len(data):
-        opcode, length = _HEAD.unpack_from(data, place)
-        following = place + _HEAD.size + length
-        if following > len(data):
-            break
-        place = following
+    for opcode, start, end in records(data):
         if opcode == Opcode.FOOTER:
-            end = place + len(MCAP0_MAGIC)
-            return (end, True) if data[place:end] == MCAP0_MAGIC else (place - _HEAD.size - length, False)
+            after = end + len(MCAP0_MAGIC)
+            return (after, True) if data[end:after] == MCAP0_MAGIC else (start, False)
+        place = end
     return place, False

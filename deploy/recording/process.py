@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from deploy.recording.recorder import Recorder
@@ -17,17 +18,17 @@ SUCCESS, INVALID, FAULT = 0, 2, 3
 _LAST_WORDS = 3.0  # s for the result to arrive after this process was asked to stop
 
 
-def main(connection: Connection, run: str, path: Path, ready: Callable[[], None] | None = None) -> int:
+def main(connection: Connection, run: str, path: Path, ready: Callable[[str], None] | None = None) -> int:
     """Record `run` to `path` until its result is there; returns the exit status.
 
-    `ready` is called once nothing published from then on can be missed. 0: the recording is complete,
-    or this process was asked to stop. 2: the file cannot be created. 3: no network, no world, or the
-    disk is full.
+    `ready` is told the path once nothing published from then on can be missed. 0: the recording is
+    complete, or this process was asked to stop. 2: the file cannot be created. 3: no network, no world,
+    or the disk is full.
     """
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            recorder = Recorder(bus, checked_run(run), path, on_ready=ready)
+            recorder = Recorder(bus, checked_run(run), path, on_ready=ready and partial(ready, str(path)))
             drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
     except Stop:
         return SUCCESS

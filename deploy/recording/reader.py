@@ -14,6 +14,7 @@ import numpy as np
 
 from deploy.recording.contents import Contents, contents
 from deploy.recording.form import from_object
+from deploy.recording.result import LAUNCH
 from protocol.errors import KeyGrammarError, RecordingError
 from protocol.keys import Address, parse
 from protocol.messages import Clock, Command, Health, Measurement, Message, State, Truth
@@ -55,7 +56,7 @@ class Recording:
 
     Attributes:
         run: name of the run.
-        result: the world's report; None when the recording ended before it.
+        result: what `disknav run --json` writes, or as far as the world knows it; None when the recording ended before it.
         entries: all messages, by time and, within one tick, as they arrived.
         cut: the file was cut short or is damaged; everything before is there.
     """
@@ -115,7 +116,7 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
     path = Path(path)
     found = contents(path)
     scenario, run = _scenario(path, found), found.metadata.get("run", {}).get("name", "")
-    result = found.metadata.get("result")
+    result = found.metadata.get(LAUNCH) or found.metadata.get("result")
     try:
         entries = list(_entries(found, progress))
         truths = _truths(scenario, entries)

@@ -1,0 +1,31 @@
+"""A progress bar on standard error for whatever turns out to take more than two seconds."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+_PATIENCE = 2.0  # s without a bar
+
+
+@contextmanager
+def bar(description: str) -> Iterator[Callable[[float], None]]:
+    """Inside, tell the function that is given how much is done, from 0 to 1."""
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    progress = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = progress.add_task(description, total=1.0)
+    began = time.monotonic()
+
+    def tell(done: float) -> None:
+        progress.update(task, completed=done)
+        if time.monotonic() > began + _PATIENCE:
+            progress.start()
+
+    try:
+        yield tell
+    finally:
+        progress.stop()

@@ -1,0 +1,66 @@
+"""`disknav info`: what a recording holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console, Group
+from rich.table import Table
+from rich.text import Text
+
+from deploy.bar import bar
+from deploy.recording.reader import Recording, read, trajectory_hash
+
+
+def info(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A file that `run --record` wrote.")],
+) -> None:
+    """Say what a recording holds: scenario, verdict, streams, and whether its trajectory is the result's.
+
+    Example: disknav info figure-1.mcap
+    """
+    with bar(f"reading {recording.name}") as progress:
+        found = read(recording, progress)
+    Console().print(Group(_summary(found), _streams(found)))
+
+
+def _summary(recording: Recording) -> Table:
+    scenario, result = recording.scenario, recording.result or {}
+    grid = Table.grid(padding=(0, 3))
+    ticks = int(recording.truths.ticks[-1])
+    rows = {
+        "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}, run {recording.run}",
+        "verdict": f"{result['verdict']}  {result.get('reason', '')}"
+        if result
+        else "none: no result was recorded",
+        "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
+        "messages": f"{len(recording.entries)}",
+        "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
+        "trajectory": _check(recording),
+    }
+    for name, value in rows.items():
+        grid.add_row(Text(name, style="dim"), Text(value))
+    return grid
+
+
+def _check(recording: Recording) -> str:
+    if recording.truths.missing:
+        return f"cannot be checked: {recording.truths.missing} ticks were not recorded"
+    found = trajectory_hash(recording)
+    if recording.result is None:
+        return f"{found}, nothing to compare it with"
+    same = found == recording.result.get("trajectory_sha256")
+    return f"{found}, {'as in the result' if same else 'NOT the one in the result'}"
+
+
+def _streams(recording: Recording) -> Table:
+    table = Table(box=None, padding=(0, 2), header_style="dim")
+    table.add_column("key")
+    table.add_column("messages", justify="right")
+    table.add_column("per tick", justify="right")
+    ticks = max(1, int(recording.truths.ticks[-1]))
+    for key, count in sorted(recording.counts().items()):
+        table.add_row(key, str(count), f"{count / ticks:.2f}")
+    return table

@@ -1,0 +1,77 @@
+"""`disknav replay`: a recording over again."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.bar import bar
+from deploy.recording.reader import Recording, read
+from deploy.recording.replay import publish, verify
+
+
+def replay(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A file that `run --record` wrote.")],
+    zenoh: Annotated[
+        bool, typer.Option("--zenoh", help="Publish onto a network, under the recorded keys.")
+    ] = False,
+    router: Annotated[
+        str | None,
+        typer.Option(help="Endpoint of a router to publish through; listens on a port unless given."),
+    ] = None,
+    run: Annotated[
+        str | None, typer.Option(help="Name to publish under; the recorded one unless given.")
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(min=0.0, help="Simulated seconds a second; 0 for as fast as possible.")
+    ] = 1.0,
+    web: Annotated[
+        bool, typer.Option("--web", help="Play it on the live page; its address is printed.")
+    ] = False,
+) -> None:
+    """Recompute a recording's trajectory and compare it with the result's; play it again if asked to.
+
+    Example: disknav replay figure-1.mcap --zenoh --router tcp/127.0.0.1:7447 --speed 2
+
+    Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
+    """
+    with bar(f"reading {recording.name}") as progress:
+        found = read(recording, progress)
+    digest = verify(found)
+    if digest:
+        typer.echo(f"trajectory {digest}, as in the result")
+    else:
+        typer.echo("no result was recorded, so there is no trajectory hash to compare with")
+    if zenoh or router is not None:
+        _publish(found, router, run, speed)
+    if web:
+        _show(found, run, speed)
+
+
+def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
+    from deploy.router import listening
+    from protocol.bus_zenoh import ZenohBus
+    from protocol.connection import Connection
+
+    if router is None:
+        bus, endpoint = listening(Connection("router"))
+    else:
+        bus, endpoint = ZenohBus(Connection(connect=(router,))), router
+    with closing(bus), bar(f"replaying {recording.path.name}") as progress:
+        typer.echo(f"replaying run {run or recording.run} at {endpoint}")
+        publish(recording, bus, run, speed=speed, progress=progress)
+
+
+def _show(recording: Recording, run: str | None, speed: float) -> None:
+    from deploy.monitor.player import Player
+    from deploy.monitor.server import serve_in_thread
+
+    heard = ((entry.time, entry.message) for entry in recording.entries)
+    with closing(Player(recording.scenario, run or recording.run, heard, speed=speed)) as player:
+        with closing(serve_in_thread(player)) as server:
+            typer.echo(f"{server.address}  (Ctrl-C ends it)")
+            threading.Event().wait()
