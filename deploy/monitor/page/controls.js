@@ -1,0 +1,58 @@
+// Pause, step and speed of a lock-step run; Space and the right arrow do the same.
+const REAL_TIME = "This run keeps the wall clock; it cannot be held.";
+
+export class Controls {
+  constructor(send) {
+    this.send = send;
+    this.paused = false;
+    this.pause = document.getElementById("pause");
+    this.step = document.getElementById("step");
+    this.speed = document.getElementById("speed");
+    this.note = document.getElementById("held");
+    this.pause.addEventListener("click", () => this.toggle());
+    this.step.addEventListener("click", () => this.send({ step: 1 }));
+    this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
+    document.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  begin(overview) {
+    this.lockstep = overview.scenario !== null && overview.lockstep;
+    this.note.textContent = overview.scenario !== null && !overview.lockstep ? REAL_TIME : "";
+  }
+
+  show(frame) {
+    const open = this.lockstep && !["ended", "lost", "searching"].includes(frame.phase);
+    for (const control of [this.pause, this.step, this.speed]) control.disabled = !open;
+    this.paused = frame.steering.paused;
+    this.pause.textContent = this.paused ? "Resume" : "Pause";
+    if (document.activeElement !== this.speed) this.showSpeed(frame.steering.speed);
+  }
+
+  showSpeed(speed) {
+    const value = String(speed);
+    if (![...this.speed.options].some((option) => option.value === value)) this.speed.add(new Option(`${speed}×`, value));
+    if (this.speed.value !== value) this.speed.value = value;
+  }
+
+  lost() {
+    for (const control of [this.pause, this.step, this.speed]) control.disabled = true;
+  }
+
+  refused(text) {
+    this.note.textContent = text;
+  }
+
+  toggle() {
+    if (!this.pause.disabled) this.send({ pause: !this.paused });
+  }
+
+  key(event) {
+    if (event.target.closest("button, input, select") || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === " ") {
+      event.preventDefault();
+      this.toggle();
+    } else if (event.key === "ArrowRight" && !this.step.disabled) {
+      this.send({ step: 1 });
+    }
+  }
+}

@@ -1,0 +1,64 @@
+// What the page knows: the scenario, the newest frame, and the past of positions, clearance and phi.
+import { Thinned } from "./thinned.js";
+
+const HISTORY = 2048;
+const TRAILS = 24000; // points of all trails together
+const HUES = 6;
+const SHORTEST = 40; // ms that a move between two frames is drawn over
+const LONGEST = 160;
+
+const worst = (earlier, later) => [later[0], Math.min(earlier[1], later[1]), later[2]];
+
+export class Model {
+  constructor() {
+    this.overview = null;
+    this.frame = null;
+    this.robots = [];
+    this.history = new Thinned(HISTORY);
+  }
+
+  begin(overview) {
+    this.overview = overview.scenario === null ? null : overview;
+    this.run = overview.run;
+    this.frame = null;
+    this.tick = overview.tick ?? -1;
+    this.received = 0;
+    this.history = new Thinned(HISTORY, overview.history ?? [], worst);
+    const robots = overview.robots ?? [];
+    const limit = Math.max(64, Math.floor(TRAILS / (robots.length || 1)));
+    this.robots = robots.map((robot, index) => {
+      const place = robot.trail.at(-1) ?? robot.start;
+      return { ...robot, hue: index % HUES, trail: new Thinned(limit, robot.trail), from: place, to: place, row: null };
+    });
+  }
+
+  take(frame, now) {
+    this.frame = frame;
+    this.period = Math.min(LONGEST, Math.max(SHORTEST, now - this.received));
+    this.received = now;
+    this.robots.forEach((robot, index) => {
+      robot.from = robot.to;
+      robot.row = frame.robots[index] ?? null;
+    });
+    frame.samples.filter((sample) => sample[0] > this.tick).forEach((sample) => this.append(sample));
+  }
+
+  append([tick, time, clearance, phi, places]) {
+    this.tick = tick;
+    this.history.append([time, clearance, phi]);
+    this.robots.forEach((robot, index) => {
+      robot.to = places[index];
+      robot.trail.append(places[index]);
+    });
+  }
+
+  // Where a robot is drawn: on its way between the last two frames.
+  place(robot, now) {
+    const share = Math.min(1, (now - this.received) / this.period);
+    return robot.from.map((part, axis) => part + (robot.to[axis] - part) * share);
+  }
+
+  moving(now) {
+    return this.frame !== null && now - this.received < this.period;
+  }
+}

@@ -1,0 +1,122 @@
+// One quantity over the time of the run: a line, three rules, and the present value beside the heading.
+import { Painted } from "./canvas.js";
+
+const LEFT = 40; // px, room for the figures of the vertical axis
+const BOTTOM = 20;
+const TOP = 8;
+const RIGHT = 8;
+
+export class Plot extends Painted {
+  constructor(canvas, output, model, options) {
+    super(canvas);
+    Object.assign(this, { output, model, options });
+  }
+
+  draw() {
+    const points = this.model.history.items;
+    this.span = this.timeSpan(points);
+    this.range = this.valueRange(points);
+    this.drawAxes();
+    if (points.length) this.drawLine(points);
+    this.say(points.at(-1));
+    return false;
+  }
+
+  timeSpan(points) {
+    const end = points.at(-1)?.[0] ?? 0;
+    return niceCeiling(Math.max(end, 2));
+  }
+
+  valueRange(points) {
+    const { pick, floor, ceiling } = this.options;
+    let [low, high] = [floor, ceiling ?? floor];
+    for (const point of points) {
+      low = Math.min(low, pick(point));
+      high = Math.max(high, pick(point));
+    }
+    return [low < floor ? -niceCeiling(-low) : floor, ceiling ?? niceCeiling(high || 1)];
+  }
+
+  x(time) {
+    return LEFT + (time / this.span) * (this.width - LEFT - RIGHT);
+  }
+
+  y(value) {
+    const [low, high] = this.range;
+    return this.height - BOTTOM - ((value - low) / (high - low)) * (this.height - TOP - BOTTOM);
+  }
+
+  drawAxes() {
+    const { context } = this;
+    const [low, high] = this.range;
+    context.font = this.font(11);
+    context.fillStyle = this.colour("muted");
+    context.lineWidth = 1;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const value of [...new Set([low, 0, high / 2, high])]) {
+      const y = Math.round(this.y(value)) + 0.5;
+      this.rule(y, value);
+      context.fillText(short(value), LEFT - 6, y);
+    }
+    context.textBaseline = "alphabetic";
+    for (const [share, align] of [[0, "left"], [0.5, "center"], [1, "right"]]) {
+      context.textAlign = align;
+      context.fillText(`${short(share * this.span)}${share === 1 ? " s" : ""}`, this.x(share * this.span), this.height - 4);
+    }
+  }
+
+  rule(y, value) {
+    const { context } = this;
+    const border = value === 0 && this.options.zero;
+    context.strokeStyle = this.colour(border ? "alarm" : "hairline");
+    context.setLineDash(border ? [3, 3] : []);
+    context.beginPath();
+    context.moveTo(LEFT, y);
+    context.lineTo(this.width - RIGHT, y);
+    context.stroke();
+    context.setLineDash([]);
+    if (border) {
+      context.save();
+      context.textAlign = "left";
+      context.textBaseline = "bottom";
+      context.fillStyle = this.colour("alarm");
+      context.fillText(this.options.zero, LEFT + 4, y - 1);
+      context.restore();
+    }
+  }
+
+  drawLine(points) {
+    const { context } = this;
+    const { pick } = this.options;
+    context.beginPath();
+    points.forEach((point, i) => {
+      const at = [this.x(point[0]), this.y(pick(point))];
+      if (i) context.lineTo(...at);
+      else context.moveTo(...at);
+    });
+    context.lineJoin = "round";
+    context.lineWidth = 1.75;
+    context.strokeStyle = this.colour("accent");
+    context.stroke();
+    const last = points.at(-1);
+    context.beginPath();
+    context.arc(this.x(last[0]), this.y(pick(last)), 3, 0, 2 * Math.PI);
+    context.fillStyle = this.colour("accent");
+    context.fill();
+  }
+
+  say(point) {
+    const { pick, digits, unit } = this.options;
+    this.output.textContent = point ? `${pick(point).toFixed(digits)}${unit}` : "";
+  }
+}
+
+// The least of 1, 2, 4, 5, 8 times a power of ten that is not smaller.
+function niceCeiling(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const factor = [1, 2, 4, 5, 8, 10].find((each) => each * power >= value * (1 - 1e-9));
+  return factor * power;
+}
+
+const short = (value) => String(Number(value.toPrecision(3)));

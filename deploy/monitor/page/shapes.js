@@ -1,0 +1,127 @@
+// The shapes of the picture, each drawn on a Workspace (its context, scale, colours).
+const HEAD = 6; // px, head of an arrow
+const NEAR = 3; // gaps larger than so many radii have no line worth seeing
+
+export function drawTrail(space, robot, place) {
+  const { context } = space;
+  const points = [...robot.trail.items.slice(0, -1), place];
+  context.beginPath();
+  points.forEach((point, i) => (i ? context.lineTo(...space.point(point)) : context.moveTo(...space.point(point))));
+  context.lineWidth = 1.75;
+  context.lineJoin = "round";
+  context.globalAlpha = 0.55;
+  context.strokeStyle = space.hue(robot);
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+export function drawGoal(space, robot) {
+  const { context } = space;
+  const [x, y] = space.point(robot.goal);
+  const reach = Math.min(5, robot.radius * space.scale * 0.3);
+  context.strokeStyle = space.hue(robot);
+  context.lineWidth = 1.25;
+  context.setLineDash([4, 4]);
+  context.beginPath();
+  context.arc(x, y, robot.radius * space.scale, 0, 2 * Math.PI);
+  context.stroke();
+  context.setLineDash([]);
+  context.beginPath();
+  context.moveTo(x - reach, y);
+  context.lineTo(x + reach, y);
+  context.moveTo(x, y - reach);
+  context.lineTo(x, y + reach);
+  context.stroke();
+}
+
+export function drawDisk(space, robot, place) {
+  const { context } = space;
+  const [x, y] = space.point(place);
+  const radius = robot.radius * space.scale;
+  context.beginPath();
+  context.arc(x, y, radius - 0.75, 0, 2 * Math.PI);
+  context.fillStyle = space.colour("panel");
+  context.globalAlpha = 0.75;
+  context.fill();
+  context.globalAlpha = robot.row?.alarm ? 0.38 : 0.22;
+  context.fillStyle = context.strokeStyle = space.hue(robot);
+  context.fill();
+  context.globalAlpha = 1;
+  context.lineWidth = robot.row?.alarm ? 3 : 2;
+  context.stroke();
+  if (robot.row?.alarm) drawCross(context, x, y, radius * Math.SQRT1_2);
+  drawLabel(space, robot, x, y, radius);
+}
+
+function drawCross(context, x, y, reach) {
+  context.beginPath();
+  context.moveTo(x - reach, y - reach);
+  context.lineTo(x + reach, y + reach);
+  context.moveTo(x - reach, y + reach);
+  context.lineTo(x + reach, y - reach);
+  context.stroke();
+}
+
+function drawLabel(space, robot, x, y, radius) {
+  const { context } = space;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.font = space.font(Math.max(9, Math.min(17, radius * 0.62)), 650);
+  context.lineWidth = 4;
+  if (robot.row?.alarm) {
+    context.strokeStyle = space.colour("panel");
+    context.strokeText(robot.id, x, y + 0.5);
+    context.font = space.font(Math.max(9, Math.min(17, radius * 0.62)), 650);
+  }
+  context.fillStyle = space.colour(robot.row?.alarm ? "alarm" : "ink");
+  context.fillText(robot.id, x, y + 0.5);
+  if (robot.row?.alarm) {
+    context.font = space.font(12, 650);
+    context.strokeText(robot.row.status, x, y + radius + 10);
+    context.fillText(robot.row.status, x, y + radius + 10);
+  }
+  context.textBaseline = "alphabetic";
+}
+
+export function drawArrow(space, place, [dx, dy]) {
+  const { context } = space;
+  const [x, y] = space.point(place);
+  const [tx, ty] = [x + dx * space.scale, y - dy * space.scale];
+  const length = Math.hypot(tx - x, ty - y);
+  if (length < HEAD) return;
+  const [ux, uy] = [(tx - x) / length, (ty - y) / length];
+  const [bx, by] = [tx - ux * HEAD, ty - uy * HEAD];
+  context.strokeStyle = context.fillStyle = space.colour("ink");
+  context.lineWidth = 1.5;
+  context.globalAlpha = 0.8;
+  context.beginPath();
+  context.moveTo(x, y);
+  context.lineTo(bx, by);
+  context.stroke();
+  context.beginPath();
+  context.moveTo(tx, ty);
+  context.lineTo(bx - uy * HEAD * 0.55, by + ux * HEAD * 0.55);
+  context.lineTo(bx + uy * HEAD * 0.55, by - ux * HEAD * 0.55);
+  context.fill();
+  context.globalAlpha = 1;
+}
+
+// The line that `robot` keeps to for the sake of `other`: a piece of it, between the two.
+export function drawSeparatingLine(space, robot, place, other, [, nx, ny, limit], strength) {
+  const gap = Math.hypot(other[0] - place[0], other[1] - place[1]) - 2 * robot.radius;
+  const nearness = Math.max(0, 1 - gap / (NEAR * robot.radius));
+  if (nearness === 0) return;
+  const middle = [(place[0] + other[0]) / 2, (place[1] + other[1]) / 2];
+  const off = limit - nx * middle[0] - ny * middle[1];
+  const foot = [middle[0] + off * nx, middle[1] + off * ny];
+  const reach = 1.3 * robot.radius;
+  const { context } = space;
+  context.beginPath();
+  context.moveTo(...space.point([foot[0] - ny * reach, foot[1] + nx * reach]));
+  context.lineTo(...space.point([foot[0] + ny * reach, foot[1] - nx * reach]));
+  context.lineWidth = 1.75;
+  context.globalAlpha = strength * (0.25 + 0.75 * nearness);
+  context.strokeStyle = space.hue(robot);
+  context.stroke();
+  context.globalAlpha = 1;
+}

@@ -1,0 +1,135 @@
+"""A participant that only watches: it keeps a view of one run, on any bus, and passes on who steers."""
+
+from __future__ import annotations
+
+import time
+from queue import Empty, SimpleQueue
+from typing import Any
+
+import msgspec
+
+from deploy.monitor.view import View
+from protocol.bus import Bus, Event, Presence, Sample
+from protocol.codec import decode
+from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.joining import Overview, decode_reply
+from protocol.keys import every_robot, parse, world_key
+from protocol.messages import AnyMessage
+from protocol.steering import Steer, Steering
+
+from deploy.monitor.source import SharedView
+
+PERIOD = 0.05  # s between looks at what viewers ask for
+RETRY = 0.5  # s between attempts to learn the scenario
+_ASK_TIMEOUT = 2.0
+
+
+class Watcher(SharedView):
+    """Implements `protocol.bus.Node` for the thread that owns `bus`, and `Source` for all others."""
+
+    def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
+        """Args:
+        bus: a connection of its own.
+        run: name of the run.
+        speed: simulated seconds per second to ask for as soon as the run is there; None: leave it.
+        """
+        super().__init__(run)
+        self.finished = False
+        self.deadline = time.monotonic()
+        self._bus, self._run = bus, run
+        self._wishes: SimpleQueue[Steer] = SimpleQueue()
+        self._known, self._gone = False, False  # the scenario; the world that told it
+        self._ask_at = self.deadline
+        if speed is not None:
+            self.steer(Steer(speed=speed))
+        for stream in ("clock", "truth"):
+            bus.subscribe(world_key(run, stream))
+        bus.subscribe(every_robot(run, "health"))
+        bus.watch(every_robot(run, "alive"))
+        bus.watch(world_key(run, "alive"))
+
+    def steer(self, steer: Steer) -> None:
+        """Wait for the owning thread to pass it on; see `Source.steer`."""
+        self._wishes.put(steer)
+
+    # -- on the thread that owns the bus
+
+    def handle(self, event: Event) -> None:
+        """Take over what was published, or who came and went."""
+        if isinstance(event, Presence):
+            self._on_presence(event)
+        elif isinstance(event, Sample):
+            self._on_sample(event)
+        if (now := time.monotonic()) >= self.deadline:
+            self.wake(now)
+
+    def wake(self, now: float) -> None:
+        """Learn the scenario if it is unknown, and pass on what viewers asked for."""
+        self.deadline = now + PERIOD
+        if not self._known and now >= self._ask_at:
+            self._learn()
+            self._ask_at = time.monotonic() + RETRY
+        if self._known:
+            self._pass_on()
+
+    def _on_presence(self, event: Presence) -> None:
+        try:
+            robot = parse(event.key).robot
+        except KeyGrammarError:
+            return  # a stranger's token under our name says nothing about any robot
+        self.change(lambda view, _: view.present(robot, event.alive))
+        if robot is None:
+            if event.alive and self._gone:
+                self._known, self._ask_at = False, 0.0  # another world under this name
+            self._gone = not event.alive
+
+    def _on_sample(self, sample: Sample) -> None:
+        try:
+            message = decode(sample.key, sample.payload)
+        except MessageError:
+            return  # robots and world count what is malformed; a watcher has nobody to tell
+        if self._known and self._is_news(message):
+            self._learn()
+        self.change(lambda view, now: view.hear(message, now))
+
+    def _is_news(self, message: AnyMessage) -> bool:
+        news = False
+
+        def look(view: View, _: float) -> None:
+            nonlocal news
+            news = view.is_news(message)
+
+        self.change(look)
+        return news
+
+    def _learn(self) -> None:
+        """Ask the world for the scenario; if nobody answers, a later `wake` asks again."""
+        try:
+            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+        except (BusError, MessageError):
+            self._known = False
+            return
+        if isinstance(reply, Overview):
+            self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep))
+            self._known = True
+
+    def _pass_on(self) -> None:
+        while True:
+            try:
+                steer = self._wishes.get_nowait()
+            except Empty:
+                return
+            self._ask_for(steer)
+
+    def _ask_for(self, steer: Steer) -> None:
+        request: dict[str, Any] = {
+            name: value for name, value in msgspec.structs.asdict(steer).items() if value is not None
+        }
+        try:
+            reply = self._bus.ask(
+                world_key(self._run, "control"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
+            )
+            steering = msgspec.msgpack.decode(reply, type=Steering)
+        except (BusError, msgspec.DecodeError):
+            return  # the world has gone, or is of another version: its controls stay as they are shown
+        self.change(lambda view, _: setattr(view, "steering", steering))
