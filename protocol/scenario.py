@@ -17,6 +17,7 @@ from protocol.errors import Problem, ScenarioError
 # The bounds of size keep squares and products of lengths away from the ends of a double's range.
 Positive = Annotated[float, Gt(0), Ge(1e-9), Le(1e6)]
 NonNegative = Annotated[float, Ge(0), Le(1e6)]
+Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
@@ -52,7 +53,7 @@ class Control:
 
     __pydantic_config__ = STRICT
     law: Literal["gradient", "orca", "barrier"] = "gradient"
-    k: Positive | Literal["auto"] = "auto"
+    k: Gain | Literal["auto"] = "auto"
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"
     speed: Positive = 0.10  # m/s
@@ -67,7 +68,8 @@ class Sensing:
     noise: NonNegative = 0.0  # standard deviation per axis, truncated at noise_bound
     noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
     bias: Point = (0.0, 0.0)
-    dropout: Probability = 0.0
+    dropout: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
+Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
 
     @property
@@ -94,8 +96,10 @@ class Link:
     __pydantic_config__ = STRICT
     delay: Span = 0.0
     jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
-    loss: Probability = 0.0
-    duplicate: Probability = 0.0
+    loss: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
+Probability = 0.0
+    duplicate: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
+Probability = 0.0
     partition: tuple[Partition, ...] = ()
 
 

@@ -147,5 +147,5 @@ def _described(value: Any) -> str:
         return f"the string {json.dumps(value[:40], ensure_ascii=False)}"
     if isinstance(value, int | float):
         return f"{value:g}" if isinstance(value, float) or abs(value) < 10**6 else "a huge number"
-    names = {list: "an array", dict: "a table"}
+    names: dict[type, str] = {list: "an array", dict: "a table"}
     return names.get(type(value), "a date or time")

@@ -1,0 +1,81 @@
+"""Names of the library, and what they stand for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import partial
+from typing import NamedTuple
+
+from deploy.library.demonstrations import crash, delay_6
+from deploy.library.figures import figure_1, figure_2
+from deploy.library.goal_sets import TIGHTNESS, figure_3
+from deploy.library.random_instances import random_instance
+from deploy.library.swaps import head_on, swap
+from protocol.errors import UsageError
+from protocol.scenario import Scenario
+
+DEFAULT_SEED = 0
+
+
+class Entry(NamedTuple):
+    """One name of the library; `N` in it stands for a number of robots."""
+
+    name: str
+    robots: str
+    text: str
+
+
+_Build = Callable[[int], Scenario]
+_FIXED: dict[str, tuple[_Build, Entry]] = {
+    "figure-1": (figure_1, Entry("figure-1", "6", "robot 1 passes between four others that nudge aside")),
+    "figure-2": (figure_2, Entry("figure-2", "3", "goals too close together: they can block each other")),
+    **{
+        f"figure-3{letter}": (
+            partial(figure_3, letter),
+            Entry(f"figure-3{letter}", "6", f"goal set of tightness {tight:.2f}, random starts"),
+        )
+        for letter, tight in TIGHTNESS.items()
+    },
+    "head-on": (head_on, Entry("head-on", "2", "two robots change places, exactly on the saddle")),
+    "delay-6": (delay_6, Entry("delay-6", "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss")),
+    "crash": (crash, Entry("crash", "6", "figure-3c; one robot is killed and started again")),
+}
+_COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
+    "swap": (
+        lambda count, seed: swap(count, seed=seed),
+        Entry("swap-N", "2 to 1000", "robots on a circle change places, exactly on the saddle"),
+    ),
+    "random": (
+        random_instance,
+        Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
+    ),
+}
+_NUMBERED = re.compile(r"(swap|random)-([1-9][0-9]{0,5})")
+
+
+def catalogue() -> list[Entry]:
+    """Every name, in the order in which to show them."""
+    return [entry for _, entry in (*_FIXED.values(), *_COUNTED.values())]
+
+
+def suggestions(name: str) -> str:
+    """What may have been meant by a name that does not exist."""
+    known = [entry.name for entry in catalogue()]
+    near = get_close_matches(name, known, 3, 0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
+
+
+def build(name: str, seed: int | None = None) -> Scenario:
+    """The library's scenario of this name; `seed` (0 unless given) determines all that is random in it.
+
+    Raises:
+        UsageError: there is no such name.
+    """
+    seed = DEFAULT_SEED if seed is None else seed
+    if name in _FIXED:
+        return _FIXED[name][0](seed)
+    if found := _NUMBERED.fullmatch(name):
+        return _COUNTED[found[1]][0](int(found[2]), seed)
+    raise UsageError(f"no scenario {name!r}; {suggestions(name)}")

@@ -1,0 +1,57 @@
+"""Robots that change places: symmetric starts lie exactly on a saddle of the navigation function."""
+
+from __future__ import annotations
+
+import math
+
+from protocol.draws import Purpose, generator
+from protocol.errors import UsageError
+from protocol.scenario import Point, RobotSpec, Scenario, Workspace
+from protocol.scenario_file import validated
+
+RADIUS = 0.03  # m
+CIRCLE = 0.40  # m, of the starts
+SPACING = 0.10  # m, least distance between neighbours; the circle grows when there are too many
+MARGIN = 0.05  # m, from the circle to the boundary
+
+
+def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
+    """Robots on a circle, each to the opposite point.
+
+    Args:
+        jitter: m; each start is moved by up to this much, which takes the fleet off the saddle.
+
+    Raises:
+        UsageError: `count` is below 2 or above 1000, or `jitter` is so large that starts may overlap.
+    """
+    if not 2 <= count <= 1000:
+        raise UsageError(f"{count} robots cannot swap: choose between 2 and 1000")
+    if not 0.0 <= jitter < MARGIN - RADIUS:
+        raise UsageError(f"jitter {jitter:g}: choose at least 0 and below {MARGIN - RADIUS:g} m")
+    circle = max(CIRCLE, SPACING / (2.0 * math.sin(math.pi / count)))
+    places = _circle(count, circle)
+    draws = generator(seed, Purpose.SCENARIO).uniform(size=(count, 2))
+    robots = []
+    for n, (x, y) in enumerate(places):
+        reach, angle = jitter * math.sqrt(draws[n, 0]), math.tau * draws[n, 1]
+        start = (x + reach * math.cos(angle), y + reach * math.sin(angle))
+        robots.append(RobotSpec(n + 1, RADIUS, start, (-x, -y)))
+    text = f"{count} robots on a circle change places" + (
+        f", starts off by up to {jitter:g} m" if jitter else ""
+    )
+    return validated(Scenario(tuple(robots), f"swap-{count}", text, seed, Workspace(circle + MARGIN)))
+
+
+def head_on(seed: int = 0) -> Scenario:
+    """Two robots that face each other and change places, exactly on the saddle."""
+    robots = (RobotSpec(1, 0.04, (-0.20, 0.0), (0.20, 0.0)), RobotSpec(2, 0.04, (0.20, 0.0), (-0.20, 0.0)))
+    return validated(Scenario(robots, "head-on", "two robots change places, exactly symmetric", seed))
+
+
+def _circle(count: int, radius: float) -> list[Point]:
+    """Evenly spaced points; with an even count, opposite ones are exact mirror images."""
+    half = [
+        (radius * math.cos(math.tau * n / count), radius * math.sin(math.tau * n / count))
+        for n in range(count // 2 if count % 2 == 0 else count)
+    ]
+    return half if count % 2 else half + [(-x, -y) for x, y in half]

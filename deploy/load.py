@@ -1,0 +1,54 @@
+"""From what a user names to a scenario that can run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from agents.navigation.tuning import automatic_k
+from deploy.library.names import build
+from protocol.errors import UsageError
+from protocol.scenario import Scenario
+from protocol.scenario_file import apply_settings, document_of, parse_document, read_document
+from protocol.scenario_shape import Document
+
+
+def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
+    """The scenario of a file or of the library, with settings laid over it and k resolved.
+
+    Args:
+        name: a path (anything that exists, ends in `.toml` or has a separator), else a library name.
+        settings: `path.to.key=VALUE`, see `protocol.scenario_settings`.
+        seed: over the scenario's; a library scenario draws its random starts from it.
+
+    Raises:
+        ScenarioError: the scenario or a setting is invalid; names every problem.
+        UsageError: there is no such file or library name.
+    """
+    document = apply_settings(_document(name, seed), settings)
+    return resolved(parse_document(document, name))
+
+
+def resolved(scenario: Scenario) -> Scenario:
+    """The same with a number for k where it is "auto"."""
+    if scenario.control.k != "auto":
+        return scenario
+    radii = np.array([robot.radius for robot in scenario.robots])
+    return replace(
+        scenario, control=replace(scenario.control, k=automatic_k(radii, scenario.workspace.radius))
+    )
+
+
+def _document(name: str, seed: int | None) -> Document:
+    path = Path(name)
+    if path.is_file():
+        document = read_document(path)
+        return document if seed is None else document | {"seed": seed}
+    if path.suffix == ".toml" or "/" in name:
+        raise UsageError(
+            f"no scenario file {name!r}; the library has names such as figure-1 (see scenario list)"
+        )
+    return document_of(build(name, seed))
