@@ -68,8 +68,7 @@ class Sensing:
     noise: NonNegative = 0.0  # standard deviation per axis, truncated at noise_bound
     noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
     bias: Point = (0.0, 0.0)
-    dropout: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
-Probability = 0.0
+    dropout: Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
 
     @property
@@ -96,10 +95,8 @@ class Link:
     __pydantic_config__ = STRICT
     delay: Span = 0.0
     jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
-    loss: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
-Probability = 0.0
-    duplicate: Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
-Probability = 0.0
+    loss: Probability = 0.0
+    duplicate: Probability = 0.0
     partition: tuple[Partition, ...] = ()
 
 
