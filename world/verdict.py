@@ -15,7 +15,7 @@ class Judge:
 
     arrived: all robots at once within the tolerance of their goals.
     aborted: all robots that are up have arrived, and the others are down for good.
-    deadlock: for the stated time no active robot got further than the tolerance from where it was,
+    deadlock: for the stated time no robot got further than the tolerance from where it was,
         and nothing that the scenario has scheduled (process faults, partitions) is still to change that.
     timeout: the limit is reached.
     """
@@ -50,20 +50,18 @@ class Judge:
             return "arrived", "all robots are at their goals"
         if gone_for_good and set(up) <= set(arrived):
             return "aborted", _aborted(self._ids, up)
-        self._follow(tick, positions, up)
+        self._follow(tick, positions)
         if tick - self._moved >= self._patience:
             return "deadlock", f"nobody moved for {self._texts[0]}; {_not_there(self._ids, arrived)}"
         if tick >= self._limit:
             return "timeout", f"{self._texts[1]} are over; {_not_there(self._ids, arrived)}"
         return "", ""
 
-    def _follow(self, tick: int, positions: Plane, up: tuple[int, ...]) -> None:
+    def _follow(self, tick: int, positions: Plane) -> None:
         """Take note of robots that got away from where they were last noted."""
         away = np.abs(positions - self._anchor) > self._tolerance
-        if not away.any():
-            return
-        self._anchor[away] = positions[away]
-        if any(self._ids[index] in up for index in away.nonzero()[0].tolist()):
+        if away.any():
+            self._anchor[away] = positions[away]
             self._moved = max(self._moved, tick)
 
 

@@ -25,7 +25,7 @@ def test_within_is_the_interval_inside_the_circle(start, end, radius):
 
 def passing(y):
     """Robot 1 passes robot 2, which stands at the origin, at distance y, in four ticks."""
-    return scenario(((-0.2, y), (0.2, y)), ((0.0, 0.0), (0.0, 0.1)), control=FAST)
+    return scenario(((-0.18, y), (0.2, y)), ((0.0, 0.0), (0.0, 0.1)), control=FAST)
 
 
 def test_one_passage_over_several_ticks_is_one_contact_with_exact_times():
@@ -35,8 +35,8 @@ def test_one_passage_over_several_ticks_is_one_contact_with_exact_times():
     (contact,) = world.report()["contacts"]
     half = math.sqrt((0.08 - TOUCH) ** 2 - 0.05**2)
     assert contact["pair"] == [1, 2]
-    assert contact["from"] == pytest.approx((0.2 - half) / 2.0, abs=1e-9)
-    assert contact["until"] == pytest.approx((0.2 + half) / 2.0, abs=1e-9)
+    assert contact["from"] == pytest.approx((0.18 - half) / 2.0, abs=1e-9)
+    assert contact["until"] == pytest.approx((0.18 + half) / 2.0, abs=1e-9)
     assert contact["deepest"] == pytest.approx(0.05 - 0.08)
     assert world.report()["min_clearance"] == contact["deepest"]
 

@@ -47,6 +47,14 @@ def test_truncated_normal_has_the_right_distribution():
     assert np.allclose(np.cov(drawn.T), np.cov(kept.T), atol=0.03)
 
 
+@given(
+    st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(0.0, 1.0, exclude_max=True), st.floats(1e-4, 0.1)
+)
+def test_the_largest_draw_keeps_its_bound_in_spite_of_rounding(x, y, angular, bound):
+    nx, ny = truncated_normal(math.nextafter(1.0, 0.0), angular, 10.0 * bound, bound)
+    assert math.hypot((x + nx) - x, (y + ny) - y) <= bound
+
+
 def test_a_bound_far_below_the_deviation_still_takes_one_draw():
     x, y = truncated_normal(0.999999, 0.3, 1.0, 1e-6)
     assert math.hypot(x, y) <= 1e-6
