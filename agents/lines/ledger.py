@@ -24,9 +24,9 @@ class Bond:
 
     __slots__ = ("answers_left", "disk", "end", "owns", "radius", "sides", "state")
 
-    def __init__(self, owns: bool, radius: float) -> None:
+    def __init__(self, life: int, owns: bool, radius: float) -> None:
         self.owns = owns
-        self.end: Owner | Follower = Owner() if owns else Follower()
+        self.end: Owner | Follower = Owner(life) if owns else Follower(life)
         self.radius = radius  # of the peer, m
         self.state: State | None = None
         self.disk: FixedDisk | None = None
@@ -70,7 +70,9 @@ class Ledger:
         self._incarnation = incarnation
         self._radius = radii[robot]
         self._reach = reach
-        self._bonds = {peer: Bond(robot < peer, radii[peer]) for peer in sorted(radii) if peer != robot}
+        self._bonds = {
+            peer: Bond(incarnation, robot < peer, radii[peer]) for peer in sorted(radii) if peer != robot
+        }
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
@@ -96,9 +98,9 @@ class Ledger:
             bond.state = state
         end = bond.end
         if isinstance(end, Owner):
-            self._hear_answers(bond, end, state.answers)
+            self._hear_answers(bond, end, state)
         else:
-            self._hear_proposals(bond, end, state.proposals)
+            self._hear_proposals(bond, end, state)
 
     def peer_down(self, down: Down) -> None:
         """A peer's life is fenced: its disk stands still. Old news does no harm, nor repeating it."""
@@ -154,32 +156,38 @@ class Ledger:
                 answers.append(Answer(peer, end.peer_life, end.held_number, end.seen))
         return tuple(proposals), tuple(answers)
 
-    def _hear_answers(self, bond: Bond, end: Owner, answers: tuple[Answer, ...]) -> None:
-        for answer in answers:
-            if (
-                answer.peer == self._robot
-                and answer.peer_incarnation == self._incarnation
-                and end.hear(answer.held, answer.seen)
+    def _hear_answers(self, bond: Bond, end: Owner, state: State) -> None:
+        for answer in state.answers:
+            if answer.peer == self._robot and end.hear(
+                state.incarnation, answer.peer_incarnation, answer.held, answer.seen
             ):
                 bond.renew(self._radius)
 
-    def _hear_proposals(self, bond: Bond, end: Follower, proposals: tuple[Proposal, ...]) -> None:
-        for proposal in proposals:
-            if proposal.peer == self._robot and proposal.peer_incarnation == self._incarnation:
+    def _hear_proposals(self, bond: Bond, end: Follower, state: State) -> None:
+        for offer in state.proposals:
+            if offer.peer == self._robot:
                 bond.answers_left = ANSWER_TICKS
-                line = Line(proposal.nx, proposal.ny, proposal.offset)
-                if end.hear(proposal.number, line, lambda line: self._fits(line, owner=False)):
+                line = Line(offer.nx, offer.ny, offer.offset)
+                if end.hear(
+                    state.incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits
+                ):
                     bond.renew(self._radius)
 
-    def _fits(self, line: Line, owner: bool) -> bool:
-        """Whether the own disk surely satisfies a line now."""
-        slack = line.side(self._radius, owner).slack(self._x, self._y)
-        return line.is_unit and slack >= self._bound + ROUNDING
+    def _owner_fits(self, line: Line) -> bool:
+        """Whether the own disk surely satisfies a line now, on the owner's side."""
+        return line.is_unit and self._is_inside(line.side(self._radius, owner=True))
+
+    def _follower_fits(self, line: Line) -> bool:
+        """The same on the follower's side."""
+        return line.is_unit and self._is_inside(line.side(self._radius, owner=False))
+
+    def _is_inside(self, side: HalfPlane) -> bool:
+        return side.slack(self._x, self._y) >= self._bound + ROUNDING
 
     def _consider(self, bond: Bond, end: Owner, me: Disk) -> None:
         """Propose a new line if the pair needs one."""
         state = bond.state
-        if state is None or state.position is None:
+        if not end.met or state is None or state.position is None:
             return
         peer = Disk(*state.position, bond.radius + state.bound, *state.desired)
         held = end.held
@@ -187,6 +195,6 @@ class Ledger:
         if held is not None and is_idle(held, me, peer, horizon):
             return
         line = place(me, peer)
-        if line is not None and self._fits(line, owner=True):
+        if line is not None and self._owner_fits(line):
             end.propose(line)
             bond.renew(self._radius)

@@ -8,6 +8,7 @@ The lower id owns the line: only it proposes, numbering its proposals. Rules:
   from then on obeys that one only; otherwise it rejects it, and never adopts it later.
 - An answer (held, seen) says which number the follower obeys and up to which it has answered. The
   owner drops every line up to `seen` other than `held`.
+- Nothing is offered to a life that has not been heard: it need not know this one.
 - Numbers count within one life of the owner. Whatever names an older life of either end than the
   newest known is ignored. An owner whose follower lives anew keeps obeying all it obeyed, for the
   follower may have adopted any of it before it died, until the newcomer adopts a fresh line.
@@ -24,10 +25,12 @@ from agents.lines.line import Line
 
 
 class Owner:
-    """The end with the lower id."""
+    """The end with the lower id, in one life (incarnation) of its robot."""
 
-    def __init__(self) -> None:
+    def __init__(self, life: int) -> None:
+        self.life = life
         self.peer_life = 0  # newest incarnation known of the follower; older ones are ignored
+        self.met = False  # whether that one has been heard; only then may it be offered a line
         self.held_number = 0  # number of the line that the follower is known to hold, 0 for none
         self.seen = 0  # highest number known to be answered
         self.number = 0  # of the newest proposal
@@ -45,11 +48,9 @@ class Owner:
     def meet(self, peer_life: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
         if peer_life > self.peer_life:
-            self._inherited = self.obeyed
-            self.held, self.held_number = None, 0
-            self.proposed = {}
-            self.seen = self.number
-            self.peer_life = peer_life
+            self._expect(peer_life)
+        if peer_life == self.peer_life:
+            self.met = True
         return peer_life == self.peer_life
 
     def propose(self, line: Line) -> int:
@@ -58,9 +59,9 @@ class Owner:
         self.proposed[self.number] = line
         return self.number
 
-    def hear(self, held: int, seen: int) -> bool:
-        """Process an answer between the two present lives; True when it changed what is obeyed."""
-        if not self.seen < seen <= self.number:
+    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:
+        """Process an answer of the follower's `peer_life` to this robot's `life`; True when it is news."""
+        if not self.meet(peer_life) or life != self.life or not self.seen < seen <= self.number:
             return False
         if held in self.proposed:
             self.held, self.held_number = self.proposed[held], held
@@ -72,15 +73,24 @@ class Owner:
 
     def bury(self, life: int) -> None:
         """The follower's `life` is fenced: its disk stands still for ever and replaces all lines."""
-        self.meet(life + 1)
+        self._expect(life + 1)
         self._inherited = ()
         self.agreed = False
 
+    def _expect(self, peer_life: int) -> None:
+        """Ignore older lives of the follower from now on."""
+        self._inherited = self.obeyed
+        self.held, self.held_number = None, 0
+        self.proposed = {}
+        self.seen = self.number
+        self.peer_life, self.met = peer_life, False
+
 
 class Follower:
-    """The end with the higher id."""
+    """The end with the higher id, in one life (incarnation) of its robot."""
 
-    def __init__(self) -> None:
+    def __init__(self, life: int) -> None:
+        self.life = life
         self.peer_life = 0  # newest incarnation known of the owner; older ones are ignored
         self.held_number = 0  # number of the held line, 0 when it is not of the owner's present life
         self.seen = 0  # highest number answered
@@ -103,12 +113,12 @@ class Follower:
             self.peer_life = peer_life
         return peer_life == self.peer_life
 
-    def hear(self, number: int, line: Line, fits: Callable[[Line], bool]) -> bool:
-        """Process a proposal between the two present lives; True when it was adopted.
+    def hear(self, peer_life: int, life: int, number: int, line: Line, fits: Callable[[Line], bool]) -> bool:
+        """Process a proposal of the owner's `peer_life` to this robot's `life`; True when it was adopted.
 
         `fits` tells whether the own disk satisfies a line now.
         """
-        if number <= self.seen:
+        if not self.meet(peer_life) or life != self.life or number <= self.seen:
             return False
         self.seen = number
         if not fits(line):
