@@ -24,7 +24,8 @@ WINDOW = 0.4  # s, time constant over which motion is averaged, so that swinging
 SWING = 3.0  # the window grows by this times the latency: robots that repel each other late swing slowly
 PATIENCE = 1.0  # s without progress before the escape begins
 RISE = 0.5  # s from no drift to full drift
-RELEASE = 1.0  # s from full drift to none, once there is progress
+BURST = 3.0  # s that an escape lasts at most; then the robot is patient again, for a drift too can hold it
+RELEASE = 1.0  # s from full drift to none, once there is progress or the burst is over
 FALL = 0.98  # gamma has fallen when it is below this fraction of where it last had
 ADJACENT = 1.25  # closest neighbours have beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij
 
@@ -42,7 +43,9 @@ class Progress:
         period: control period, s.
 
     Attributes:
-        strength: of the escape, 0 (none) to 1, continuous in time.
+        strength: of the escape, 0 (none) to 1, continuous in time. The drift to add to the flow is
+            strength * free speed * `circling`: never more than the attraction, so that it cannot keep
+            a robot in orbit around its goal.
     """
 
     period: float
@@ -85,10 +88,13 @@ class Progress:
             self._mark, self._quiet = gamma, 0.0
         stalls = free > 0.0 and self._stalls(barred, latency)
         self._stalled = self._stalled + self.period if stalls else 0.0
-        if self._stalled > PATIENCE + 2.0 * latency:
+        begun = self._stalled - PATIENCE - 2.0 * latency
+        if 0.0 < begun <= BURST:
             self.strength = min(1.0, self.strength + self.period / RISE)
-        elif not stalls:
+        else:
             self.strength = max(0.0, self.strength - self.period / RELEASE)
+        if begun > BURST:
+            self._stalled = 0.0
         return self.strength
 
     def _stalls(self, barred: bool, latency: float) -> bool:

@@ -95,10 +95,11 @@ class Fleet:
     ) -> tuple[float, float]:
         here, goal, peers = self.positions[i], self.goals[i], self._peers(i, seen)
         error = math.dist(here, goal)
+        free = 0.0 if error < TOLERANCE else min(SPEED, 2.0 * scale * error)
         strength = self._progress[i].update(
             displacement=self._displacements[i],
             desired=wanted,
-            free=0.0 if error < TOLERANCE else min(SPEED, 2.0 * scale * error),
+            free=free,
             gamma=own.gamma(*here),
             barred=barred(here, goal, self.radii[i], peers),
             latency=self.delay * self.period,
@@ -107,7 +108,7 @@ class Fleet:
             return wanted
         self.escaping += 1
         ux, uy = circling(here, goal, self.radii[i], peers)
-        drift = (strength * SPEED * ux, strength * SPEED * uy)
+        drift = (strength * free * ux, strength * free * uy)
         return desired_velocity(Flow(own, scale, drift), here, period=self.period, speed=SPEED)
 
     def _closest(self, after: list) -> float:

@@ -64,13 +64,21 @@ def test_lines_that_block_are_noticed_by_what_was_really_executed() -> None:
 
 
 def test_swinging_to_and_fro_is_no_progress() -> None:
-    progress, strength = Progress(0.05), 0.0
+    progress, strongest = Progress(0.05), 0.0
     for tick in range(200):
         swing = 0.1 * math.cos(2 * math.pi * tick / 8)
         strength = progress.update(
             displacement=(0.05 * swing, 0.0), desired=(swing, 0.0), free=0.1, gamma=0.2, barred=True
         )
-    assert strength == 1.0
+        strongest = max(strongest, strength)
+    assert strongest == 1.0
+
+
+def test_an_escape_that_does_not_help_pauses() -> None:
+    progress = Progress(0.05)
+    strengths = [still(progress, 0.05) for _ in range(240)]
+    assert max(strengths) == 1.0
+    assert 0.0 in strengths[strengths.index(1.0) :]
 
 
 def test_patience_grows_with_the_latency() -> None:
