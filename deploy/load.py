@@ -17,10 +17,15 @@ from protocol.scenario_shape import Document
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
-    """The scenario of a file or of the library, with settings laid over it and k resolved.
+    """The scenario `name`, ready to run: as `read`, with k resolved."""
+    return resolved(read(name, settings, seed))
+
+
+def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
+    """The scenario of a file or of the library, with settings laid over it.
 
     Args:
-        name: a path (anything that exists, ends in `.toml` or has a separator), else a library name.
+        name: a file, else a library name.
         settings: `path.to.key=VALUE`, see `protocol.scenario_settings`.
         seed: over the scenario's; a library scenario draws its random starts from it.
 
@@ -29,7 +34,7 @@ def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
         UsageError: there is no such file or library name.
     """
     document = apply_settings(_document(name, seed), settings)
-    return resolved(parse_document(document, name))
+    return parse_document(document, name)
 
 
 def resolved(scenario: Scenario) -> Scenario:

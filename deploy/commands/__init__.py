@@ -1,0 +1,1 @@
+"""One module per subcommand of `disknav`; each imports what it needs when it is called."""

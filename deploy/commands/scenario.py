@@ -1,0 +1,105 @@
+"""`disknav scenario`: the library, and generators of scenario files."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from protocol.scenario import Scenario
+
+app = typer.Typer(help="List, show and generate scenarios.", no_args_is_help=True)
+
+Seed = Annotated[int, typer.Option(min=0, help="Determines all that is random.")]
+Setting = Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the scenario.")]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", help="File to write; standard output unless given.")
+]
+
+
+@app.command("list")
+def list_() -> None:
+    """List the library.
+
+    Example: disknav scenario list
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    from deploy.library import catalogue
+
+    table = Table("name", "robots", "what it shows", box=None, header_style="bold", pad_edge=False)
+    for entry in catalogue():
+        table.add_row(entry.name, entry.robots, entry.text)
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="A library name such as figure-3d or swap-12, or a file.")],
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed, over the scenario's.")] = None,
+    setting: Setting = None,
+) -> None:
+    """Print a scenario as a TOML file, checked and complete.
+
+    Example: disknav scenario show figure-1 --set control.k=80 > mine.toml
+    """
+    from deploy.load import read
+
+    _write(read(name, setting or [], seed), None)
+
+
+@app.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
+    seed: Seed = 0,
+    output: Output = None,
+    count: Annotated[
+        int | None, typer.Option("--count", "-n", help="Number of robots (random, swap).")
+    ] = None,
+    density: Annotated[
+        float | None, typer.Option(help="Area of the disks over the workspace's, up to 0.35 (random).")
+    ] = None,
+    unequal: Annotated[float | None, typer.Option(help="Spread of the radii, 0 to 0.5 (random).")] = None,
+    jitter: Annotated[float | None, typer.Option(help="Starts off by up to this, m (swap).")] = None,
+) -> None:
+    """Generate a scenario file from a seed.
+
+    Examples: disknav scenario new random --count 12 --density 0.2 --unequal 0.3 --seed 4 -o crowd.toml;
+    disknav scenario new swap --count 8 --jitter 0.005;
+    disknav scenario new figure-3d --seed 9
+    """
+    from deploy.library.generate import generate
+
+    options = {"count": count, "density": density, "unequal": unequal, "jitter": jitter}
+    given = {key: value for key, value in options.items() if value is not None}
+    _write(generate(kind, seed, given), output)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of scenario files, for editors that check TOML.
+
+    Example: disknav scenario schema > scenario.schema.json
+    """
+    import json
+
+    from protocol.scenario_file import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
+
+
+def _write(scenario: Scenario, output: Path | None) -> None:
+    from protocol.errors import UsageError
+    from protocol.scenario_file import write_toml
+
+    text = write_toml(scenario)
+    if output is None:
+        print(text, end="")
+        return
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"{output} cannot be written: {error.strerror}") from None
