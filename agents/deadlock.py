@@ -22,6 +22,7 @@ MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 SLOW = 0.1  # below this fraction of the free speed there is no progress
 WINDOW = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
 SWING = 3.0  # the window grows by this times the latency: robots that repel each other late swing slowly
+STALEST = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
 PATIENCE = 1.0  # s without progress before the escape begins
 RISE = 0.5  # s from no drift to full drift
 BURST = 3.0  # s that an escape lasts at most; then the robot is patient again, for a drift too can hold it
@@ -78,6 +79,7 @@ class Progress:
             latency: age of the oldest peer state in use, s; a line takes a round trip to give way, so the
                 patience grows by twice that.
         """
+        latency = min(latency, STALEST)
         weight = min(1.0, self.period / (WINDOW + SWING * latency))
         moved = displacement[0] / self.period, displacement[1] / self.period
         self._moved = _average(self._moved, moved, weight)

@@ -35,12 +35,13 @@ class GradientLaw:
         peers = self._peers(neighbours)
         field = self._slice = Slice(self._goal, self._radius, self._workspace, self._k, peers)
         scale = self._scale(field, position, neighbours)
-        strength = self._stuck(position, displacement, scale, peers, neighbours, tick)
+        free = self._free(position, scale)
+        strength = self._stuck(position, displacement, free, peers, neighbours, tick)
         self._wanted = self._follow(Flow(field, scale), position)
         if strength == 0.0:
             return self._wanted
         vx, vy = circling(position, self._goal, self._radius, peers)
-        drift = (strength * self._speed * vx, strength * self._speed * vy)
+        drift = (strength * free * vx, strength * free * vy)
         return self._follow(Flow(field, scale, drift), position)
 
     def slice_norm(self, position: Vector) -> float:
@@ -72,22 +73,27 @@ class GradientLaw:
         self,
         position: Vector,
         displacement: Vector,
-        scale: float,
+        free: float,
         peers: list[Peer],
         neighbours: Neighbours,
         tick: int,
     ) -> float:
         """How strongly to escape from a deadlock, 0 to 1."""
-        away = self._away(position)
-        oldest = min((state.tick for state in neighbours.states.values()), default=tick)
+        moving = (state.tick for peer, state in neighbours.states.items() if peer not in neighbours.down)
+        oldest = min(moving, default=tick)
         return self._progress.update(
             displacement=displacement,
             desired=self._wanted,
-            free=min(self._speed, 2.0 * scale * away) if away > self._tolerance else 0.0,
-            gamma=away**2 + sum(peer.gamma for peer in peers),
+            free=free,
+            gamma=self._away(position) ** 2 + sum(peer.gamma for peer in peers),
             barred=barred(position, self._goal, self._radius, peers),
             latency=(tick - oldest) * self._period,
         )
+
+    def _free(self, position: Vector, scale: float) -> float:
+        """Speed that attraction alone would give, m/s; 0 at the goal."""
+        away = self._away(position)
+        return min(self._speed, 2.0 * scale * away) if away > self._tolerance else 0.0
 
     def _away(self, position: Vector) -> float:
         """Distance to the own goal, m."""
