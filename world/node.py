@@ -196,8 +196,11 @@ class WorldNode:
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not."""
         measurements = self.world.open_tick()
-        if (self._lockstep or self.world.tick == 0) and self._absent():
-            return False
+        if self._absent():
+            if self._lockstep or self.world.tick == 0:
+                self._remind(measurements)
+                return False
+            measurements = self._open_without()
         if not self._may_tick():
             return False
         self._opened = True
@@ -207,6 +210,16 @@ class WorldNode:
         self._announce()
         self._send(measurements)
         return True
+
+    def _remind(self, measurements: dict[int, Measurement]) -> None:
+        """A fenced life that the scenario wants back must learn that it has to join again."""
+        self._send({robot: m for robot, m in measurements.items() if robot in self.world.awaiting_join})
+
+    def _open_without(self) -> dict[int, Measurement]:
+        """Real time waits for nobody; who comes later joins then."""
+        for robot in self.world.awaiting_join:
+            self.world.give_up_waiting(robot)
+        return self.world.open_tick()
 
     def _may_tick(self) -> bool:
         now = time.monotonic()
@@ -268,6 +281,7 @@ class WorldNode:
             self._end()
         for robot in absent:
             self.world.give_up_waiting(robot)
+            self.world.lost(robot)
 
     def _give_up(self, robots: Sequence[int] | frozenset[int]) -> None:
         """These do not take part any more; whoever waits for their states must know."""
