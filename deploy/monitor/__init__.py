@@ -1,8 +1,4 @@
-"""Seeing a run while it goes on: a live page and a terminal table, from outside or from within."""
+"""Seeing a run while it goes on, from outside or from within: a live page and a terminal table.
 
-from deploy.monitor.attachment import Attachment, attach, watch_local
-from deploy.monitor.player import Player
-from deploy.monitor.server import Server, serve_in_thread
-from deploy.monitor.source import Source
-
-__all__ = ["Attachment", "Player", "Server", "Source", "attach", "serve_in_thread", "watch_local"]
+A `source` (`watcher`, `attachment`, `player`) keeps a `view` up to date; `server` and `terminal` show it.
+"""

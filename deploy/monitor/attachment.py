@@ -7,7 +7,6 @@ import time
 
 from deploy.monitor.watcher import Watcher
 from protocol.bus import Bus
-from protocol.bus_local import LocalNetwork
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.keys import checked_run
@@ -53,11 +52,3 @@ def attach(endpoint: str, run: str, *, speed: float | None = None, timeout: floa
     """
     checked_run(run)
     return Attachment(ZenohBus(Connection(connect=(endpoint,), timeout=timeout)), run, speed=speed)
-
-
-def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:
-    """Watch a run that goes on in this process; the network's own thread drives the watcher."""
-    bus = network.connect()
-    watcher = Watcher(bus, run, speed=speed)
-    bus.node = watcher
-    return watcher

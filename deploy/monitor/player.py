@@ -5,8 +5,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable
+from functools import partial
 
 from deploy.monitor.source import SharedView
+from deploy.monitor.view import View
 from protocol.messages import Message
 from protocol.scenario import Scenario
 from protocol.steering import Steer, Steering
@@ -32,7 +34,9 @@ class Player(SharedView):
         self._closed = False
         self.change(lambda view, _: view.begin(scenario, True))
         self._show()
-        self._thread = threading.Thread(target=self._play, args=(entries,), name=f"replay of {run}", daemon=True)
+        self._thread = threading.Thread(
+            target=self._play, args=(entries,), name=f"replay of {run}", daemon=True
+        )
         self._thread.start()
 
     def steer(self, steer: Steer) -> None:
@@ -63,7 +67,7 @@ class Player(SharedView):
                 played = moment
             if self._closed:
                 return
-            self.change(lambda view, now, heard=message: view.hear(heard, now))  # type: ignore[misc]
+            self.change(partial(_hear, message))
 
     def _wait(self, seconds: float) -> None:
         """Let recorded time pass: at the speed that is set, in steps, or not at all while paused."""
@@ -76,3 +80,7 @@ class Player(SharedView):
             time.sleep(_NAP if paused else min(_NAP, seconds / speed))
             if not paused:
                 seconds -= (time.monotonic() - began) * speed
+
+
+def _hear(message: Message, view: View, now: float) -> None:
+    view.hear(message, now)

@@ -78,19 +78,24 @@ class RobotView:
         """Seconds since its newest state; None before the first."""
         return None if self._said is None else max(0.0, now - self._said)
 
-    def status(self, now: float, newest: int, tolerance: float) -> str:
-        """One word; those in `ALARMS` ask for attention. `newest`: tick of the newest state of all robots."""
+    def status(self, now: float, newest: int, tolerance: float, *, ended: bool = False) -> str:
+        """One word; those in `ALARMS` ask for attention.
+
+        `newest`: tick of the newest state of all robots. `ended`: there is a verdict.
+        """
         if self.fenced and not self.active:
             return "fenced"
         if self.alive is False:
             return "dead"
-        if not self.active and self._said is None:
+        if not ended and self._said is None and not self.active:
             return "joining" if self.alive else "absent"
-        if self.tick < newest and (self.age(now) or 0.0) > SILENCE:
+        if not ended and self.tick < newest and (self.age(now) or 0.0) > SILENCE:
             return "silent"
-        return "at goal" if self.distance <= tolerance else "under way"
+        if self.distance <= tolerance:
+            return "at goal"
+        return "stopped" if ended else "under way"
 
-    def row(self, now: float, newest: int, tick: int) -> dict[str, Any]:
+    def row(self, now: float, newest: int) -> dict[str, Any]:
         """What the table says, without the status."""
         health, age = self.health, self.age(now)
         silent = age is None or age > SILENCE
@@ -100,7 +105,7 @@ class RobotView:
             "velocity": [round(part, _DIGITS) for part in self.velocity],
             "distance": round(self.distance, _DIGITS),
             "age": None if age is None else round(age, 2),
-            "age_ticks": None if age is None else max(0, min(tick, newest) - self.tick),
+            "age_ticks": None if age is None else newest - self.tick,
             "rate": 0.0 if silent else self._rate,
             "bound": None if health is None else health.bound,
             "rejected": 0 if health is None else sum(health.rejected.values()),

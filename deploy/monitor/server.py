@@ -52,7 +52,9 @@ def serve_in_thread(source: Source, port: int | None = None) -> Server:
         raise UsageError(f"{_INSTALL} ({error})") from error
     listener = _listener(port)
     app = application(source, [HOST, "localhost"])
-    config = uvicorn.Config(app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off")
+    config = uvicorn.Config(
+        app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
+    )
     return Server(uvicorn.Server(config), listener)
 
 
@@ -63,6 +65,8 @@ def _listener(port: int | None) -> socket.socket:
         listener.bind((HOST, port or 0))
     except (OSError, OverflowError) as error:
         listener.close()
-        raise UsageError(f"--port {port}: {error}; name another port, or none and a free one is taken") from error
+        raise UsageError(
+            f"--port {port}: {error}; name another port, or none and a free one is taken"
+        ) from error
     listener.listen(64)
     return listener

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from deploy.monitor import telling
 from deploy.monitor.view import View
 from protocol.steering import Steer
 
@@ -15,10 +16,10 @@ class Source(Protocol):
     """Where a viewer gets its data; every method may be called from any thread."""
 
     def overview(self) -> dict[str, Any]:
-        """`View.overview`, now."""
+        """`telling.overview`, now."""
 
     def snapshot(self, since: int = -1) -> dict[str, Any]:
-        """`View.snapshot`, now."""
+        """`telling.snapshot`, now."""
 
     def steer(self, steer: Steer) -> None:
         """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
@@ -33,14 +34,14 @@ class SharedView:
         self._clock = clock
 
     def overview(self) -> dict[str, Any]:
-        """See `View.overview`."""
+        """See `telling.overview`."""
         with self._lock:
-            return self._view.overview()
+            return telling.overview(self._view)
 
     def snapshot(self, since: int = -1) -> dict[str, Any]:
-        """See `View.snapshot`."""
+        """See `telling.snapshot`."""
         with self._lock:
-            return self._view.snapshot(self._clock(), since)
+            return telling.snapshot(self._view, self._clock(), since)
 
     def change(self, what: Callable[[View, float], None]) -> None:
         """Let `what` work on the view at the present time, while nobody looks."""

@@ -7,9 +7,8 @@ watcher that subscribed to states or commands could hold up those who publish th
 from __future__ import annotations
 
 from collections import deque
-from typing import Any
 
-from deploy.monitor.robot_view import ALARMS, RobotView
+from deploy.monitor.robot_view import RobotView
 from deploy.monitor.thinned import Thinned
 from protocol.messages import Clock, Health, Message, Truth
 from protocol.scenario import Scenario
@@ -18,7 +17,6 @@ from protocol.steering import Steering
 HISTORY = 1024  # kept points of clearance and phi
 _TRAILS = 12_800  # kept points of all trails together
 _RECENT = 256  # truths between two snapshots, at most
-_SAMPLES = 8  # of them that a snapshot carries
 
 Point = tuple[float, float, float]  # simulated time, s; clearance, m; phi
 
@@ -47,7 +45,7 @@ class View:
         self.tick, self.verdict = 0, ""
         self.smallest: float | None = None
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
-        self._recent: deque[Truth] = deque(maxlen=_RECENT)
+        self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
     def begin(self, scenario: Scenario, lockstep: bool) -> None:
@@ -64,7 +62,9 @@ class View:
 
     def is_news(self, message: Message) -> bool:
         """Whether `message` belongs to another scenario than the one known: its clock went back."""
-        return isinstance(message, Clock) and (message.tick < self.tick or self.verdict > message.verdict == "")
+        return isinstance(message, Clock) and (
+            message.tick < self.tick or self.verdict > message.verdict == ""
+        )
 
     # -- what happens
 
@@ -97,7 +97,7 @@ class View:
     def _on_truth(self, truth: Truth, now: float) -> None:
         assert self.scenario is not None
         step = self.scenario.time.step
-        known = self._recent[-1].tick if self._recent else 0
+        known = self.recent[-1].tick if self.recent else 0
         if truth.tick <= known:
             return
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
@@ -106,7 +106,7 @@ class View:
                 self._moved(self.robots[robot], position, elapsed, truth.tick, now)
         self.smallest = truth.clearance if self.smallest is None else min(self.smallest, truth.clearance)
         self.history.append((truth.tick * step, truth.clearance, truth.phi))
-        self._recent.append(truth)
+        self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)
 
     def _moved(
@@ -123,64 +123,11 @@ class View:
             if peer in self.robots:
                 self.robots[peer].said(tick, now)
 
-    # -- what is told
+    # -- how the run stands
 
-    def overview(self) -> dict[str, Any]:
-        """What does not change during a run, and the past: for a viewer that has just arrived."""
-        told: dict[str, Any] = {"kind": "overview", "epoch": self.epoch, "run": self.run, "scenario": None}
-        if self.scenario is not None:
-            scenario = self.scenario
-            told |= {
-                "scenario": scenario.name,
-                "description": scenario.description,
-                "radius": scenario.workspace.radius,
-                "step": scenario.time.step,
-                "limit": scenario.time.limit,
-                "speed": scenario.control.speed,
-                "lockstep": self.lockstep,
-                "robots": [self._still(robot) for robot in self.robots.values()],
-                "history": self.history.items,
-                "tick": self._recent[-1].tick if self._recent else -1,
-            }
-        return told
-
-    @staticmethod
-    def _still(robot: RobotView) -> dict[str, Any]:
-        spec = robot.spec
-        trail = [[round(x, 5), round(y, 5)] for x, y in robot.trail.items]
-        return {"id": spec.id, "radius": spec.radius, "start": spec.start, "goal": spec.goal, "trail": trail}
-
-    def snapshot(self, now: float, since: int = -1) -> dict[str, Any]:
-        """The present, with a few samples of what happened after tick `since`."""
-        newest = max((robot.tick for robot in self.robots.values()), default=0)
-        rows = [
-            robot.row(now, newest, self.tick) | {"status": self._status(robot, now, newest)}
-            for robot in self.robots.values()
-        ]
-        for row in rows:
-            row["alarm"] = row["status"] in ALARMS
-        return {
-            "kind": "frame",
-            "epoch": self.epoch,
-            "run": self.run,
-            "phase": self._phase(),
-            "tick": self.tick,
-            "time": round(self.tick * self.scenario.time.step, 6) if self.scenario else 0.0,
-            "pace": self._ticks_per_second(now),
-            "verdict": self.verdict,
-            "steering": {"paused": self.steering.paused, "speed": self.steering.speed},
-            "smallest": self.smallest,
-            "robots": rows,
-            "samples": self._samples(since),
-        }
-
-    def _status(self, robot: RobotView, now: float, newest: int) -> str:
-        assert self.scenario is not None
-        if self.verdict and not robot.fenced and robot.alive is not False:
-            return "at goal" if robot.distance <= self.scenario.time.tolerance else "stopped"
-        return robot.status(now, newest, self.scenario.time.tolerance)
-
-    def _phase(self) -> str:
+    @property
+    def phase(self) -> str:
+        """searching, gathering, running, paused, ended, or lost: the world went without a verdict."""
         if self.scenario is None:
             return "searching"
         if self.verdict:
@@ -189,29 +136,12 @@ class View:
             return "lost"
         if self.steering.paused:
             return "paused"
-        return "running" if self._recent or self.tick else "gathering"
+        return "running" if self.recent or self.tick else "gathering"
 
-    def _ticks_per_second(self, now: float) -> float:
-        """Over the last second or so of snapshots."""
+    def ticks_per_second(self, now: float) -> float:
+        """Since about a second ago, if somebody asked then."""
         while len(self._pace) > 1 and self._pace[1][0] < now - 1.0:
             self._pace.popleft()
         self._pace.append((now, self.tick))
-        (then, tick), span = self._pace[0], now - self._pace[0][0]
-        return round((self.tick - tick) / span, 1) if span > 0.0 and then < now else 0.0
-
-    def _samples(self, since: int) -> list[list[Any]]:
-        """At most `_SAMPLES` of the truths after `since`, each with the smallest clearance up to it."""
-        fresh = [truth for truth in self._recent if truth.tick > since]
-        stride = -(-len(fresh) // _SAMPLES) or 1
-        groups = [fresh[n : n + stride] for n in range(0, len(fresh), stride)]
-        return [self._sample(group) for group in groups]
-
-    def _sample(self, group: list[Truth]) -> list[Any]:
-        assert self.scenario is not None
-        last = group[-1]
-        time = round(last.tick * self.scenario.time.step, 6)
-        where = dict(zip(last.robots, last.positions, strict=False))
-        places = [
-            [round(part, 6) for part in where.get(robot, view.position)] for robot, view in self.robots.items()
-        ]
-        return [last.tick, time, min(truth.clearance for truth in group), last.phi, places]
+        then, tick = self._pace[0]
+        return round((self.tick - tick) / (now - then), 1) if now > then else 0.0

@@ -8,16 +8,16 @@ from typing import Any
 
 import msgspec
 
+from deploy.monitor.source import SharedView
 from deploy.monitor.view import View
 from protocol.bus import Bus, Event, Presence, Sample
+from protocol.bus_local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.joining import Overview, decode_reply
 from protocol.keys import every_robot, parse, world_key
 from protocol.messages import AnyMessage
 from protocol.steering import Steer, Steering
-
-from deploy.monitor.source import SharedView
 
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
@@ -133,3 +133,11 @@ class Watcher(SharedView):
         except (BusError, msgspec.DecodeError):
             return  # the world has gone, or is of another version: its controls stay as they are shown
         self.change(lambda view, _: setattr(view, "steering", steering))
+
+
+def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:
+    """Watch a run that goes on in this process; the network's own thread drives the watcher."""
+    bus = network.connect()
+    watcher = Watcher(bus, run, speed=speed)
+    bus.node = watcher
+    return watcher

@@ -1,6 +1,6 @@
 // The shapes of the picture, each drawn on a Workspace (its context, scale, colours).
 const HEAD = 6; // px, head of an arrow
-const NEAR = 3; // gaps larger than so many radii have no line worth seeing
+const NEAR = 2; // gaps of more radii than that have no line worth seeing
 
 export function drawTrail(space, robot, place) {
   const { context } = space;
@@ -71,7 +71,6 @@ function drawLabel(space, robot, x, y, radius) {
   if (robot.row?.alarm) {
     context.strokeStyle = space.colour("panel");
     context.strokeText(robot.id, x, y + 0.5);
-    context.font = space.font(Math.max(9, Math.min(17, radius * 0.62)), 650);
   }
   context.fillStyle = space.colour(robot.row?.alarm ? "alarm" : "ink");
   context.fillText(robot.id, x, y + 0.5);
@@ -114,13 +113,13 @@ export function drawSeparatingLine(space, robot, place, other, [, nx, ny, limit]
   const middle = [(place[0] + other[0]) / 2, (place[1] + other[1]) / 2];
   const off = limit - nx * middle[0] - ny * middle[1];
   const foot = [middle[0] + off * nx, middle[1] + off * ny];
-  const reach = 1.3 * robot.radius;
+  const reach = 1.1 * robot.radius;
   const { context } = space;
   context.beginPath();
   context.moveTo(...space.point([foot[0] - ny * reach, foot[1] + nx * reach]));
   context.lineTo(...space.point([foot[0] + ny * reach, foot[1] - nx * reach]));
   context.lineWidth = 1.75;
-  context.globalAlpha = strength * (0.25 + 0.75 * nearness);
+  context.globalAlpha = strength * Math.sqrt(nearness);
   context.strokeStyle = space.hue(robot);
   context.stroke();
   context.globalAlpha = 1;

@@ -43,24 +43,23 @@ export class Workspace extends Painted {
 
   drawFloor(radius) {
     const { context } = this;
-    context.save();
-    context.beginPath();
-    context.arc(...this.point([0, 0]), radius * this.scale, 0, 2 * Math.PI);
+    const spacing = 10 ** Math.floor(Math.log10(radius));
+    const rim = new Path2D();
+    rim.arc(...this.point([0, 0]), radius * this.scale, 0, 2 * Math.PI);
     context.fillStyle = this.colour("floor");
-    context.fill();
+    context.fill(rim);
     context.save();
-    context.clip();
-    this.drawGrid(radius);
+    context.clip(rim);
+    this.drawGrid(radius, spacing);
     context.restore();
     context.lineWidth = 1.5;
     context.strokeStyle = this.colour("muted");
-    context.stroke();
-    context.restore();
+    context.stroke(rim);
+    this.drawScale(spacing);
   }
 
-  drawGrid(radius) {
+  drawGrid(radius, spacing) {
     const { context } = this;
-    const spacing = 10 ** Math.floor(Math.log10(radius));
     context.beginPath();
     for (let at = -Math.ceil(radius / spacing) * spacing; at <= radius; at += spacing) {
       context.moveTo(...this.point([at, -radius]));
@@ -71,29 +70,25 @@ export class Workspace extends Painted {
     context.lineWidth = 1;
     context.strokeStyle = this.colour("grid");
     context.stroke();
-    this.drawScale(spacing);
   }
 
+  // The workspace is round, so a corner is free for the scale.
   drawScale(spacing) {
-    // The workspace is round, so a corner is free for the scale.
     const { context } = this;
     const length = spacing * this.scale;
     const [x, y] = [2, this.height - 4];
-    context.restore();
-    context.save();
     context.beginPath();
     context.moveTo(x, y - 5);
     context.lineTo(x, y);
     context.lineTo(x + length, y);
     context.lineTo(x + length, y - 5);
+    context.lineWidth = 1;
     context.strokeStyle = this.colour("muted");
     context.stroke();
     context.font = this.font(12);
     context.fillStyle = this.colour("muted");
     context.textAlign = "center";
     context.fillText(`${spacing} m`, x + length / 2, y - 6);
-    context.beginPath();
-    context.arc(...this.point([0, 0]), this.model.overview.radius * this.scale, 0, 2 * Math.PI);
   }
 
   drawLines(places) {

@@ -1,0 +1,54 @@
+"""`disknav monitor`: look at a running fleet from outside."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import closing
+from typing import Annotated
+
+import typer
+
+from deploy.monitor.source import Source
+
+DEFAULT_ROUTER = "tcp/127.0.0.1:7447"
+
+
+def monitor(
+    run: Annotated[str, typer.Option(help="Name of the run; the fleet's launcher prints it.")],
+    router: Annotated[
+        str, typer.Option(help="Endpoint of the fleet's router; in a mesh, of any of its processes.")
+    ] = DEFAULT_ROUTER,
+    web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
+    ] = None,
+) -> None:
+    """Watch a running fleet: a table in the terminal, or a live page with [b]--web[/b]. Ctrl-C ends it.
+
+    The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
+    The run may begin later. The table ends with the run; the page stays until Ctrl-C.
+
+    Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
+
+    Exit status: 0 the run ended while it was watched, or Ctrl-C; 2 invalid; 3 nobody listens at the endpoint.
+    """
+    from deploy.monitor.attachment import attach
+
+    with closing(attach(router, run)) as source:
+        try:
+            if web:
+                _serve(source, port)
+            else:
+                from deploy.monitor.terminal import show
+
+                show(source)
+        except KeyboardInterrupt:
+            pass
+
+
+def _serve(source: Source, port: int | None) -> None:
+    from deploy.monitor.server import serve_in_thread
+
+    with closing(serve_in_thread(source, port)) as server:
+        print(f"{server.address}  (Ctrl-C ends it)", flush=True)
+        signal.pause()
