@@ -31,7 +31,8 @@ def _summary(recording: Recording) -> Table:
     grid = Table.grid(padding=(0, 3))
     ticks = int(recording.truths.ticks[-1])
     rows = {
-        "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}, run {recording.run}",
+        "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}",
+        "run": recording.run,
         "verdict": f"{result['verdict']}  {result.get('reason', '')}"
         if result
         else "none: no result was recorded",

@@ -71,7 +71,7 @@ def _show(recording: Recording, run: str | None, speed: float) -> None:
     from deploy.monitor.server import serve_in_thread
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
-    with closing(Player(recording.scenario, run or recording.run, heard, speed=speed)) as player:
-        with closing(serve_in_thread(player)) as server:
-            typer.echo(f"{server.address}  (Ctrl-C ends it)")
-            threading.Event().wait()
+    player = Player(recording.scenario, run or recording.run, heard, speed=speed)
+    with closing(player), closing(serve_in_thread(player)) as server:
+        typer.echo(f"{server.address}  (Ctrl-C ends it)")
+        threading.Event().wait()

@@ -56,7 +56,8 @@ class Recording:
 
     Attributes:
         run: name of the run.
-        result: what `disknav run --json` writes, or as far as the world knows it; None when the recording ended before it.
+        result: what `disknav run --json` writes, or what the world knew of it; None when the recording
+            ended before that.
         entries: all messages, by time and, within one tick, as they arrived.
         cut: the file was cut short or is damaged; everything before is there.
     """
@@ -125,7 +126,9 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
         raise RecordingError(
             f"{path}: a message does not fit this version's declarations: {error}"
         ) from error
-    return Recording(path, run, scenario, report, entries, truths, found.cut)
+    return Recording(
+        path, run, scenario, report, entries, truths, found.cut or "recorder" not in found.metadata
+    )
 
 
 def _scenario(path: Path, found: Contents) -> Scenario:

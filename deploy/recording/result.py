@@ -27,7 +27,7 @@ class _Tail(NamedTuple):
     """Where messages and metadata end, and the index that follows (empty for a file that was cut)."""
 
     place: int
-    index: list[McapRecord]
+    summary: list[McapRecord]
 
 
 def attach(path: Path, result: Mapping[str, Any]) -> None:
@@ -71,8 +71,8 @@ def _rewritten(tail: _Tail, metadata: Metadata) -> bytes:
     body = _written([metadata])
     summary = b""
     start = tail.place + len(body) + len(_written([DataEnd(0)]))
-    if tail.index:
-        index = [_counted(record) for record in tail.index]
+    if tail.summary:
+        index = [_counted(record) for record in tail.summary]
         summary = _written([*index, MetadataIndex(tail.place, len(body), metadata.name)])
     start = start if summary else 0
     head = struct.pack("<BQQQ", Opcode.FOOTER, 8 + 8 + 4, start, 0)
@@ -89,7 +89,7 @@ def _counted(record: McapRecord) -> McapRecord:
 
 
 def _written(records: list[McapRecord]) -> bytes:
-    builder = RecordBuilder()
+    builder: Any = RecordBuilder()
     for record in records:
-        record.write(builder)  # type: ignore[attr-defined]  # every record has it, their base has not
+        record.write(builder)
     return bytes(builder.end())

@@ -1,0 +1,78 @@
+"""How old the information was that each robot acted on, as the scenario's faults made it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from agents.link import Link
+from deploy.recording.reader import Recording
+from protocol.messages import State
+from protocol.scenario import Link as LinkFaults
+
+
+def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position; NaN without any."""
+    ids, ticks = recording.scenario.ids, recording.truths.ticks
+    ages = np.full((len(ticks), len(ids)), np.nan)
+    row = {int(tick): index for index, tick in enumerate(ticks)}
+    for column, robot in enumerate(ids):
+        newest = -1
+        for measurement in recording.measurements[robot]:
+            if measurement.position is not None:
+                newest = max(newest, measurement.stamp)
+            if newest >= 0 and measurement.tick in row:
+                ages[row[measurement.tick], column] = measurement.tick - newest
+    return ticks, ages * recording.scenario.time.step
+
+
+class Heard:
+    """What the injected link faults let each robot hear, from the recorded States and the same draws.
+
+    Exact for a lock-step run; in real time the network's own delay comes on top.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self._step = recording.scenario.time.step
+        self._sent = 0
+        self._ids = recording.scenario.ids
+        self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
+        self._said: dict[int, list[State]] = defaultdict(list)
+        for states in recording.states.values():
+            for state in states:
+                self._said[state.tick].append(state)
+
+    def ages(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
+
+        NaN while nothing was heard.
+        """
+        ticks = sorted(self._said)
+        newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
+        rows = []
+        for tick in ticks:
+            for robot, link in self._links.items():
+                for state in self._said[tick]:
+                    if state.robot != robot:
+                        link.put(state)
+                        self._sent += 1
+                for state in link.take(tick):
+                    newest[robot][state.robot] = max(state.tick, newest[robot].get(state.robot, -1))
+            rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
+        return np.array(ticks), np.array(rows, dtype=float) * self._step
+
+    def share_lost(self) -> float:
+        """Share of all States that robots should have heard and did not; to be asked after `ages`."""
+        return sum(link.lost for link in self._links.values()) / max(1, self._sent)
+
+
+def delayed_sensing(recording: Recording) -> bool:
+    """Whether measurements come late or are dropped for any robot."""
+    entries = map(recording.scenario.sensing_of, recording.scenario.ids)
+    return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
+
+
+def faulty_link(recording: Recording) -> bool:
+    """Whether anything is injected between robots."""
+    return recording.scenario.link != LinkFaults()

@@ -1,0 +1,61 @@
+"""From recordings to a file: a picture or an animation, by the name of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from deploy.recording.reader import Recording, read
+from protocol.errors import UsageError
+
+PICTURES = (".png", ".svg", ".pdf")
+ANIMATIONS = (".gif", ".mp4")
+_INSTALL = 'pictures need matplotlib, which is not installed: pip install "disknav[plot]"'
+
+
+def check(target: Path, recordings: int = 1) -> None:
+    """Whether `target` can be drawn at all: to be asked before a run that is to be drawn.
+
+    Raises:
+        UsageError: unknown kind of file, a film of several runs, or matplotlib is not installed.
+    """
+    kinds = PICTURES + ANIMATIONS
+    if target.suffix not in kinds:
+        raise UsageError(f"{target}: cannot draw this kind of file; name one that ends in {', '.join(kinds)}")
+    if target.suffix in ANIMATIONS and recordings > 1:
+        raise UsageError(f"{target}: an animation shows one recording; name one, or draw a picture")
+    if not target.parent.is_dir():
+        raise UsageError(f"{target}: the folder {target.parent} does not exist")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise UsageError(_INSTALL) from error
+
+
+def draw(
+    recordings: Recording | Path | Sequence[Recording],
+    target: Path,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Draw one recording, or several side by side, into `target`.
+
+    Raises:
+        UsageError: see `check`.
+    """
+    if isinstance(recordings, Path):
+        recordings = read(recordings)
+    if isinstance(recordings, Recording):
+        recordings = [recordings]
+    check(target, len(recordings))
+    import matplotlib
+
+    from deploy.plot.animation import animate
+    from deploy.plot.figure import figure
+    from deploy.plot.style import RC
+
+    with matplotlib.rc_context(RC):
+        if target.suffix in ANIMATIONS:
+            animate(recordings[0], target, progress)
+        else:
+            metadata = {"Date": None} if target.suffix == ".svg" else {}
+            figure(recordings).savefig(target, metadata=metadata)

@@ -1,0 +1,70 @@
+"""The workspace from above: paths, and disks at start, goal and moments between."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
+
+from deploy.plot.style import FAINT, INK, colour, dash
+from deploy.recording.reader import Recording
+
+_MOMENTS = 5  # disks drawn between start and end
+MANY = 20  # robots from which on ids would hide the disks
+
+
+def draw_workspace(axes: Axes, recording: Recording) -> None:
+    """Draw one run: dotted disks where robots began, outlined goals, filled disks where they ended."""
+    frame(axes, recording)
+    positions = recording.truths.positions
+    for index, robot in enumerate(recording.scenario.ids):
+        spec, path = recording.scenario.spec(robot), positions[:, index]
+        axes.plot(*path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=3)
+        for moment in _moments(path):
+            _disk(axes, moment, spec.radius, facecolor=colour(index), alpha=0.13, linewidth=0)
+        _disk(axes, path[0], spec.radius, fill=False, edgecolor=colour(index), linestyle=":", linewidth=1.0)
+        _disk(axes, path[-1], spec.radius, facecolor=colour(index), alpha=0.45, linewidth=0)
+        _disk(axes, spec.goal, spec.radius, fill=False, edgecolor=colour(index), linewidth=1.2)
+        if len(recording.scenario.ids) <= MANY:
+            _label(axes, path[-1], str(robot))
+            if _free(path[0], spec.radius, positions[-1]):
+                _label(axes, path[0], str(robot), faint=True)
+
+
+def frame(axes: Axes, recording: Recording) -> None:
+    """The empty workspace: its boundary, equal scales, axes in metres."""
+    radius = recording.scenario.workspace.radius
+    axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
+    margin = 1.04 * radius
+    axes.set(xlim=(-margin, margin), ylim=(-margin, margin), aspect="equal", xlabel="x, m", ylabel="y, m")
+    axes.grid(visible=False)
+
+
+def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:
+    """Whether no disk ended where this one began, so that a label there can be read."""
+    return bool(np.all(np.hypot(*(others - place).T) > 0.6 * radius))
+
+
+def _moments(path: np.ndarray) -> np.ndarray:
+    """Points at equal distances along a path, its ends left out."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    marks = np.linspace(0.0, lengths[-1], _MOMENTS + 2)[1:-1]
+    return path[np.searchsorted(lengths, marks)]
+
+
+def _disk(axes: Axes, centre: np.ndarray | tuple[float, float], radius: float, **look: object) -> None:
+    axes.add_patch(Circle((float(centre[0]), float(centre[1])), radius, zorder=4, **look))
+
+
+def _label(axes: Axes, place: np.ndarray, text: str, *, faint: bool = False) -> None:
+    axes.text(
+        float(place[0]),
+        float(place[1]),
+        text,
+        ha="center",
+        va="center",
+        fontsize=6.5 if faint else 7.5,
+        color=FAINT if faint else INK,
+        fontweight="normal" if faint else "bold",
+        zorder=6,
+    )
