@@ -35,7 +35,7 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
     for n, (x, y) in enumerate(places):
         reach, angle = jitter * math.sqrt(draws[n, 0]), math.tau * draws[n, 1]
         start = (x + reach * math.cos(angle), y + reach * math.sin(angle))
-        robots.append(RobotSpec(n + 1, RADIUS, start, (-x, -y)))
+        robots.append(RobotSpec(n + 1, RADIUS, start, (0.0 - x, 0.0 - y)))
     text = f"{count} robots on a circle change places" + (
         f", starts off by up to {jitter:g} m" if jitter else ""
     )
@@ -50,8 +50,6 @@ def head_on(seed: int = 0) -> Scenario:
 
 def _circle(count: int, radius: float) -> list[Point]:
     """Evenly spaced points; with an even count, opposite ones are exact mirror images."""
-    half = [
-        (radius * math.cos(math.tau * n / count), radius * math.sin(math.tau * n / count))
-        for n in range(count // 2 if count % 2 == 0 else count)
-    ]
-    return half if count % 2 else half + [(-x, -y) for x, y in half]
+    angles = [math.tau * n / count for n in range(count // 2 if count % 2 == 0 else count)]
+    points = [(round(radius * math.cos(a), 12) + 0.0, round(radius * math.sin(a), 12) + 0.0) for a in angles]
+    return points if count % 2 else points + [(0.0 - x, 0.0 - y) for x, y in points]

@@ -1,0 +1,200 @@
+"""The codec: what is sent arrives unchanged, and nothing hostile gets past MessageError."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.codec import REASONS, decode, encode
+from protocol.errors import MessageError
+from protocol.keys import ROBOT_STREAMS
+from protocol.messages import (
+    Answer,
+    AnyMessage,
+    Clock,
+    Command,
+    Down,
+    Health,
+    Measurement,
+    Proposal,
+    Result,
+    State,
+    Truth,
+)
+from protocol.streams import STREAMS
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+sizes = st.floats(0, 1e300)
+ids = st.integers(1, 999_999_999)
+counts = st.integers(0, 2**53)
+vectors = st.tuples(numbers, numbers)
+positions = st.none() | vectors
+
+
+def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    return st.lists(one, max_size=4).map(tuple)
+
+
+downs = several(st.builds(Down, ids, counts, vectors))
+proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
+answers = several(st.builds(Answer, ids, counts, counts, counts))
+MESSAGES: dict[str, st.SearchStrategy[Any]] = {
+    "measurement": st.builds(
+        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), downs
+    ),
+    "state": st.builds(
+        State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
+    ),
+    "command": st.builds(Command, ids, counts, counts, vectors),
+    "clock": st.builds(Clock, counts, sizes, several(ids), downs, st.text(max_size=20)),
+    "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
+    "health": st.builds(
+        Health,
+        ids,
+        counts,
+        counts,
+        sizes,
+        counts,
+        counts,
+        st.dictionaries(st.sampled_from(REASONS), counts),
+        several(st.tuples(ids, counts)),
+        several(st.tuples(ids, numbers, numbers, numbers)),
+        st.text(max_size=20),
+    ),
+    "result": st.builds(Result, st.text(max_size=50)),
+}
+messages = st.sampled_from(sorted(MESSAGES)).flatmap(lambda name: MESSAGES[name])
+
+
+def key_of(message: AnyMessage) -> str:
+    robot = getattr(message, "robot", None)
+    where = "world" if robot is None else f"robot/{robot}"
+    return f"disknav/test/{where}/{type(message).__name__.lower()}"
+
+
+def a_key(stream: str) -> str:
+    return f"disknav/test/robot/1/{stream}" if stream in ROBOT_STREAMS else f"disknav/test/world/{stream}"
+
+
+def refused(key: str, payload: bytes) -> str | None:
+    """The reason for which a payload is refused, None when it is accepted; no other error may come."""
+    try:
+        decode(key, payload)
+    except MessageError as error:
+        return error.reason if str(error) else "no text"
+    return None
+
+
+def floats_of(value: Any) -> list[float]:
+    if isinstance(value, float):
+        return [value]
+    if isinstance(value, dict):
+        value = value.values()
+    elif isinstance(value, str | int) or value is None:
+        return []
+    return [number for item in value for number in floats_of(item)]
+
+
+def test_every_stream_is_covered() -> None:
+    assert MESSAGES.keys() == STREAMS.keys()
+
+
+@given(messages)
+def test_round_trip(message: AnyMessage) -> None:
+    assert decode(key_of(message), encode(message)) == message
+
+
+@given(st.sampled_from(sorted(STREAMS)), st.binary(max_size=200))
+def test_arbitrary_bytes(stream: str, payload: bytes) -> None:
+    assert refused(a_key(stream), payload) in (None, *REASONS)
+
+
+@given(messages, st.data())
+def test_mutated_messages(message: AnyMessage, data: st.DataObject) -> None:
+    payload = bytearray(encode(message))
+    for _ in range(data.draw(st.integers(1, 4))):
+        payload[data.draw(st.integers(0, len(payload) - 1))] = data.draw(st.integers(0, 255))
+    assert refused(key_of(message), bytes(payload)) in (None, *REASONS)
+
+
+@given(messages, st.data())
+def test_shortened_messages_are_refused(message: AnyMessage, data: st.DataObject) -> None:
+    payload = encode(message)
+    assert refused(key_of(message), payload[: data.draw(st.integers(0, len(payload) - 1))]) is not None
+
+
+@given(messages, st.data())
+def test_replaced_elements_never_let_a_bad_number_in(message: AnyMessage, data: st.DataObject) -> None:
+    content = msgspec.msgpack.decode(encode(message))
+    junk = st.sampled_from([math.nan, math.inf, -math.inf, -1, 0, 2**63, "x", None, [], {}, [[]], True, b"x"])
+    content[data.draw(st.integers(1, len(content) - 1))] = data.draw(junk | st.lists(junk, max_size=3))
+    payload = msgspec.msgpack.encode(content)
+    if refused(key_of(message), payload) is None:
+        accepted = decode(key_of(message), payload)
+        assert all(map(math.isfinite, floats_of(msgspec.to_builtins(accepted))))
+
+
+@given(messages, st.sampled_from([math.nan, math.inf, -math.inf]), st.data())
+def test_a_number_that_is_not_finite(message: AnyMessage, bad: float, data: st.DataObject) -> None:
+    content = msgspec.msgpack.decode(encode(message))
+    places: list[tuple[Any, int]] = []
+
+    def collect(array: list[Any]) -> None:
+        for n, item in enumerate(array):
+            if isinstance(item, float):
+                places.append((array, n))
+            elif isinstance(item, list):
+                collect(item)
+
+    collect(content)
+    if places:
+        array, n = data.draw(st.sampled_from(places))
+        array[n] = bad
+        assert refused(key_of(message), msgspec.msgpack.encode(content)) in ("not-finite", "shape")
+
+
+@given(messages, st.integers(0, 99))
+def test_another_version_is_named_as_such(message: AnyMessage, version: int) -> None:
+    content = msgspec.msgpack.decode(encode(message))
+    content[0] = f"{type(message).__name__.lower()}/{version}"
+    reason = refused(key_of(message), msgspec.msgpack.encode([*content, "a field of the future"]))
+    assert reason == ("version" if version != 1 else reason)
+
+
+@given(messages, messages)
+def test_another_type_is_refused(message: AnyMessage, other: AnyMessage) -> None:
+    if type(message) is not type(other):
+        assert refused(key_of(message), encode(other)) == "type"
+
+
+@given(messages.filter(lambda message: hasattr(message, "robot")), ids)
+def test_a_foreign_id_is_refused(message: AnyMessage, robot: int) -> None:
+    key = f"disknav/test/robot/{robot}/{type(message).__name__.lower()}"
+    assert refused(key, encode(message)) == (None if robot == message.robot else "identity")  # type: ignore[union-attr]  # filtered
+
+
+@pytest.mark.parametrize("name", sorted(STREAMS))
+def test_oversize_is_refused_unread(name: str) -> None:
+    assert refused(a_key(name), b"\x90" * (STREAMS[name].limit + 1)) == "oversize"
+
+
+@pytest.mark.parametrize("key", ["", "disknav/test/world/scenario", "disknav/test/robot/1/alive", "x/y"])
+def test_keys_that_carry_no_messages(key: str) -> None:
+    assert refused(key, b"\x90") == "key"
+
+
+@pytest.mark.parametrize(
+    "opening", [b"\x91", b"\x81\xa0", b"\xdc\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xdf\xff\xff\xff\xff"]
+)
+def test_deep_or_boundless_nesting(opening: bytes) -> None:
+    assert refused("disknav/test/robot/1/state", opening * 20_000) in ("oversize", "shape", "type")
+
+
+def test_extensions_and_text_that_is_not_utf8() -> None:
+    for payload in (b"\xd4\x00\x00", b"\xd6\xff\x00\x00\x00\x00", b"\x91\xa2\xff\xfe", b"\xc1", b""):
+        assert refused("disknav/test/robot/1/state", payload) in ("shape", "type")
