@@ -35,8 +35,8 @@ class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
     peer: Id  # the follower, the higher id of the pair
     peer_incarnation: Count  # the life of the follower that is meant
     number: Count  # counts up per pair; anything not newer is ignored
-    nx: float  # unit normal, pointing from owner to follower
-    ny: float
+    nx: float  # x of the unit normal n, which points from owner to follower
+    ny: float  # y of n
     offset: float  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
 
 
@@ -115,7 +115,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
 
 
 class Health(Message, frozen=True, array_like=True, gc=False):
-    """One robot about itself, about once a second and at the end of a run."""
+    """One robot about itself, a few times a second and at the end of a run."""
 
     robot: Id  # who reports
     incarnation: Count  # its life

@@ -41,7 +41,7 @@ def draw_heard_ages(axes: Axes, recording: Recording) -> None:
     """Age of what each robot had heard of that peer of which it knew the oldest."""
     heard = Heard(recording)
     _ages(axes, recording, *heard.ages())
-    axes.set_title(f"age of the oldest peer state heard; {heard.share_lost():.0%} of states lost", loc="left")
+    axes.set_title(f"age of oldest peer state, {heard.share_lost():.0%} lost", loc="left")
 
 
 def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:

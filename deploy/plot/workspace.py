@@ -36,7 +36,14 @@ def frame(axes: Axes, recording: Recording) -> None:
     radius = recording.scenario.workspace.radius
     axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
     margin = 1.04 * radius
-    axes.set(xlim=(-margin, margin), ylim=(-margin, margin), aspect="equal", xlabel="x, m", ylabel="y, m")
+    axes.set(
+        xlim=(-margin, margin),
+        ylim=(-margin, margin),
+        aspect="equal",
+        anchor="N",
+        xlabel="x, m",
+        ylabel="y, m",
+    )
     axes.grid(visible=False)
 
 
