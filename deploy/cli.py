@@ -14,7 +14,6 @@ from deploy.commands.plot import plot
 from deploy.commands.replay import replay
 from deploy.commands.run import run
 from deploy.commands.single import robot, router, world
-from deploy.commands.study import study
 from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from protocol.errors import DisknavError, KeyGrammarError, ScenarioError, UsageError
 
@@ -28,7 +27,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-for command in (run, check, study, plot, replay, info, monitor, robot, world, router):
+for command in (run, check, plot, replay, info, monitor, robot, world, router):
     app.command()(command)
 app.add_typer(scenario.app, name="scenario")
 

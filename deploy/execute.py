@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import tempfile
+import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from deploy.fleet import Fleet
+from deploy.live_page import live_page
 from deploy.local import LocalFleet
 from deploy.options import RunOptions
+from deploy.plot.draw import check, draw
 from deploy.progress import RunProgress
+from deploy.recording.result import attach
 from deploy.result import Result, complete
 from protocol.errors import UsageError
 from protocol.scenario import Scenario
@@ -32,38 +36,45 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
         UsageError: the options do not fit together, or an optional library is missing.
         ProcessError, BusError: the fleet could not be started.
     """
-    for target in (extras.record, extras.plot):
-        if target is not None and not target.parent.is_dir():
-            raise UsageError(f"{target}: the folder {target.parent} does not exist")
+    _check(extras)
     with ExitStack() as stack:
         recording = _recording_path(extras, stack)
-        with RunProgress(scenario, quiet) as progress:
-            fleet = _fleet(scenario, options, recording, progress, extras.web)
+        with (
+            RunProgress(scenario, quiet) as progress,
+            _fleet(scenario, options, recording, progress) as fleet,
+        ):
+            page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports, processes = fleet.execute(), fleet.processes()
         result = complete(reports[0], options, processes)
         if recording is not None:
-            from deploy.recording.result import attach
-
             attach(recording, result)
         if extras.plot is not None and recording is not None:
-            from deploy.plot import draw
-
             draw(recording, extras.plot)
+        if page is not None and sys.stdin.isatty():
+            page.linger()
     return result
+
+
+def _check(extras: Extras) -> None:
+    """Find out before the run what would fail after it."""
+    if extras.record is not None and not extras.record.parent.is_dir():
+        raise UsageError(f"{extras.record}: the folder {extras.record.parent} does not exist")
+    if extras.plot is not None:
+        check(extras.plot)
 
 
 def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
     """Where to record: as asked, or somewhere for the picture's sake."""
     if extras.record is not None or extras.plot is None:
         return extras.record
-    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
+    return Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
 
 
 def _fleet(
-    scenario: Scenario, options: RunOptions, recording: Path | None, progress: RunProgress, web: bool
+    scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
 ) -> Fleet | LocalFleet:
     if options.transport == "local":
         return LocalFleet(
-            [scenario], options.run, lockstep=options.lockstep, watch=progress.watch, record=recording
+            [scenario], options.run, lockstep=options.lockstep, watch=bar.watch, record=recording
         )
-    return Fleet([scenario], options, watch=progress.watch, record=recording, web=web)
+    return Fleet([scenario], options, watch=bar.watch, record=recording)

@@ -14,7 +14,8 @@ from typing import Any
 from deploy import process_table as table
 from deploy.fault_schedule import FaultSchedule
 from deploy.options import RunOptions
-from deploy.supervisor import Exit, Supervisor
+from deploy.process_life import Exit
+from deploy.supervisor import Supervisor
 from deploy.topology import Mesh, Routed, Topology
 from deploy.unjudged import unjudged
 from protocol.bus import Event, Sample
@@ -31,10 +32,11 @@ Watcher = Callable[[Clock | Truth], None]
 _START = 10.0  # s for a process to say that it is ready
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
+_ECHO = 0.5  # s for messages of a process that has ended
 _POLL = 0.02  # s
 
 
-class FleetLost(Exception):
+class FleetLostError(Exception):
     """A process that the run needs has ended."""
 
 
@@ -113,12 +115,12 @@ class Fleet:
     def execute(self) -> list[Report]:
         """Watch until every scenario has its report; Ctrl-C and lost processes end the run, with a report."""
         try:
-            while len(self._reports) < len(self._scenarios):
+            while not self._complete:
                 self._take(self._bus.receive(_POLL))
                 self._check(self._supervisor.poll())
         except KeyboardInterrupt:
             self._cut("interrupted", "stopped by the user")
-        except FleetLost as loss:
+        except FleetLostError as loss:
             self._cut("aborted", str(loss))
         return self._reports
 
@@ -166,9 +168,20 @@ class Fleet:
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
-            vital = exit_.process.vital and len(self._reports) < len(self._scenarios)
-            if vital or not (exit_.expected or self._started):
-                raise FleetLost(str(exit_))
+            if exit_.process.vital:
+                self._listen_on()
+            if (exit_.process.vital and not self._complete) or not (exit_.expected or self._started):
+                raise FleetLostError(str(exit_))
+
+    @property
+    def _complete(self) -> bool:
+        return len(self._reports) == len(self._scenarios)
+
+    def _listen_on(self) -> None:
+        """What a process said before it ended may still be on its way."""
+        deadline = time.monotonic() + _ECHO
+        while not self._complete and time.monotonic() < deadline:
+            self._take(self._bus.receive(_POLL))
 
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""

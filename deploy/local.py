@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 from agents.node import RobotNode
 from deploy.fault_schedule import FaultSchedule
+from deploy.recording.recorder import Recorder
 from protocol.bus import Event, Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.keys import world_key
-from protocol.messages import Clock
+from protocol.messages import Clock, Truth
 from protocol.scenario import ProcessFault, Scenario
 from world.node import WorldNode
 
-Watcher = Callable[[Clock], None]
+Watcher = Callable[[Clock | Truth], None]
 
 
 class LocalFleet:
-    """World and robots of one or more runs (same robots) in one thread."""
+    """World and robots of one or more runs (same robots) in one thread: `deploy.fleet.Fleet` in small.
+
+    Args:
+        scenarios: k already numbers; all with the same robot ids.
+        run: name of the run.
+        lockstep: whether the world waits for every robot.
+        watch: is told every Clock and Truth.
+        record: file to record to.
+    """
 
     def __init__(
         self,
@@ -27,17 +38,20 @@ class LocalFleet:
         *,
         lockstep: bool = True,
         watch: Watcher | None = None,
+        record: Path | None = None,
     ) -> None:
         self.network = LocalNetwork()
         self.run = run
         bus = self.network.connect()
         self.world = WorldNode(bus, run, scenarios, lockstep)
         bus.node = self.world
+        self._recorder = None if record is None else self._record(record)
         self.robots: dict[int, LocalBus] = {}
         for robot in scenarios[0].ids:
             self.start(robot)
         operator = self.network.connect()
-        operator.subscribe(world_key(run, "clock"))
+        for stream in ("clock", "truth"):
+            operator.subscribe(world_key(run, stream))
         operator.node = Operator(self, FaultSchedule(scenarios), watch)
 
     def start(self, robot: int) -> None:
@@ -49,12 +63,29 @@ class LocalFleet:
         """End a robot's node at once; its token goes."""
         self.robots[robot].close()
 
-    def execute(self) -> list[dict[str, object]]:
+    def __enter__(self) -> LocalFleet:
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        """Nothing outlives the thread."""
+
+    def processes(self) -> list[dict[str, Any]]:
+        """There are none of its own."""
+        return []
+
+    def _record(self, path: Path) -> Recorder:
+        bus = self.network.connect()
+        recorder = bus.node = Recorder(bus, self.run, path)
+        return recorder
+
+    def execute(self) -> list[dict[str, Any]]:
         """Run to the end; one report a scenario. Ctrl-C ends the run as interrupted, with its report."""
         try:
             self.network.run(lambda: self.world.finished)
         except KeyboardInterrupt:
             self.world.interrupt("interrupted", "stopped by the user")
+        if self._recorder is not None:
+            self._recorder.close()
         return self.world.reports
 
 
@@ -72,12 +103,12 @@ class Operator:
     def handle(self, event: Event) -> None:
         if not isinstance(event, Sample):
             return
-        clock = decode(event.key, event.payload)
-        if isinstance(clock, Clock):
-            for fault in self._schedule.due(clock):
+        message = decode(event.key, event.payload)
+        if isinstance(message, Clock):
+            for fault in self._schedule.due(message):
                 self._carry_out(fault)
-            if self._watch is not None:
-                self._watch(clock)
+        if self._watch is not None and isinstance(message, Clock | Truth):
+            self._watch(message)
 
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""

@@ -54,8 +54,8 @@ def table(result: Mapping[str, Any]) -> RenderableType:
 
 def _figures(result: Mapping[str, Any]) -> Table:
     grid = Table.grid(padding=(0, 3))
-    phi, messages = result["phi"], result.get("messages", {})
-    rejected = sum(messages.get("rejected", {}).values())
+    phi, messages = result["phi"], result["messages"]
+    rejected = sum(messages["rejected"].values())
     rows = [
         ("time", f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real"),
         ("ticks", f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, {result['transport']}"),
@@ -65,7 +65,7 @@ def _figures(result: Mapping[str, Any]) -> Table:
         ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
         (
             "messages",
-            f"{messages.get('published', 0)} published, {messages.get('received', 0)} received, {rejected} rejected",
+            f"{messages['published']} published, {messages['received']} received, {rejected} rejected",
         ),
         ("missed", f"{result['missed_commands']} commands"),
         ("trajectory", result["trajectory_sha256"] or "-"),

@@ -1,4 +1,4 @@
-"""The report of a run whose world is gone: what the launcher last heard, and nothing that only a judge can say."""
+"""The report of a run whose world is gone: what the launcher last heard, no judgement."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The bus on zenoh. The only module that imports it.
 
-zenoh's threads do the least possible with what arrives: they put it into one queue. Everything else
-happens in `receive`, on the thread that owns the bus. A callback that computed would be starved by a
-busy main thread, and one that closed its own session would never return.
+zenoh's threads do the least possible with what arrives: they put it into one queue, and run not a
+line of Python for it, which would halve the rate of a fleet. Everything else happens in `receive`,
+on the thread that owns the bus: a callback that computed would be starved by a busy main thread.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from protocol.streams import Stream
 _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in short attempts
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
 _LONGEST = 3600.0  # s, longest single wait for the queue
-_CAPACITY = 1 << 16  # events that may wait; a flood beyond it is dropped and counted
+_LINKING = 5.0  # s a peer waits for its links before it announces itself
+_CAPACITY = 1 << 16  # events that may wait; of more, the older half is dropped and counted
 
 _Arrived = zenoh.Sample | zenoh.Query | Presence
 
@@ -47,6 +48,7 @@ class ZenohBus:
     def __init__(self, connection: Connection) -> None:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
+        self._connection = connection
         self._session = _open(connection)
         self.dropped = 0  # events lost to a full queue
 
@@ -63,7 +65,7 @@ class ZenohBus:
         return publisher.put
 
     def subscribe(self, key_expression: str) -> None:
-        handler = zenoh.handlers.Callback(self._arrived, indirect=False)
+        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
     def watch(self, key_expression: str) -> None:
@@ -73,10 +75,13 @@ class ZenohBus:
         )
 
     def serve(self, key: str) -> None:
-        handler = zenoh.handlers.Callback(self._arrived, indirect=False)
+        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_queryable(key, handler, complete=True))
 
     def announce(self, key: str) -> None:
+        # Without a router in between, what is published before a link is up is lost to that peer.
+        if self._connection.mode == "peer":
+            self._await_links()
         self._declared.append(self._session.liveliness().declare_token(key))
 
     def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
@@ -94,6 +99,8 @@ class ZenohBus:
         )
 
     def receive(self, timeout: float) -> Event | None:
+        if self._queue.qsize() > _CAPACITY:
+            self._shed()
         try:
             arrived = self._queue.get(timeout > 0.0, min(timeout, _LONGEST))
         except Empty:
@@ -108,11 +115,18 @@ class ZenohBus:
         self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
         self._declared.clear()
 
-    def _arrived(self, arrived: zenoh.Sample | zenoh.Query) -> None:
-        if self._queue.qsize() < _CAPACITY:
-            self._queue.put(arrived)
-        else:
-            self.dropped += 1
+    def _await_links(self) -> None:
+        """Wait for the links to all of `connection.connect`, but not for ever: one may be down for good."""
+        deadline = time.monotonic() + _LINKING
+        wanted = set(self._connection.connect)
+        while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
+            time.sleep(0.005)
+
+    def _shed(self) -> None:
+        """Drop the older half of a queue that has grown too long: nobody can be meant to catch up with it."""
+        for _ in range(_CAPACITY // 2):
+            self._queue.get_nowait()
+        self.dropped += _CAPACITY // 2
 
     def _presence(self, sample: zenoh.Sample) -> None:
         self._queue.put(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))

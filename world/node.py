@@ -11,6 +11,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from enum import Enum
+from typing import Any
 
 import msgspec
 
@@ -54,7 +55,7 @@ class WorldNode:
         gathering: float = GATHERING,
         patience: float = PATIENCE,
     ) -> None:
-        self.reports: list[dict[str, object]] = []
+        self.reports: list[dict[str, Any]] = []
         self.finished = False
         self.steering = Steering()
         self._bus, self._run, self._lockstep = bus, run, lockstep

@@ -46,9 +46,8 @@ def run(
 
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.load import load
-
     from deploy.execute import Extras, execute
+    from deploy.load import load
 
     loaded = load(scenario, setting or [], seed)
     options = RunOptions(transport, mode, router, fresh_run_name() if name is None else checked_run(name))

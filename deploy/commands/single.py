@@ -43,7 +43,6 @@ def world(
     Example: disknav world figure-1 --run demo
     """
     from deploy.load import load
-
     from protocol.connection import Connection
     from world.process import main
 

@@ -1,0 +1,177 @@
+"""`disknav check`: what the theory says about a scenario, and what is seen in practice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from agents.navigation.assumptions import Margins, Status, first_status, margins, second_status
+from agents.navigation.best_bound import best_bounds
+from agents.navigation.bounds import Bounds
+from agents.navigation.function import Array, Problem, displacements, in_free_space
+from agents.navigation.reachability import mirrored_triples
+from agents.navigation.tuning import automatic_k, density
+from deploy.check_practice import Practice, practice
+from deploy.check_render import render
+from protocol.scenario import Scenario
+from world.measures import tight
+
+__all__ = ["Assumption", "CheckReport", "Free", "Practice", "Shortfall", "render", "report", "to_json"]
+
+LISTED = 5  # shortfalls that are spelled out
+
+
+@dataclass(frozen=True)
+class Free:
+    """Whether a configuration is free, and its smallest clearance, m (negative is overlap)."""
+
+    free: bool
+    clearance: float
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A cluster for which an assumption is not shown. Ids, None when it stands for all clusters of its size.
+
+    margin: left-hand side minus right-hand side, m, not positive.
+    """
+
+    robots: tuple[int, ...] | None
+    size: int
+    margin: float
+    status: Status
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """One assumption over all clusters, in the limit of small eps; worst: the smallest margin, m."""
+
+    status: Status
+    worst: float
+    clusters: int
+    failing: int
+    shortfalls: tuple[Shortfall, ...]  # smallest clusters first, then the widest gap; at most LISTED
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """Everything `disknav check` says. Lengths in m, eps in m^2.
+
+    exact: every cluster was looked at and Lambda', Lambda'' are attained; else they are proven upper bounds.
+    bounds: at the best eps, None where the assumptions are not shown.
+    """
+
+    scenario: str
+    robots: int
+    density: float
+    tight: float | None
+    k: float
+    automatic: bool
+    automatic_k: float
+    start: Free
+    goal: Free
+    unreachable: tuple[tuple[int, int, int], ...]
+    every_cluster: bool
+    exact: bool
+    assumption_1: Assumption
+    assumption_2: Assumption
+    bounds: Bounds | None
+    practice: Practice | None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether the theory covers the k in use."""
+        return self.bounds is not None and self.k > self.bounds.polar
+
+
+def report(scenario: Scenario) -> CheckReport:
+    """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
+
+    Takes from milliseconds to a few seconds; the part about practice is left out beyond 64 robots.
+    """
+    problem, start, ids = _problem(scenario)
+    found = margins(problem, 0.0)
+    several = np.flatnonzero(found.clusters.sizes >= 2)
+    return CheckReport(
+        scenario=scenario.name,
+        robots=problem.p,
+        density=density(problem.radii, problem.workspace),
+        tight=tight(scenario),
+        k=problem.k,
+        automatic=scenario.control.k == "auto",
+        automatic_k=automatic_k(problem.radii, problem.workspace),
+        start=_free(problem, start),
+        goal=_free(problem, problem.goals),
+        unreachable=tuple((ids[i], ids[j], ids[k]) for i, j, k in mirrored_triples(problem, start)),
+        every_cluster=found.clusters.enumerated,
+        exact=bool(found.stretch.exact[several].all()),
+        assumption_1=_assumption(
+            ids, found, found.first, several, lambda row: first_status(problem, found, row, 0.0)
+        ),
+        assumption_2=_assumption(ids, found, found.second, several, lambda row: second_status(found, row)),
+        bounds=best_bounds(problem),
+        practice=practice(problem, start, scenario.seed),
+    )
+
+
+def to_json(found: CheckReport) -> dict[str, Any]:
+    """Plain data; an infinite number becomes None, since JSON has none."""
+    plain = _finite(asdict(found)) | {"guaranteed": found.guaranteed}
+    if found.bounds is not None:
+        plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
+    return dict(plain)
+
+
+def _problem(scenario: Scenario) -> tuple[Problem, Array, tuple[int, ...]]:
+    """The problem, the start, and robot ids, all in order of id."""
+    specs = [scenario.spec(robot) for robot in scenario.ids]
+    radii = np.array([spec.radius for spec in specs])
+    workspace, k = scenario.workspace.radius, scenario.control.k
+    gain = automatic_k(radii, workspace) if isinstance(k, str) else k
+    goals, start = (np.array([getattr(spec, name) for spec in specs], dtype=np.float64) for name in _ENDS)
+    return Problem(goals, radii, workspace, gain), start, scenario.ids
+
+
+_ENDS = ("goal", "start")
+
+
+def _free(problem: Problem, b: Array) -> Free:
+    gaps = np.linalg.norm(displacements(b), axis=2) - problem.contact
+    np.fill_diagonal(gaps, np.inf)
+    rim = problem.reach - np.linalg.norm(b, axis=1)
+    return Free(in_free_space(problem, b), float(min(gaps.min(), rim.min())))
+
+
+def _assumption(
+    ids: tuple[int, ...],
+    found: Margins,
+    values: Array,
+    rows: np.ndarray[Any, np.dtype[np.intp]],
+    status: Callable[[int], Status],
+) -> Assumption:
+    failing = [int(row) for row in rows if not values[row] > 0.0]
+    failing.sort(key=lambda row: (found.clusters.sizes[row], values[row]))
+    states = [status(row) for row in failing]
+    listed = [
+        Shortfall(_names(ids, found, row), int(found.clusters.sizes[row]), float(values[row]), state)
+        for row, state in zip(failing[:LISTED], states[:LISTED], strict=True)
+    ]
+    overall: Status = "violated" if "violated" in states else "not shown" if states else "holds"
+    worst = float(values[rows].min()) if len(rows) else float("inf")
+    return Assumption(overall, worst, len(rows), len(failing), tuple(listed))
+
+
+def _names(ids: tuple[int, ...], found: Margins, row: int) -> tuple[int, ...] | None:
+    members = found.clusters.names(row)
+    return None if members is None else tuple(ids[i] for i in members)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

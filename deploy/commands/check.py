@@ -1,0 +1,37 @@
+"""`disknav check`: what the theory says of a scenario."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Annotated
+
+import typer
+
+
+def check(
+    scenario: Annotated[
+        str, typer.Argument(help="A scenario file, or a library name.")
+    ],
+    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON instead.")] = False,
+) -> None:
+    """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
+
+    Example: disknav check figure-2
+
+    Exit status: 0 valid (whatever the theory says), 2 invalid.
+    """
+    from deploy import check as theory
+    from deploy.load import load
+
+    report = theory.report(load(scenario, setting or [], seed))
+    if as_json:
+        sys.stdout.write(json.dumps(theory.to_json(report), indent=2) + "\n")
+    else:
+        from rich.console import Console
+
+        Console().print(theory.render(report))

@@ -1,0 +1,61 @@
+"""The live page beside a run: in real time unless its viewer asks for another speed."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from deploy.fleet import Fleet
+from deploy.local import LocalFleet
+from deploy.monitor.attachment import Attachment
+from deploy.monitor.watcher import Watcher
+from deploy.options import RunOptions
+from protocol.bus_zenoh import ZenohBus
+
+_REAL_TIME = 1.0  # simulated seconds per second
+
+
+class Page:
+    """A page that is being served at `address`."""
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+
+    def linger(self) -> None:
+        """Stay after the run until Ctrl-C, so that its end can be looked at."""
+        print(f"{self.address} stays until Ctrl-C", file=sys.stderr, flush=True)
+        try:
+            signal.pause()
+        except KeyboardInterrupt:
+            return
+
+
+@contextmanager
+def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
+    """Serve a page that shows `fleet`; its address is printed to standard error.
+
+    Raises:
+        UsageError: the libraries of the extra `web` are not installed.
+    """
+    from deploy.monitor.server import serve_in_thread
+
+    speed = _REAL_TIME if options.lockstep else None
+    source = _watch(fleet, options.run, speed)
+    server = serve_in_thread(source)
+    print(f"live page: {server.address}", file=sys.stderr, flush=True)
+    try:
+        yield Page(server.address)
+    finally:
+        server.close()
+        if isinstance(source, Attachment):
+            source.close()
+
+
+def _watch(fleet: Fleet | LocalFleet, run: str, speed: float | None) -> Watcher:
+    if isinstance(fleet, Fleet):
+        return Attachment(ZenohBus(fleet.topology.observer()), run, speed=speed)
+    bus = fleet.network.connect()
+    watcher = bus.node = Watcher(bus, run, speed=speed)
+    return watcher
