@@ -9,15 +9,21 @@ from typing import Annotated
 import typer
 
 from deploy.monitor.source import Source
+from protocol.connection import Connection
 
 DEFAULT_ROUTER = "tcp/127.0.0.1:7447"
+_TIMEOUT = 5.0  # s to reach somebody
 
 
 def monitor(
     run: Annotated[str, typer.Option(help="Name of the run; the fleet's launcher prints it.")],
     router: Annotated[
-        str, typer.Option(help="Endpoint of the fleet's router; in a mesh, of any of its processes.")
-    ] = DEFAULT_ROUTER,
+        list[str] | None,
+        typer.Option(
+            help=f"Endpoint of the fleet's router, {DEFAULT_ROUTER} unless given; "
+            "repeat it for each process of a mesh."
+        ),
+    ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
     port: Annotated[
         int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
@@ -34,7 +40,7 @@ def monitor(
     """
     from deploy.monitor.attachment import attach
 
-    with closing(attach(router, run)) as source:
+    with closing(attach(_connection(router or [DEFAULT_ROUTER]), run)) as source:
         try:
             if web:
                 _serve(source, port)
@@ -44,6 +50,11 @@ def monitor(
                 show(source)
         except KeyboardInterrupt:
             pass
+
+
+def _connection(endpoints: list[str]) -> Connection:
+    """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
+    return Connection("client" if len(endpoints) == 1 else "peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
 def _serve(source: Source, port: int | None) -> None:

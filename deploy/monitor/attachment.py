@@ -40,15 +40,15 @@ class Attachment(Watcher):
         self._thread.join()
 
 
-def attach(endpoint: str, run: str, *, speed: float | None = None, timeout: float = 5.0) -> Attachment:
-    """Watch `run` through the router (or any listening peer) at `endpoint`.
+def attach(connection: Connection, run: str, *, speed: float | None = None) -> Attachment:
+    """Watch `run` over a session of its own. The run need not be there yet.
 
-    The run need not be there yet. The fleet does not notice: all that is subscribed to is dropped
-    rather than waited for when this process cannot keep up.
+    The fleet does not notice: all that is subscribed to is dropped rather than waited for when this
+    process cannot keep up.
 
     Raises:
-        BusError: nobody listens at `endpoint`.
+        BusError: nobody listens where `connection` leads.
         KeyGrammarError: the run name cannot be one.
     """
     checked_run(run)
-    return Attachment(ZenohBus(Connection(connect=(endpoint,), timeout=timeout)), run, speed=speed)
+    return Attachment(ZenohBus(connection), run, speed=speed)
