@@ -10,14 +10,14 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Le, Len
+from annotated_types import Ge, Le, Len
 
 from protocol.errors import Problem, ScenarioError
 
 # The bounds of size keep squares and products of lengths away from the ends of a double's range.
-Positive = Annotated[float, Gt(0), Ge(1e-9), Le(1e6)]
+Positive = Annotated[float, Ge(1e-9), Le(1e6)]
 NonNegative = Annotated[float, Ge(0), Le(1e6)]
-Gain = Annotated[float, Gt(0), Ge(1e-9), Le(1e12)]
+Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]

@@ -30,7 +30,6 @@ _KINDS = {
     "literal_error": "one of the known words",
 }
 _BOUNDS = {
-    "greater_than": ("gt", "greater than"),
     "greater_than_equal": ("ge", "at least"),
     "less_than_equal": ("le", "at most"),
 }

@@ -36,8 +36,10 @@ class Sound:
         """Number of elements of the array at `steps`, malformed ones included; 0 where there is none."""
         value: Any = self._document
         for step in steps:
-            found = step in value if isinstance(value, dict) else isinstance(value, list)
-            if not found:
+            if isinstance(value, dict):
+                value = value.get(step)
+            elif isinstance(value, list) and isinstance(step, int):
+                value = value[step]
+            else:
                 return 0
-            value = value[step]
         return len(value) if isinstance(value, list) else 0

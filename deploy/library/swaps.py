@@ -13,6 +13,7 @@ RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts
 SPACING = 0.10  # m, least distance between neighbours; the circle grows when there are too many
 MARGIN = 0.05  # m, from the circle to the boundary
+LARGEST_JITTER = 0.015  # m, keeps starts apart and inside
 
 
 def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
@@ -22,12 +23,12 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
         jitter: m; each start is moved by up to this much, which takes the fleet off the saddle.
 
     Raises:
-        UsageError: `count` is below 2 or above 1000, or `jitter` is so large that starts may overlap.
+        UsageError: `count` is below 2 or above 1000, or `jitter` is out of range.
     """
     if not 2 <= count <= 1000:
         raise UsageError(f"{count} robots cannot swap: choose between 2 and 1000")
-    if not 0.0 <= jitter < MARGIN - RADIUS:
-        raise UsageError(f"jitter {jitter:g}: choose at least 0 and below {MARGIN - RADIUS:g} m")
+    if not 0.0 <= jitter <= LARGEST_JITTER:
+        raise UsageError(f"jitter {jitter:g}: choose between 0 and {LARGEST_JITTER} m")
     circle = max(CIRCLE, SPACING / (2.0 * math.sin(math.pi / count)))
     places = _circle(count, circle)
     draws = generator(seed, Purpose.SCENARIO).uniform(size=(count, 2))
