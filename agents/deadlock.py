@@ -23,7 +23,8 @@ SLOW = 0.1  # below this fraction of the free speed there is no progress
 WINDOW = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
 SWING = 3.0  # the window grows by this times the latency: robots that repel each other late swing slowly
 STALEST = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
-PATIENCE = 1.0  # s without progress before the escape begins
+PATIENCE = 1.0  # s without progress before the escape begins, with fresh information
+TRIPS = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
 RISE = 0.5  # s from no drift to full drift
 BURST = 3.0  # s that an escape lasts at most; then the robot is patient again, for a drift too can hold it
 RELEASE = 1.0  # s from full drift to none, once there is progress or the burst is over
@@ -76,8 +77,8 @@ class Progress:
             free: free speed, m/s; 0 at the goal.
             gamma: sum of all robots' squared distances to their goals, m^2, as known.
             barred: whether a disk bars the straight way to the goal (`barred`).
-            latency: age of the oldest peer state in use, s; a line takes a round trip to give way, so the
-                patience grows by twice that.
+            latency: age of the oldest peer state in use, s. A filter that waits for answers holds a robot
+                for some round trips without any deadlock: the patience grows with it.
         """
         latency = min(latency, STALEST)
         weight = min(1.0, self.period / (WINDOW + SWING * latency))
@@ -90,7 +91,7 @@ class Progress:
             self._mark, self._quiet = gamma, 0.0
         stalls = free > 0.0 and self._stalls(barred, latency)
         self._stalled = self._stalled + self.period if stalls else 0.0
-        begun = self._stalled - PATIENCE - 2.0 * latency
+        begun = self._stalled - PATIENCE - TRIPS * latency
         if 0.0 < begun <= BURST:
             self.strength = min(1.0, self.strength + self.period / RISE)
         else:
@@ -104,7 +105,7 @@ class Progress:
         _, (mx, my) = self._moved
         wanted = math.hypot(wx, wy)
         if wanted < SLOW * self._free:
-            return barred or self._quiet > PATIENCE + 2.0 * latency
+            return barred or self._quiet > PATIENCE + TRIPS * latency
         return mx * wx + my * wy < SLOW * self._free * wanted
 
 

@@ -17,7 +17,7 @@ SPEED, TOLERANCE = 0.1, 0.005
 
 @dataclass
 class Fleet:
-    """`delay` is the age of the peers' states in ticks; `stopped(time, robot)` stands for a filter."""
+    """`delay` is the age of the peers' states in ticks."""
 
     positions: list
     goals: list
@@ -28,7 +28,6 @@ class Fleet:
     period: float = 0.05
     delay: int = 0
     escapes: bool = False
-    stopped: object = None
     clearance: float = math.inf
     lengths: float = 0.0
     time: float = 0.0
@@ -86,9 +85,7 @@ class Fleet:
             slices = [own.norm(*here) if j == i else norm for j, norm in enumerate(seen[2])]
             scale = common_pace(slices, [*seen[1], error**2], SPEED, scale)
         wanted = desired_velocity(Flow(own, scale), here, period=self.period, speed=SPEED)
-        if self.escapes:
-            wanted = self._escape(i, seen, own, scale, wanted)
-        return (0.0, 0.0) if self.stopped and self.stopped(self.time, i, wanted) else wanted
+        return self._escape(i, seen, own, scale, wanted) if self.escapes else wanted
 
     def _escape(
         self, i: int, seen: tuple, own: Slice, scale: float, wanted: tuple[float, float]

@@ -82,8 +82,12 @@ def test_an_escape_that_does_not_help_pauses() -> None:
 
 
 def test_patience_grows_with_the_latency() -> None:
-    assert still(Progress(0.05), 2.5, latency=1.0) == 0.0
-    assert still(Progress(0.05), 5.0, latency=1.0) == 1.0
+    assert still(Progress(0.05), 6.5, latency=1.0) == 0.0
+    assert still(Progress(0.05), 9.0, latency=1.0) == 1.0
+
+
+def test_a_peer_that_is_cut_off_does_not_stretch_the_patience_for_ever() -> None:
+    assert still(Progress(0.05), 15.0, latency=1e6) == 1.0
 
 
 def test_at_the_goal_there_is_nothing_to_escape() -> None:
