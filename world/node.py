@@ -224,7 +224,8 @@ class WorldNode:
 
     def _may_tick(self) -> bool:
         now = time.monotonic()
-        if self.steering.speed > 0.0 and self.world.tick > 0 and now < self._since + self._pause():
+        limited = self.steering.speed > 0.0 and not self.steering.paused  # steps are not held back
+        if limited and self.world.tick > 0 and now < self._since + self._pause():
             self.deadline = self._since + self._pause()
             return False
         return self.steering.allow()
