@@ -100,6 +100,7 @@ def test_the_issue_in_one_line() -> None:
         ("[time]\nstep = 1e-9\nlimit = 10.0" + ROBOTS, "time.limit", "more than 1e+09 steps"),
         ("[time]\nlimit = 1e300" + ROBOTS, "time.limit", "at most"),
         ("time = 3" + ROBOTS, "time", "must be a table"),
+        ("link = [1]" + ROBOTS, "link", "must be a table, not an array"),
         ("name = 2020-01-01" + ROBOTS, "name", "must be a string, not a date"),
         ("seed = 1.0" + ROBOTS, "seed", "must be a whole number"),
         (f"seed = {10**30}" + ROBOTS, "seed", "whole number"),
