@@ -18,8 +18,8 @@ def boundary_gradient(problem: Problem, b: Array) -> Array:
 
     Lemma E.4: -(1 / (k gamma^k)) grad beta. Its printed second form, a sum of beta_ij grad beta_ij, lacks
     a bar: the factor of grad beta_ij is the product of all the *other* obstacle functions (as printed the
-    sum is zero with one contact, against Proposition C.1). Hence it is non-zero with one contact, zero
-    with two or more.
+    touching pair would be the one that drops out, and finite differences of phi disagree in direction).
+    Hence it is non-zero with one contact (Proposition C.1), zero with two or more (Proposition C.2).
     """
     values = obstacle_functions(problem, b)
     weights = np.zeros_like(values)
