@@ -164,8 +164,9 @@ class RobotNode:
 
     def _on_clock(self, clock: Clock) -> None:
         self._heard_world = time.monotonic()
-        if clock.verdict and not self._ended:
-            self._ended = True
+        assert self.core is not None
+        stale = self.core.tick < 0 < clock.tick  # of the run before, repeated after this life joined the next
+        if clock.verdict and not self._ended and not stale:
             self._rejoin()
 
     def _rejoin(self) -> None:
