@@ -9,8 +9,9 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from deploy.process_life import Exit
 from deploy.process_table import Process, router
-from deploy.supervisor import Exit, Supervisor
+from deploy.supervisor import Supervisor
 from protocol.bus import Presence
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection

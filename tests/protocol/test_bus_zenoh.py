@@ -109,6 +109,26 @@ def test_a_peer_announces_itself_when_all_its_links_are_up(tmp_path: Path) -> No
     assert heard == [None, Presence(ALIVE, True)]
 
 
+@pytest.mark.process
+def test_a_killed_peer_can_come_back_under_its_endpoint(tmp_path: Path) -> None:
+    world, robot, later = (f"unixsock-stream/{tmp_path / name}" for name in ("world", "1", "2"))
+    with ExitStack() as stack:
+        first = stack.enter_context(closing(ZenohBus(Connection("peer", listen=(world,)))))
+        supervisor = stack.enter_context(Supervisor(children.spawner()))
+        connection = Connection("peer", connect=(world,), listen=(robot,))
+        supervisor.start([children.row("robot-1", children.announce, connection, ALIVE)])
+        first.watch(ALIVE)
+        assert first.receive(PATIENCE) == Presence(ALIVE, True)
+        connection = Connection("peer", connect=(world, robot), listen=(later,))
+        second = stack.enter_context(closing(ZenohBus(connection)))
+        second.watch(ALIVE)
+        assert second.receive(PATIENCE) == Presence(ALIVE, True)
+        supervisor.restart("robot-1")
+        for bus in (first, second):
+            assert bus.receive(PATIENCE) == Presence(ALIVE, False)
+            assert bus.receive(PATIENCE) == Presence(ALIVE, True)
+
+
 def test_a_bus_does_not_hear_itself(connect: Connect) -> None:
     speaker, listener = connect(), connect()
     for bus in (speaker, listener):
