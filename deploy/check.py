@@ -90,7 +90,7 @@ class CheckReport:
 def report(scenario: Scenario) -> CheckReport:
     """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
 
-    Takes from milliseconds to a few seconds; the part about practice is left out beyond 64 robots.
+    Takes from milliseconds to a few seconds; the part about practice is left out beyond 32 robots.
     """
     problem, start, ids = _problem(scenario)
     found = margins(problem, 0.0)

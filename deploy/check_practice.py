@@ -12,7 +12,7 @@ from agents.navigation.function import Array, Problem, in_free_space
 from agents.navigation.sampling import random_configuration
 from protocol.draws import Purpose, generator
 
-LARGEST = 64  # robots
+LARGEST = 32  # robots
 SEARCHED = 12  # robots up to which equilibria are looked for
 RANDOM_STARTS = 10
 
@@ -38,7 +38,7 @@ class Practice:
 
 
 def practice(problem: Problem, start: Array, seed: int) -> Practice | None:
-    """Follow the flow and look for equilibria; None beyond 64 robots or when start or goal is not free."""
+    """Follow the flow and look for equilibria; None beyond 32 robots or when start or goal is not free."""
     if problem.p > LARGEST or not (in_free_space(problem, start) and in_free_space(problem, problem.goals)):
         return None
     starts = _random_starts(problem, seed)

@@ -109,7 +109,7 @@ def _verdict(found: CheckReport) -> list[str]:
 def _practice(found: CheckReport) -> list[str]:
     seen = found.practice
     if seen is None:
-        return ["In practice: not tried (more than 64 robots, or start or goal is not free)."]
+        return ["In practice: not tried (more than 32 robots, or start or goal is not free)."]
     own = f"arrives, nrl {seen.nrl:.2f}" if seen.arrived else _rest(seen.rest)
     lines = [
         f"In practice at k = {found.k:.4g}, exact flow: the scenario's start {own}; "

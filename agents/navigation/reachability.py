@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -22,12 +22,23 @@ def mirrored_triples(problem: Problem, start: Array) -> list[tuple[int, int, int
     2 (rho_i + rho_j + rho_k) of one chord, at most 2 rho_0. So with rho_i + rho_j + rho_k > rho_0 the
     orientation of the triple never changes. The condition is sufficient for unreachability, not necessary.
     """
-    stuck = []
-    large = [int(i) for i in np.argsort(-problem.radii)]
-    for triple in combinations(large, 3):
-        if problem.radii[list(triple)].sum() <= problem.workspace:
-            continue
-        i, j, k = sorted(triple)
-        if _orientation(start, (i, j, k)) != _orientation(problem.goals, (i, j, k)):
-            stuck.append((i, j, k))
-    return sorted(stuck)
+    return sorted(
+        triple
+        for triple in _wide_triples(problem)
+        if _orientation(start, triple) != _orientation(problem.goals, triple)
+    )
+
+
+def _wide_triples(problem: Problem) -> Iterator[tuple[int, int, int]]:
+    """Triples with rho_i + rho_j + rho_k > rho_0; largest first, so that few of many disks are looked at."""
+    order = [int(i) for i in np.argsort(-problem.radii)]
+    radius = problem.radii
+    for first in range(problem.p - 2):
+        for second in range(first + 1, problem.p - 1):
+            for third in range(second + 1, problem.p):
+                i, j, k = sorted((order[first], order[second], order[third]))
+                if radius[[i, j, k]].sum() <= problem.workspace:
+                    if third == second + 1 == first + 2:
+                        return
+                    break
+                yield i, j, k

@@ -113,10 +113,10 @@ def test_auto_is_resolved_and_said() -> None:
     assert "(auto)" in words(found)
 
 
-def test_one_robot_and_seventy_robots_are_checked_too() -> None:
+def test_one_robot_and_forty_robots_are_checked_too() -> None:
     one = report(ring(1, 0.05, 0.30, k=60.0))
     assert one.guaranteed
-    many = report(read("random-70"))
+    many = report(read("random-40"))
     assert not many.every_cluster
     assert many.practice is None
     assert "not tried" in words(many)
