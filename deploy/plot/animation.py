@@ -19,9 +19,9 @@ from deploy.recording.reader import Recording
 from protocol.errors import UsageError
 
 Progress = Callable[[float], None]
-_RATE = 20  # pictures a second
-_LONGEST = 160  # pictures; a longer run is shown faster
-_PAUSE = 20  # pictures that the end stands still
+_RATE = 12  # pictures a second
+_LONGEST = 120  # pictures; a longer run is shown faster
+_PAUSE = 12  # pictures that the end stands still
 _DPI = 100
 
 
