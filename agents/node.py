@@ -72,7 +72,7 @@ class RobotNode:
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation)
-        self._lockstep = admission.lockstep
+        self._lockstep, self._turn, self._oldest = admission.lockstep, admission.turn, admission.oldest
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
@@ -132,6 +132,8 @@ class RobotNode:
     def _on_state(self, state: State) -> None:
         core = self.core
         assert core is not None
+        if state.incarnation < self._oldest.get(state.robot, 0):
+            return  # of an earlier turn
         if not core.hear(state):
             self._rejected["identity"] += 1
         elif not self._commanded and core.complete:

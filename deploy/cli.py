@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 import typer
@@ -35,7 +36,8 @@ _INVALID = (ScenarioError, UsageError, KeyGrammarError)
 
 
 def main() -> None:
-    """Entry point of the `disknav` command."""
+    """Entry point of the `disknav` command. SIGTERM ends it as Ctrl-C does."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         app()
     except _INVALID as error:

@@ -124,6 +124,10 @@ class Fleet:
             self._cut("aborted", str(loss))
         return self._reports
 
+    def signal(self, name: str, number: int) -> None:
+        """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
+        self._supervisor.signal(name, number)
+
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""
         deadline = time.monotonic() + _LEAVING

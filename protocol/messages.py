@@ -102,6 +102,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     active: tuple[Id, ...]  # robots that state and command this tick
     down: tuple[Down, ...]  # fenced robots
     verdict: str  # empty while the run goes on
+    turn: Count = 0  # which of the scenarios that this world judges one after another
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

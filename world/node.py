@@ -62,6 +62,7 @@ class WorldNode:
         self._gathering, self._patience = gathering, patience
         self._scenarios = iter(scenarios)
         self._roster = Roster(scenarios[0].ids)
+        self._turn = -1
         self._begin(next(self._scenarios), {})
         self._declare()
 
@@ -82,6 +83,8 @@ class WorldNode:
 
     def _begin(self, scenario: Scenario, incarnations: dict[int, int]) -> None:
         self._scenario = scenario
+        self._turn += 1
+        self._oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
         self.world = World(scenario, incarnations)
         self._roster.forget_reports()
         self._rejected: Counter[str] = Counter()
@@ -168,7 +171,7 @@ class WorldNode:
             incarnation = self.world.join(robot)
         except JoinError as error:
             return joining.Refusal(str(error))
-        return joining.Admission(incarnation, self._lockstep, self._scenario)
+        return joining.Admission(incarnation, self._lockstep, self._scenario, self._turn, self._oldest)
 
     # -- the clock
 
@@ -251,7 +254,7 @@ class WorldNode:
     def _announce(self) -> None:
         world = self.world
         now = world.tick * self._scenario.time.step
-        self._tell["clock"](encode(Clock(world.tick, now, world.active, world.down, world.verdict)))
+        self._tell["clock"](encode(Clock(world.tick, now, world.active, world.down, world.verdict, self._turn)))
 
     def _close(self) -> None:
         truth = self.world.close_tick()

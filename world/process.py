@@ -11,13 +11,21 @@ from protocol.drive import Stop, drive, stop_on_signal
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
 from protocol.scenario import Scenario
-from world.node import WorldNode
+from world.node import GATHERING, WorldNode
 
 SUCCESS, FAULT = 0, 3
 
 
-def main(connection: Connection, run: str, scenarios: Sequence[Scenario], lockstep: bool) -> int:
+def main(
+    connection: Connection,
+    run: str,
+    scenarios: Sequence[Scenario],
+    lockstep: bool,
+    gathering: float = GATHERING,
+) -> int:
     """Judge `scenarios` one after another in `run`; returns the exit status.
+
+    `gathering` is how long robots may take to join, s.
 
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
     3: the network is gone.
@@ -25,7 +33,7 @@ def main(connection: Connection, run: str, scenarios: Sequence[Scenario], lockst
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            node = WorldNode(bus, checked_run(run), scenarios, lockstep)
+            node = WorldNode(bus, checked_run(run), scenarios, lockstep, gathering=gathering)
             drive(node, bus, on_stop=lambda: node.interrupt("interrupted", "the world was asked to stop"))
     except Stop:
         return SUCCESS

@@ -57,7 +57,9 @@ class GradientLaw:
         for peer, radius in self._radii.items():
             place = neighbours.position(peer)
             if place is not None:
-                gamma = states[peer].gamma if peer in states else 0.0
+                # A fenced robot is an obstacle: that it never arrives must not keep the others off their goals.
+                fixed = peer in neighbours.down or peer not in states
+                gamma = 0.0 if fixed else states[peer].gamma
                 peers.append(Peer(place[0], place[1], radius, gamma))
         return peers
 

@@ -92,8 +92,8 @@ class Ledger:
         if bond is None or state.incarnation < bond.end.peer_life:
             return
         if state.incarnation > bond.end.peer_life:
-            bond.end.meet(state.incarnation)
             bond.state = None
+        bond.end.meet(state.incarnation)
         if bond.state is None or state.tick > bond.state.tick:
             bond.state = state
         end = bond.end
