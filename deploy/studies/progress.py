@@ -1,0 +1,42 @@
+"""How far a study is, and when it will be done, on standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import TimeRemainingColumn as TimeLeftColumn
+
+from deploy.studies.study import Run
+
+
+class StudyProgress:
+    """A bar over all runs, those known from before included; a context manager."""
+
+    def __init__(self, name: str, runs: Sequence[Run], left: Sequence[Run], quiet: bool) -> None:
+        self._progress = Progress(
+            TextColumn(name),
+            BarColumn(bar_width=24),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeLeftColumn(),
+            TextColumn("{task.description}"),
+            console=Console(stderr=True),
+            refresh_per_second=4,
+            transient=True,
+            disable=quiet,
+        )
+        self._task = self._progress.add_task("", total=len(runs), completed=len(runs) - len(left))
+
+    def __enter__(self) -> StudyProgress:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def advance(self, cell: str) -> None:
+        """One more run is done, of this cell."""
+        self._progress.update(self._task, advance=1, description=cell)

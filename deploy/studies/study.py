@@ -1,0 +1,85 @@
+"""What a study is: cells of seeded runs, and what becomes a row of its table."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from deploy.options import Transport
+from protocol.scenario import Scenario
+
+Row = dict[str, Any]
+Result = dict[str, Any]
+Build = Callable[[int], Scenario]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Runs that make one row: the scenario that `build` gives for each of `seeds`.
+
+    labels: what tells this cell from the others, and what its row begins with.
+    build: picklable, and with k already a number in what it gives.
+    """
+
+    labels: Mapping[str, Any]
+    build: Build
+    seeds: Sequence[int]
+    transport: Transport | None = None  # the study's, unless this cell asks for its own
+
+    @property
+    def name(self) -> str:
+        """The labels in one line."""
+        return ", ".join(f"{key} {value}" for key, value in self.labels.items())
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a study, and the key under which its result is kept."""
+
+    cell: int
+    seed: int
+    transport: Transport
+    key: str
+
+
+@dataclass(frozen=True)
+class Study:
+    """A list of cells with the way to make rows of their results.
+
+    row: from a cell's labels and its results, in the order of seeds, to its row.
+    columns: of the printed table, with their formats.
+    summary: lines below the table.
+    isolated: every run has processes of its own, so that what they cost can be told.
+    """
+
+    name: str
+    cells: Sequence[Cell]
+    row: Callable[[Mapping[str, Any], Sequence[Result]], Row]
+    columns: Mapping[str, str]
+    summary: Callable[[Sequence[Row]], list[str]] = lambda _: []
+    isolated: bool = False
+
+    def runs(self, transport: Transport, code: str) -> list[Run]:
+        """All runs; `code` is the digest of the software, so that no result of another one is reused."""
+        found = []
+        for n, cell in enumerate(self.cells):
+            bus = cell.transport or transport
+            settings = pickle.dumps((self.name, dict(cell.labels), cell.build, bus, code), protocol=4)
+            digest = hashlib.sha256(settings).hexdigest()[:16]
+            found += [Run(n, seed, bus, f"{self.name}/{digest}/{seed}") for seed in cell.seeds]
+        return found
+
+    def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
+        """One row for every cell that has results; `results` by cell and seed."""
+        rows = []
+        for n, cell in enumerate(self.cells):
+            known = [results[n, seed] for seed in cell.seeds if (n, seed) in results]
+            if known:
+                rows.append(self.row(cell.labels, known))
+        return rows
+
+
+StudyName = Literal["tightness", "tuning", "robustness", "peers", "scale"]
