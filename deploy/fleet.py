@@ -48,6 +48,7 @@ class Fleet:
         options: transport, clock, names.
         watch: is told every Clock and Truth that is heard.
         record: file that a recorder process writes.
+        on_report: is told every report as soon as its run has ended.
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
@@ -60,9 +61,10 @@ class Fleet:
         *,
         watch: Watcher | None = None,
         record: Path | None = None,
+        on_report: Callable[[Report], None] | None = None,
     ) -> None:
         self._scenarios, self._options = scenarios, options
-        self._watch, self._record = watch, record
+        self._watch, self._record, self._on_report = watch, record, on_report
         self._schedule = FaultSchedule(scenarios)
         self._truth: Truth | None = None
         self._began = time.monotonic()
@@ -146,6 +148,8 @@ class Fleet:
             return
         if isinstance(message, Result):
             self._reports.append(json.loads(message.report))
+            if self._on_report is not None:
+                self._on_report(self._reports[-1])
         elif isinstance(message, Clock | Truth):
             self._follow(message)
 
