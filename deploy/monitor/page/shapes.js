@@ -1,6 +1,6 @@
 // The shapes of the picture, each drawn on a Workspace (its context, scale, colours).
 const HEAD = 6; // px, head of an arrow
-const NEAR = 2; // gaps of more radii than that have no line worth seeing
+const NEAR = 3; // gaps of more radii than that have no line worth seeing
 
 export function drawTrail(space, robot, place) {
   const { context } = space;
