@@ -17,10 +17,10 @@ from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode_stream, encode
 from protocol.errors import BusError, JoinError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
-from protocol.messages import Clock, Health, Measurement, State
+from protocol.messages import Health, Measurement, State
 from protocol.streams import STREAMS
 
-PATIENCE = 30.0  # s without any sign of the world
+PATIENCE = 10.0  # s without a word from the world before it is asked for a sign of life
 REPORT_PERIOD = 0.5  # s between health messages
 _ASK_TIMEOUT = 5.0
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
@@ -42,7 +42,7 @@ class RobotNode:
         self._patience = patience
         self._session = os.urandom(8).hex()
         self._lockstep = True
-        self._declared = False
+        self._declared = self._over = False
         self._refused = 0
         self._addresses: dict[str, tuple[str, int | None]] = {}
         self._rejected: Counter[str] = Counter()
@@ -55,7 +55,13 @@ class RobotNode:
     def _join(self) -> None:
         health = None if self.core is None else self._health()
         request = joining.encode_request(joining.Join(self._robot, self._session, health))
-        reply = joining.decode_reply(self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT))
+        try:
+            reply = joining.decode_reply(self._ask(request))
+        except BusError:
+            if not self._over:
+                raise
+            self.finished = True  # the world left first
+            return
         now = time.monotonic()
         self._heard_world = now
         if isinstance(reply, joining.Wait):
@@ -70,13 +76,17 @@ class RobotNode:
                 raise JoinError(reply.text)
             self.deadline = now + 0.2
 
+    def _ask(self, request: bytes) -> bytes:
+        return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
+
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
-        self._lockstep, self._turn, self._oldest = admission.lockstep, admission.turn, admission.oldest
+        first = admission.incarnation == admission.oldest.get(self._robot)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation, first=first)
+        self._lockstep, self._oldest = admission.lockstep, admission.oldest
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
-        self._ended = False
+        self._ended = self._over = False
         self.deadline = time.monotonic() + REPORT_PERIOD
         if not self._declared:
             self._declare()
@@ -87,7 +97,6 @@ class RobotNode:
         bus.watch(world_key(run, "alive"))
         bus.subscribe(robot_key(run, robot, "measurement"))
         bus.subscribe(every_robot(run, "state"))
-        bus.subscribe(world_key(run, "clock"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
@@ -100,6 +109,9 @@ class RobotNode:
         if isinstance(event, Sample):
             self._on_sample(event)
         elif isinstance(event, Presence) and not event.alive and not self.finished:
+            if self._over:
+                self.finished = True
+                return
             raise BusError(f"run {self._run!r}: the world is gone; robot {self._robot} stops")
 
     def _on_sample(self, sample: Sample) -> None:
@@ -116,8 +128,6 @@ class RobotNode:
             self._on_state(message)
         elif isinstance(message, Measurement):
             self._on_measurement(message)
-        elif isinstance(message, Clock):
-            self._on_clock(message)
 
     def _address(self, key: str) -> tuple[str, int | None]:
         found = self._addresses.get(key)
@@ -143,7 +153,10 @@ class RobotNode:
         core = self.core
         assert core is not None
         self._heard_world = time.monotonic()
-        if core.is_down(measurement):
+        if measurement.over and measurement.incarnation >= core.incarnation:
+            self._over = True
+            self._rejoin()
+        elif core.is_down(measurement):
             self._rejoin()
         elif measurement.tick == core.tick:
             core.reconsider(measurement)
@@ -164,13 +177,6 @@ class RobotNode:
         if self._heard_world >= self._reported + REPORT_PERIOD:
             self._report()
 
-    def _on_clock(self, clock: Clock) -> None:
-        self._heard_world = time.monotonic()
-        assert self.core is not None
-        stale = self.core.tick < 0 < clock.tick  # of the run before, repeated after this life joined the next
-        if clock.verdict and not self._ended and not stale:
-            self._rejoin()
-
     def _rejoin(self) -> None:
         """This life is over; ask for the next. What still arrives is not for this life."""
         self._ended = True
@@ -187,9 +193,8 @@ class RobotNode:
         if now >= self._reported + REPORT_PERIOD:
             self._report()
         if now > self._heard_world + self._patience:
-            raise BusError(
-                f"run {self._run!r}: no sign of the world for {self._patience:g} s; robot {self._robot} stops"
-            )
+            self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
+            self._heard_world = time.monotonic()
 
     def _report(self) -> None:
         self._reported = time.monotonic()

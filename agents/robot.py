@@ -27,9 +27,10 @@ class Robot:
         scenario: the run; k already a number.
         robot: own id.
         incarnation: this life, as handed out by the world.
+        first: whether it is the robot's first life in this run, so that it begins at the start.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
+    def __init__(self, scenario: Scenario, robot: int, incarnation: int, *, first: bool = False) -> None:
         spec = scenario.spec(robot)
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
@@ -38,12 +39,13 @@ class Robot:
         self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
-        reach = scenario.control.speed * scenario.time.step * (1.0 + scenario.actuation.bound)
-        self._estimate = Estimate(scenario.sensing_of(robot).bound, reach)
+        speed, period = scenario.control.speed * (1.0 + scenario.actuation.bound), scenario.time.step
+        self._estimate = Estimate(scenario.sensing_of(robot).bound, speed * period)
         self._neighbours = Neighbours(self._radii)
         self._link = Link(scenario, robot)
         radii = {peer.id: peer.radius for peer in scenario.robots}
-        self._lines = Ledger(robot, incarnation, radii, reach)
+        starts = {peer.id: peer.start for peer in scenario.robots} if first else None
+        self._lines = Ledger(robot, incarnation, radii, speed=speed, period=period, starts=starts)
         self._awaited: set[int] = set()
         self._arrived: dict[int, int] = {}
         self._desired = self._moved = STILL

@@ -4,52 +4,24 @@ Messages carry only what is open. A proposal is repeated in every State until it
 answer is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner
 without an unanswered proposal needs no answer; one that has any repeats it for ever, so if every
 answer so far was lost, the next repetition that arrives brings about another.
+
+An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
+that halves the age of the lines, and the arrival times with it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from agents.lines.fixed_disk import FixedDisk
+from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
-from agents.lines.placement import Disk, is_idle, place
+from agents.lines.placement import Disk, is_idle, is_same, place
 from protocol.messages import Answer, Down, Proposal, State
 
 ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
-
-
-class Bond:
-    """One pair: the own end of the line, the peer as last heard, the disk it left if it is fenced."""
-
-    __slots__ = ("answers_left", "disk", "end", "owns", "radius", "sides", "state")
-
-    def __init__(self, life: int, owns: bool, radius: float) -> None:
-        self.owns = owns
-        self.end: Owner | Follower = Owner(life) if owns else Follower(life)
-        self.radius = radius  # of the peer, m
-        self.state: State | None = None
-        self.disk: FixedDisk | None = None
-        self.sides: tuple[HalfPlane, ...] = ()  # of the obeyed lines, for the own centre
-        self.answers_left = 0
-
-    @property
-    def ready(self) -> bool:
-        """Whether the peer is surely behind something that this robot obeys."""
-        return self.end.agreed or (self.disk is not None and self.disk.half_plane is not None)
-
-    @property
-    def all_sides(self) -> tuple[HalfPlane, ...]:
-        """Where the own centre must stay because of this peer."""
-        if self.disk is None or self.disk.half_plane is None:
-            return self.sides
-        return (*self.sides, self.disk.half_plane)
-
-    def renew(self, own_radius: float) -> None:
-        """What is obeyed has changed."""
-        self.sides = tuple(line.side(own_radius, self.owns) for line in self.end.obeyed)
-        if self.end.agreed:
-            self.disk = None
+OUTSTANDING = 32  # most unanswered proposals of one pair
+UNCHANGED = 1e-3  # of what a robot moves in a tick; a line that differs by less is not worth a proposal
 
 
 class Ledger:
@@ -62,16 +34,34 @@ class Ledger:
         robot: own id.
         incarnation: own life.
         radii: radius of every robot, m, own included.
-        reach: the most that a robot moves in a tick, m.
+        speed: the most that a robot really moves, m/s.
+        period: of one tick, s.
+        starts: where every robot's first life begins, m, if this is the own first life in the run.
     """
 
-    def __init__(self, robot: int, incarnation: int, radii: Mapping[int, float], reach: float) -> None:
+    def __init__(
+        self,
+        robot: int,
+        incarnation: int,
+        radii: Mapping[int, float],
+        *,
+        speed: float,
+        period: float,
+        starts: Mapping[int, tuple[float, float]] | None = None,
+    ) -> None:
         self._robot = robot
-        self._incarnation = incarnation
         self._radius = radii[robot]
-        self._reach = reach
+        self._period, self._reach = period, speed * period
         self._bonds = {
-            peer: Bond(incarnation, robot < peer, radii[peer]) for peer in sorted(radii) if peer != robot
+            peer: Bond(
+                incarnation,
+                owns=robot < peer,
+                own_radius=self._radius,
+                radius=radii[peer],
+                initial=None if starts is None else _initial(robot, peer, starts, radii),
+            )
+            for peer in sorted(radii)
+            if peer != robot
         }
         self._tick = 0
         self._x = self._y = 0.0
@@ -89,29 +79,21 @@ class Ledger:
     def hear(self, state: State) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
         bond = self._bonds.get(state.robot)
-        if bond is None or state.incarnation < bond.end.peer_life:
+        if bond is None or not bond.meet(state):
             return
-        if state.incarnation > bond.end.peer_life:
-            bond.state = None
-        bond.end.meet(state.incarnation)
-        if bond.state is None or state.tick > bond.state.tick:
-            bond.state = state
-        end = bond.end
-        if isinstance(end, Owner):
-            self._hear_answers(bond, end, state)
-        else:
-            self._hear_proposals(bond, end, state)
+        if isinstance(bond.end, Owner):
+            if state.answers:
+                self._hear_answers(bond, bond.end, state)
+        elif state.proposals:
+            self._hear_proposals(bond, bond.end, state)
 
     def peer_down(self, down: Down) -> None:
-        """A peer's life is fenced: its disk stands still. Old news does no harm, nor repeating it."""
+        """The world announces to this life that a peer's is fenced; old or repeated news does no harm."""
         bond = self._bonds.get(down.robot)
-        if bond is None or down.incarnation < bond.end.peer_life:
-            return
-        bond.disk = FixedDisk(*down.position, bond.radius, self._radius, bond.all_sides)
-        bond.disk.renew(self._x, self._y, self._bound)
-        bond.end.bury(down.incarnation)
-        bond.state = None
-        bond.renew(self._radius)
+        if bond is not None:
+            bond.bury(down.incarnation, down.position)
+            if bond.disk is not None:
+                bond.disk.renew(self._x, self._y, self._bound)
 
     def removed(self, peer: int) -> None:
         """The operator has taken a peer out of the workspace."""
@@ -125,18 +107,18 @@ class Ledger:
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay; radius and error bound are subtracted."""
         margin = self._bound + 2.0 * ROUNDING
-        planes = []
-        for bond in self._bonds.values():
-            for nx, ny, limit in bond.all_sides:
-                planes.append(HalfPlane(nx, ny, limit - margin))
-        return planes
+        return [
+            HalfPlane(nx, ny, limit - margin)
+            for bond in self._bonds.values()
+            for nx, ny, limit in bond.half_planes
+        ]
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
         """All obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit."""
         return tuple(
             (peer, nx, ny, limit + self._radius)
             for peer, bond in self._bonds.items()
-            for nx, ny, limit in bond.all_sides
+            for nx, ny, limit in bond.half_planes
         )
 
     def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
@@ -147,8 +129,7 @@ class Ledger:
         for peer, bond in self._bonds.items():
             end = bond.end
             if isinstance(end, Owner):
-                if not end.proposed:
-                    self._consider(bond, end, me)
+                self._consider(bond, end, me)
                 for number, (nx, ny, offset) in end.proposed.items():
                     proposals.append(Proposal(peer, end.peer_life, number, nx, ny, offset))
             elif bond.answers_left:
@@ -157,21 +138,21 @@ class Ledger:
         return tuple(proposals), tuple(answers)
 
     def _hear_answers(self, bond: Bond, end: Owner, state: State) -> None:
+        life = state.incarnation
         for answer in state.answers:
             if answer.peer == self._robot and end.hear(
-                state.incarnation, answer.peer_incarnation, answer.held, answer.seen
+                life, answer.peer_incarnation, answer.held, answer.seen
             ):
-                bond.renew(self._radius)
+                bond.renew()
 
     def _hear_proposals(self, bond: Bond, end: Follower, state: State) -> None:
+        life = state.incarnation
         for offer in state.proposals:
             if offer.peer == self._robot:
                 bond.answers_left = ANSWER_TICKS
                 line = Line(offer.nx, offer.ny, offer.offset)
-                if end.hear(
-                    state.incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits
-                ):
-                    bond.renew(self._radius)
+                if end.hear(life, offer.peer_incarnation, offer.number, line, self._follower_fits):
+                    bond.renew()
 
     def _owner_fits(self, line: Line) -> bool:
         """Whether the own disk surely satisfies a line now, on the owner's side."""
@@ -187,14 +168,24 @@ class Ledger:
     def _consider(self, bond: Bond, end: Owner, me: Disk) -> None:
         """Propose a new line if the pair needs one."""
         state = bond.state
-        if not end.met or state is None or state.position is None:
+        if state is None or state.position is None or not end.met or len(end.proposed) >= OUTSTANDING:
             return
         peer = Disk(*state.position, bond.radius + state.bound, *state.desired)
-        held = end.held
-        horizon = (2 * max(0, self._tick - state.tick) + 2) * self._reach
-        if held is not None and is_idle(held, me, peer, horizon):
+        newest = end.newest
+        ticks = max(0, self._tick - state.tick) + 2
+        if newest is not None and is_idle(newest, me, peer, 2 * ticks * self._reach):
             return
-        line = place(me, peer)
-        if line is not None and self._owner_fits(line):
+        line = place(me, peer, ticks * self._period)
+        if line is None or not self._owner_fits(line):
+            return
+        if newest is None or not is_same(line, newest, UNCHANGED * self._reach):
             end.propose(line)
-            bond.renew(self._radius)
+            bond.renew()
+
+
+def _initial(
+    robot: int, peer: int, starts: Mapping[int, tuple[float, float]], radii: Mapping[int, float]
+) -> Line | None:
+    """The line between two robots at the start, the same for both."""
+    owner, follower = sorted((robot, peer))
+    return place(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))

@@ -8,6 +8,8 @@ The lower id owns the line: only it proposes, numbering its proposals. Rules:
   from then on obeys that one only; otherwise it rejects it, and never adopts it later.
 - An answer (held, seen) says which number the follower obeys and up to which it has answered. The
   owner drops every line up to `seen` other than `held`.
+- Before anything is said, the first lives of both ends obey the initial line, which both derive from
+  the scenario's start positions. Later lives have none.
 - Nothing is offered to a life that has not been heard: it need not know this one.
 - Numbers count within one life of the owner. Whatever names an older life of either end than the
   newest known is ignored. An owner whose follower lives anew keeps obeying all it obeyed, for the
@@ -27,7 +29,7 @@ from agents.lines.line import Line
 class Owner:
     """The end with the lower id, in one life (incarnation) of its robot."""
 
-    def __init__(self, life: int) -> None:
+    def __init__(self, life: int, initial: Line | None = None) -> None:
         self.life = life
         self.peer_life = 0  # newest incarnation known of the follower; older ones are ignored
         self.met = False  # whether that one has been heard; only then may it be offered a line
@@ -35,8 +37,8 @@ class Owner:
         self.seen = 0  # highest number known to be answered
         self.number = 0  # of the newest proposal
         self.proposed: dict[int, Line] = {}  # unanswered, by number
-        self.agreed = False  # whether the follower is known to have held a line of this life
-        self.held: Line | None = None  # what the follower is known to hold
+        self.agreed = initial is not None  # whether the follower is known to have held a line of this life
+        self.held = initial  # what the follower is known to hold
         self._inherited: tuple[Line, ...] = ()  # what an earlier life of the follower may have held
 
     @property
@@ -44,6 +46,11 @@ class Owner:
         """All lines that this robot must obey."""
         held = () if self.held is None else (self.held,)
         return (*self._inherited, *held, *self.proposed.values())
+
+    @property
+    def newest(self) -> Line | None:
+        """The line that the follower will hold if it adopts all it is offered."""
+        return next(reversed(self.proposed.values()), self.held)
 
     def meet(self, peer_life: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
@@ -89,12 +96,12 @@ class Owner:
 class Follower:
     """The end with the higher id, in one life (incarnation) of its robot."""
 
-    def __init__(self, life: int) -> None:
+    def __init__(self, life: int, initial: Line | None = None) -> None:
         self.life = life
         self.peer_life = 0  # newest incarnation known of the owner; older ones are ignored
         self.held_number = 0  # number of the held line, 0 when it is not of the owner's present life
         self.seen = 0  # highest number answered
-        self._held: Line | None = None
+        self._held = initial
 
     @property
     def obeyed(self) -> tuple[Line, ...]:

@@ -11,7 +11,11 @@ from typing import NamedTuple
 
 from agents.lines.line import ROUNDING, Line
 
-_EVEN = 0.5  # share of the gap for the owner when neither robot wants any of it
+Vector = tuple[float, float]
+Span = tuple[Vector, Vector]  # a point of each of two segments
+
+_BISECTIONS = 8
+_NEED = 4.0 * ROUNDING  # gap that a line takes, m
 
 
 class Disk(NamedTuple):
@@ -20,12 +24,12 @@ class Disk(NamedTuple):
     x: float
     y: float
     radius: float
-    vx: float
-    vy: float
+    vx: float = 0.0
+    vy: float = 0.0
 
 
 def is_idle(line: Line, owner: Disk, follower: Disk, reach: float) -> bool:
-    """Whether neither robot can get within `reach` (m) of the line by moving that far: it may stay."""
+    """Whether both disks stay more than `reach` (m) behind the line when each moves that far: it may stay."""
     nx, ny, offset = line
     return (
         offset - nx * owner.x - ny * owner.y - owner.radius > 2.0 * reach
@@ -33,19 +37,69 @@ def is_idle(line: Line, owner: Disk, follower: Disk, reach: float) -> bool:
     )
 
 
-def place(owner: Disk, follower: Disk) -> Line | None:
-    """The line across the gap between two disks, shared in proportion to what each wants of it.
+def is_same(one: Line, other: Line, tolerance: float) -> bool:
+    """Whether two lines differ by less than `tolerance` (m, and per metre along the line)."""
+    return all(abs(a - b) < tolerance for a, b in zip(one, other, strict=True))
+
+
+def place(owner: Disk, follower: Disk, ahead: float = 0.0) -> Line | None:
+    """The line that lets both do what they want for the longest time, up to `ahead` seconds.
+
+    Each disk sweeps along its desired velocity; the line separates the two swept areas, halfway across
+    the gap between them. If they meet, both sweep the same largest fraction of the time, so two that
+    drive at each other share the gap in proportion to what each wants of it.
 
     None when the disks are not known to be apart.
     """
-    dx, dy = follower.x - owner.x, follower.y - owner.y
-    distance = math.hypot(dx, dy)
-    gap = distance - owner.radius - follower.radius - 4.0 * ROUNDING
-    if gap <= 0.0:
-        return None
-    nx, ny = dx / distance, dy / distance
-    wanted = max(0.0, nx * owner.vx + ny * owner.vy)
-    granted = max(0.0, -nx * follower.vx - ny * follower.vy)
-    share = wanted / (wanted + granted) if wanted + granted > 0.0 else _EVEN
-    edge = nx * owner.x + ny * owner.y + owner.radius + 2.0 * ROUNDING
-    return Line(nx, ny, edge + share * gap)
+    need = owner.radius + follower.radius + _NEED
+    span = _closest(owner, follower, ahead)
+    if _length(span) < need:
+        span = _closest(owner, follower, 0.0)
+        if _length(span) < need:
+            return None
+        low, high = 0.0, ahead
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            longer = _closest(owner, follower, middle)
+            if _length(longer) < need:
+                high = middle
+            else:
+                low, span = middle, longer
+    (ax, ay), (bx, by) = span
+    length = _length(span)
+    nx, ny = (bx - ax) / length, (by - ay) / length
+    edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED
+    return Line(nx, ny, edge + 0.5 * (length - need))
+
+
+def _length(span: Span) -> float:
+    return math.hypot(span[1][0] - span[0][0], span[1][1] - span[0][1])
+
+
+def _closest(one: Disk, other: Disk, time: float) -> Span:
+    """Closest points of the paths that the two centres take in `time` seconds."""
+    px, py, ux, uy = one.x, one.y, one.vx * time, one.vy * time
+    qx, qy, vx, vy = other.x, other.y, other.vx * time, other.vy * time
+    wx, wy = qx - px, qy - py
+    cross = ux * vy - uy * vx
+    if cross != 0.0:
+        s, t = (wx * vy - wy * vx) / cross, (wx * uy - wy * ux) / cross
+        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
+            point = (px + s * ux, py + s * uy)
+            return point, point
+    uu, vv = ux * ux + uy * uy, vx * vx + vy * vy
+    pairs = (
+        (_clamped(wx * ux + wy * uy, uu), 0.0),
+        (_clamped((wx + vx) * ux + (wy + vy) * uy, uu), 1.0),
+        (0.0, _clamped(-wx * vx - wy * vy, vv)),
+        (1.0, _clamped((ux - wx) * vx + (uy - wy) * vy, vv)),
+    )
+    spans = (((px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy)) for s, t in pairs)
+    return min(spans, key=_length)
+
+
+def _clamped(part: float, whole: float) -> float:
+    """part / whole, kept within 0 and 1."""
+    if part <= 0.0:
+        return 0.0
+    return 1.0 if part >= whole else part / whole

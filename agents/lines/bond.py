@@ -1,0 +1,75 @@
+"""One pair as one robot sees it: own end of the line, peer as last heard, disk that it may have left."""
+
+from __future__ import annotations
+
+from agents.lines.fixed_disk import FixedDisk
+from agents.lines.line import HalfPlane, Line
+from agents.lines.pair import Follower, Owner
+from protocol.messages import State
+
+
+class Bond:
+    """What binds this robot to one peer.
+
+    Args:
+        life: own incarnation.
+        owns: whether this robot has the lower id.
+        own_radius, radius: of this robot and of the peer, m.
+        initial: the line obeyed since the start, if both can know one.
+
+    Attributes:
+        end: this robot's end of the line.
+        state: newest State heard of the peer's present life.
+        disk: the peer's, while it is fenced.
+        sides: where the own centre must stay because of the lines obeyed.
+        answers_left: States that still have to carry the answer.
+    """
+
+    __slots__ = ("answers_left", "disk", "end", "own_radius", "owns", "radius", "sides", "state")
+
+    def __init__(
+        self, life: int, *, owns: bool, own_radius: float, radius: float, initial: Line | None
+    ) -> None:
+        self.owns = owns
+        self.own_radius, self.radius = own_radius, radius
+        self.end: Owner | Follower = Owner(life, initial) if owns else Follower(life, initial)
+        self.state: State | None = None
+        self.disk: FixedDisk | None = None
+        self.sides: tuple[HalfPlane, ...] = ()
+        self.answers_left = 0
+        self.renew()
+
+    @property
+    def ready(self) -> bool:
+        """Whether the peer is surely behind something that this robot obeys."""
+        return self.end.agreed or (self.disk is not None and self.disk.half_plane is not None)
+
+    @property
+    def half_planes(self) -> tuple[HalfPlane, ...]:
+        """Where the own centre must stay because of this peer, lines or disk."""
+        if self.disk is None or self.disk.half_plane is None:
+            return self.sides
+        return (*self.sides, self.disk.half_plane)
+
+    def meet(self, state: State) -> bool:
+        """Take over a peer's State if it is newer; False when it is of an old life, to be ignored."""
+        if not self.end.meet(state.incarnation):
+            return False
+        if self.state is None or (state.incarnation, state.tick) > (self.state.incarnation, self.state.tick):
+            self.state = state
+        return True
+
+    def renew(self) -> None:
+        """What is obeyed has changed."""
+        self.sides = tuple(line.side(self.own_radius, self.owns) for line in self.end.obeyed)
+        if self.end.agreed:
+            self.disk = None
+
+    def bury(self, life: int, place: tuple[float, float]) -> None:
+        """The peer's `life` is fenced with its centre at `place`, m; old or repeated news does no harm."""
+        if life < self.end.peer_life:
+            return
+        self.disk = FixedDisk(*place, self.radius, self.own_radius, self.half_planes)
+        self.end.bury(life)
+        self.state = None
+        self.renew()
