@@ -24,11 +24,11 @@ from protocol.codec import decode
 from protocol.connection import Connection
 from protocol.errors import MessageError
 from protocol.keys import world_key
-from protocol.messages import Clock, Result, Truth
+from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
 
 Report = dict[str, Any]
-Watcher = Callable[[Clock | Truth], None]
+Watcher = Callable[[Clock], None]
 _START = 10.0  # s for a process to say that it is ready
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
@@ -46,7 +46,7 @@ class Fleet:
     Args:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
-        watch: is told every Clock and Truth that is heard.
+        watch: is told every Clock that is heard.
         record: file that a recorder process writes.
         on_report: is told every report as soon as its run has ended.
 
@@ -66,9 +66,8 @@ class Fleet:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record, self._on_report = watch, record, on_report
         self._schedule = FaultSchedule(scenarios)
-        self._truth: Truth | None = None
+        self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._started = False
         self._foreign = 0
         self._reports: list[Report] = []
         self._stack = ExitStack()
@@ -111,7 +110,7 @@ class Fleet:
     def _listen(self, stack: ExitStack) -> None:
         self._bus = ZenohBus(self.topology.observer())
         stack.callback(self._bus.close)
-        for stream in ("clock", "truth", "result"):
+        for stream in ("clock", "result"):
             self._bus.subscribe(world_key(self._options.run, stream))
 
     def execute(self) -> list[Report]:
@@ -150,18 +149,15 @@ class Fleet:
             self._reports.append(json.loads(message.report))
             if self._on_report is not None:
                 self._on_report(self._reports[-1])
-        elif isinstance(message, Clock | Truth):
+        elif isinstance(message, Clock):
             self._follow(message)
 
-    def _follow(self, message: Clock | Truth) -> None:
-        if isinstance(message, Clock):
-            for fault in self._schedule.due(message):
-                self._carry_out(fault)
-            self._started = self._started or message.tick > 0
-        else:
-            self._truth = message
+    def _follow(self, clock: Clock) -> None:
+        self._clock = clock
+        for fault in self._schedule.due(clock):
+            self._carry_out(fault)
         if self._watch is not None:
-            self._watch(message)
+            self._watch(clock)
 
     def _carry_out(self, fault: ProcessFault) -> None:
         name = table.robot_name(fault.robot)
@@ -178,8 +174,12 @@ class Fleet:
         for exit_ in exits:
             if exit_.process.vital:
                 self._listen_on()
-            if (exit_.process.vital and not self._complete) or not (exit_.expected or self._started):
+            if (exit_.process.vital and not self._complete) or not (exit_.expected or self._has_begun):
                 raise FleetLostError(str(exit_))
+
+    @property
+    def _has_begun(self) -> bool:
+        return self._clock is not None and (self._clock.tick > 0 or self._clock.turn > 0)
 
     @property
     def _complete(self) -> bool:
@@ -205,4 +205,4 @@ class Fleet:
             self._reports[-1].update(verdict=verdict, reason=reason)
 
     def _unjudged(self) -> Report:
-        return unjudged(self._scenarios[0], self._truth, time.monotonic() - self._began)
+        return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)

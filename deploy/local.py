@@ -13,11 +13,11 @@ from protocol.bus import Event, Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.keys import world_key
-from protocol.messages import Clock, Truth
+from protocol.messages import Clock
 from protocol.scenario import ProcessFault, Scenario
 from world.node import WorldNode
 
-Watcher = Callable[[Clock | Truth], None]
+Watcher = Callable[[Clock], None]
 
 
 class LocalFleet:
@@ -27,7 +27,7 @@ class LocalFleet:
         scenarios: k already numbers; all with the same robot ids.
         run: name of the run.
         lockstep: whether the world waits for every robot.
-        watch: is told every Clock and Truth.
+        watch: is told every Clock.
         record: file to record to.
     """
 
@@ -50,8 +50,7 @@ class LocalFleet:
         for robot in scenarios[0].ids:
             self.start(robot)
         operator = self.network.connect()
-        for stream in ("clock", "truth"):
-            operator.subscribe(world_key(run, stream))
+        operator.subscribe(world_key(run, "clock"))
         operator.node = Operator(self, FaultSchedule(scenarios), watch)
 
     def start(self, robot: int) -> None:
@@ -107,8 +106,8 @@ class Operator:
         if isinstance(message, Clock):
             for fault in self._schedule.due(message):
                 self._carry_out(fault)
-        if self._watch is not None and isinstance(message, Clock | Truth):
-            self._watch(message)
+            if self._watch is not None:
+                self._watch(message)
 
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""

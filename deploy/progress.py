@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from protocol.messages import Clock, Truth
+from protocol.messages import Clock
 from protocol.scenario import Scenario
 
 
@@ -34,11 +34,9 @@ class RunProgress:
     def __exit__(self, *_: object) -> None:
         self._progress.stop()
 
-    def watch(self, message: Clock | Truth) -> None:
+    def watch(self, clock: Clock) -> None:
         """Take over news from the world."""
-        if isinstance(message, Truth):
-            time = message.tick * self._scenario.time.step
-            figures = (
-                f"t = {time:5.2f} s   phi {message.phi:.3f}   clearance {1000 * message.clearance:6.2f} mm"
-            )
-            self._progress.update(self._task, completed=time, figures=figures)
+        figures = (
+            f"t = {clock.time:5.2f} s   phi {clock.phi:.3f}   clearance {1000 * clock.clearance:6.2f} mm"
+        )
+        self._progress.update(self._task, completed=clock.time, figures=figures)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from protocol.messages import Truth
+from protocol.messages import Clock
 from protocol.scenario import Scenario
 from world.world import World
 
-_UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256")
+_UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
 
 
-def unjudged(scenario: Scenario, last: Truth | None, wall_time: float) -> dict[str, Any]:
-    """A readable report with the last configuration heard; what is unknown is None.
+def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[str, Any]:
+    """A readable report as of the last Clock heard; what is unknown is None.
 
     Args:
         scenario: of the run.
-        last: newest Truth that the launcher heard, if any.
+        last: newest Clock that the launcher heard, if any.
         wall_time: s since the fleet was started.
     """
     report = World(scenario).report()
@@ -25,7 +25,6 @@ def unjudged(scenario: Scenario, last: Truth | None, wall_time: float) -> dict[s
         messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time, path_lengths={}
     )
     if last is not None:
-        report.update(ticks=last.tick, sim_time=last.tick * scenario.time.step)
+        report.update(ticks=last.tick, sim_time=last.time)
         report["phi"]["last"] = last.phi
-        report["positions"] = dict(zip(map(str, last.robots), map(list, last.positions), strict=True))
     return report

@@ -28,7 +28,6 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    turn: Count = 0  # as in Clock
     oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier turn
 
 

@@ -68,6 +68,7 @@ class Measurement(Message, frozen=True, array_like=True, gc=False):
     displacement: Vector  # m, really executed during the previous tick (odometry, immediate and exact)
     active: tuple[Id, ...]  # robots that state and command this tick
     down: tuple[Down, ...] = ()  # fenced robots
+    over: bool = False  # the run has ended: join again, as a new life or to learn that there is no more
 
 
 class State(Message, frozen=True, array_like=True, gc=False):
@@ -103,6 +104,8 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     down: tuple[Down, ...]  # fenced robots
     verdict: str  # empty while the run goes on
     turn: Count = 0  # which of the scenarios that this world judges one after another
+    clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap
+    phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

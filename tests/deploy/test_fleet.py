@@ -29,7 +29,7 @@ from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
 from protocol.keys import world_key
-from protocol.messages import Clock, Result, Truth
+from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
@@ -43,7 +43,7 @@ def run_fleet(
     """The report of one run; `act(fleet, message)` may interfere."""
     fleet: Fleet
 
-    def watch(message: Clock | Truth) -> None:
+    def watch(message: Clock) -> None:
         if act is not None:
             act(fleet, message)
 
@@ -120,8 +120,8 @@ def test_one_fleet_runs_many_scenarios_on_the_same_processes() -> None:
 def test_a_killed_robot_is_flowed_around_and_the_run_ends() -> None:
     killed = []
 
-    def act(fleet: Fleet, message: Clock | Truth) -> None:
-        if isinstance(message, Truth) and message.tick >= 10 and not killed:
+    def act(fleet: Fleet, message: Clock) -> None:
+        if message.tick >= 10 and not killed:
             killed.append(message.tick)
             fleet.signal("robot-2", signal.SIGKILL)
 
@@ -134,8 +134,8 @@ def test_a_killed_robot_is_flowed_around_and_the_run_ends() -> None:
 
 
 def test_a_world_that_dies_leaves_a_readable_result() -> None:
-    def act(fleet: Fleet, message: Clock | Truth) -> None:
-        if isinstance(message, Truth) and message.tick == 5:
+    def act(fleet: Fleet, message: Clock) -> None:
+        if message.tick >= 5:
             fleet.signal("world", signal.SIGKILL)
 
     report = run_fleet(load("figure-3a", [], 0), RunOptions(), act)
