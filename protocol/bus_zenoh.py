@@ -11,9 +11,8 @@ import json
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from collections.abc import Callable
 from functools import partial
 from queue import Empty, SimpleQueue
 

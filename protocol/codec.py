@@ -126,7 +126,7 @@ def _measurement_numbers(measurement: Measurement) -> Iterator[float]:
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:
     if isinstance(message, Clock):
-        yield message.time
+        yield from (message.time, message.clearance, message.phi)
         for down in message.down:
             yield from down.position
     elif isinstance(message, Truth):

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from protocol.credentials import Credentials
+
 MAX_MESSAGE = 8 * 1024 * 1024  # bytes; nothing this protocol sends is half as large
 
 
@@ -25,6 +27,8 @@ class Connection:
     listen: tuple[str, ...] = ()
     timeout: float = 20.0  # s, how long opening tries to reach `connect`
     lease: float = 2.0  # s, silence of this process after which others consider it gone
+    credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
+    access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
 
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
@@ -33,7 +37,9 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
     `attempt` (s) bounds one attempt to open; the whole of `connection.timeout` unless given.
     """
     wait = connection.timeout if attempt is None else attempt
+    access = {} if connection.access is None else {"access_control": connection.access}
     return {
+        **access,
         "mode": connection.mode,
         "connect": {
             "endpoints": _endpoints(connection),
@@ -59,6 +65,7 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
             },
             "shared_memory": {"enabled": False},  # messages are far too small to gain by it
             "link": {
+                **_tls(connection.credentials),
                 "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
                 "tx": {
                     "lease": round(1000 * connection.lease),
@@ -67,6 +74,27 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
                     "queue": {"congestion_control": {"block": {"wait_before_close": 500_000}}},
                 },
             },
+        },
+    }
+
+
+def _tls(credentials: Credentials | None) -> Mapping[str, Any]:
+    """Both ends show a certificate of the run's authority, and the one that listens is who it was called."""
+    if credentials is None:
+        return {}
+    return {
+        # Whatever the endpoint says, nothing but TLS is ever spoken.
+        "protocols": ["tls"],
+        "tls": {
+            "root_ca_certificate": credentials.authority,
+            "listen_certificate": credentials.certificate,
+            "listen_private_key": credentials.key,
+            "connect_certificate": credentials.certificate,
+            "connect_private_key": credentials.key,
+            "enable_mtls": True,
+            "verify_name_on_connect": True,
+            # A run does not outlive its keys.
+            "close_link_on_expiration": True,
         },
     }
 

@@ -55,6 +55,10 @@ class EndpointTakenError(BusError):
     """Another process listens on the endpoint that was asked for."""
 
 
+class CertificateError(BusError):
+    """A certificate or private key is missing, exposed, or not accepted by the other end."""
+
+
 class JoinError(DisknavError):
     """The world turned a robot away: unknown id, or that id is already running."""
 
