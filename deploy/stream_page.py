@@ -64,6 +64,7 @@ metadata records `scenario`, `result` and `launch` hold JSON objects.
 
 _UNIT = re.compile(r"(m/s|m\^2|m|s)[,;] (.*)")
 _WORDS: dict[type, str] = {
+    msgspec.inspect.BoolType: "true or false",
     msgspec.inspect.IntType: "integer",
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle
 from deploy.plot.style import FAINT, INK, colour, dash
 from deploy.recording.reader import Recording
 
-_MOMENTS = 5  # disks drawn between start and end
+_MOMENTS = 5  # disks drawn between start and end, at most
 MANY = 20  # robots from which on ids would hide the disks
 
 
@@ -19,8 +19,8 @@ def draw_workspace(axes: Axes, recording: Recording) -> None:
     positions = recording.truths.positions
     for index, robot in enumerate(recording.scenario.ids):
         spec, path = recording.scenario.spec(robot), positions[:, index]
-        axes.plot(*path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=3)
-        for moment in _moments(path):
+        axes.plot(*path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=5)
+        for moment in _moments(path, spec.radius):
             _disk(axes, moment, spec.radius, facecolor=colour(index), alpha=0.13, linewidth=0)
         _disk(axes, path[0], spec.radius, fill=False, edgecolor=colour(index), linestyle=":", linewidth=1.0)
         _disk(axes, path[-1], spec.radius, facecolor=colour(index), alpha=0.45, linewidth=0)
@@ -52,10 +52,11 @@ def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:
     return bool(np.all(np.hypot(*(others - place).T) > 0.6 * radius))
 
 
-def _moments(path: np.ndarray) -> np.ndarray:
-    """Points at equal distances along a path, its ends left out."""
+def _moments(path: np.ndarray, radius: float) -> np.ndarray:
+    """Points at equal distances along a path, its ends left out; fewer where disks would pile up."""
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    marks = np.linspace(0.0, lengths[-1], _MOMENTS + 2)[1:-1]
+    count = min(_MOMENTS, int(lengths[-1] / (1.5 * radius)))
+    marks = np.linspace(0.0, lengths[-1], count + 2)[1:-1]
     return path[np.searchsorted(lengths, marks)]
 
 

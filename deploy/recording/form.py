@@ -19,6 +19,7 @@ from protocol.messages import VERSION, Message
 Content = dict[str, Any]
 
 _SCALARS: dict[type, str] = {
+    inspect.BoolType: "boolean",
     inspect.IntType: "integer",
     inspect.FloatType: "number",
     inspect.StrType: "string",

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from deploy.recording.bursts import BurstBus
 from deploy.recording.recorder import Recorder
-from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.drive import Stop, drive, stop_on_signal
 from protocol.errors import DisknavError, UsageError
@@ -27,7 +27,7 @@ def main(connection: Connection, run: str, path: Path, ready: Callable[[str], No
     """
     try:
         with stop_on_signal():
-            bus = ZenohBus(connection)
+            bus = BurstBus(connection)
             recorder = Recorder(bus, checked_run(run), path, on_ready=ready and partial(ready, str(path)))
             drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
     except Stop:

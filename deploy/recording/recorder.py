@@ -17,9 +17,8 @@ from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.keys import ROBOT_STREAMS, every_robot, world_key
+from protocol.keys import everything, world_key
 from protocol.messages import Result
-from protocol.streams import STREAMS
 
 PATIENCE = 30.0  # s that the world may take to appear
 _BATCH = 512  # messages put aside at most
@@ -62,13 +61,8 @@ class Recorder:
         self._result_key = world_key(run, "result")
         self._flushed = time.monotonic()
         self.deadline = self._flushed + patience
-        self._subscribe()
-
-    def _subscribe(self) -> None:
-        for name in STREAMS:
-            key = every_robot(self._run, name) if name in ROBOT_STREAMS else world_key(self._run, name)
-            self._bus.subscribe(key)
-        self._bus.watch(world_key(self._run, "alive"))
+        bus.subscribe(everything(run))  # one subscription, so that the order of arrival is kept
+        bus.watch(world_key(run, "alive"))
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):

@@ -62,14 +62,14 @@ def several(strategy):
 
 
 messages = st.one_of(
-    st.builds(Measurement, robot, count, count, st.none() | vector, count, vector, ids, downs),
+    st.builds(Measurement, robot, count, count, st.none() | vector, count, vector, ids, downs, st.booleans()),
     st.builds(
         State, robot, count, count, st.none() | vector, positive, positive, positive, vector,
         several(st.builds(Proposal, robot, count, count, number, number, number)),
         several(st.builds(Answer, robot, count, count, count)),
     ),
     st.builds(Command, robot, count, count, vector),
-    st.builds(Clock, count, positive, ids, downs, st.text(max_size=9)),
+    st.builds(Clock, count, positive, ids, downs, st.text(max_size=9), count, number, number),
     st.builds(Truth, count, ids, several(vector), number, number),
     st.builds(
         Health, robot, count, count, positive, count, count,
@@ -141,7 +141,7 @@ def test_objects_keep_to_their_schema(message):
 
 
 def _conforms(value, described: dict) -> None:
-    kinds = {"integer": int, "number": float, "string": str, "object": dict, "array": list}
+    kinds = {"boolean": bool, "integer": int, "number": float, "string": str, "object": dict, "array": list}
     assert type(value) is kinds[described["type"]]
     if described["type"] == "array":
         for item in value:
@@ -157,7 +157,7 @@ def test_schemas_keep_to_what_foxglove_reads(stream):
     """Its parser wants properties in every object, one plain type each, and no arrays of arrays."""
 
     def check(described: dict) -> None:
-        assert described["type"] in ("integer", "number", "string", "object", "array")
+        assert described["type"] in ("boolean", "integer", "number", "string", "object", "array")
         if described["type"] == "object":
             for inner in described["properties"].values():
                 check(inner)
@@ -202,7 +202,8 @@ def test_what_is_read_is_what_was_run(recorded):
     assert found.truths.clearance.min() == report["min_clearance"]
     assert np.array_equal(found.truths.positions[0], [spec.start for spec in ROBOTS])
     for spec in ROBOTS:
-        assert len(found.measurements[spec.id]) == len(found.commands[spec.id]) == report["ticks"]
+        told = [measurement.tick for measurement in found.measurements[spec.id] if not measurement.over]
+        assert told == [command.tick for command in found.commands[spec.id]] == list(range(report["ticks"]))
         assert [state.tick for state in found.states[spec.id]] == list(range(report["ticks"]))
         assert found.health[spec.id]
     assert found.clocks[-1].verdict == report["verdict"]
