@@ -30,7 +30,11 @@ COLUMNS = {
 def random_faults(runs: int, seed: int = 0) -> Study:
     """`runs` random fault runs from `seed` on; one row that lists the seed of every failure."""
     cell = Cell({"faults": "random"}, fault_scenario, range(seed, seed + runs))
-    return Study("robustness", [cell], _row, COLUMNS, _summary)
+    return Study("robustness", [cell], _row, COLUMNS, _summary, _sound)
+
+
+def _sound(rows: Sequence[Row]) -> bool:
+    return not any(row["collisions"] or row["failed"] for row in rows)
 
 
 def outcome(result: Result) -> str:

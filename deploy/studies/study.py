@@ -14,6 +14,7 @@ from protocol.scenario import Scenario
 Row = dict[str, Any]
 Result = dict[str, Any]
 Build = Callable[[int], Scenario]
+StudyName = Literal["tightness", "tuning", "robustness", "peers", "scale"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Study:
     row: from a cell's labels and its results, in the order of seeds, to its row.
     columns: of the printed table, with their formats.
     summary: lines below the table.
+    sound: whether the rows are as they have to be; a collision where none may be is not.
     isolated: every run has processes of its own, so that what they cost can be told.
     """
 
@@ -60,6 +62,7 @@ class Study:
     row: Callable[[Mapping[str, Any], Sequence[Result]], Row]
     columns: Mapping[str, str]
     summary: Callable[[Sequence[Row]], list[str]] = lambda _: []
+    sound: Callable[[Sequence[Row]], bool] = lambda _: True
     isolated: bool = False
 
     def runs(self, transport: Transport, code: str) -> list[Run]:
@@ -80,6 +83,3 @@ class Study:
             if known:
                 rows.append(self.row(cell.labels, known))
         return rows
-
-
-StudyName = Literal["tightness", "tuning", "robustness", "peers", "scale"]

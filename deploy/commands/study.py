@@ -1,0 +1,71 @@
+"""`disknav study`: tables measured over many runs; stopped whenever, and gone on with."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.options import Transport
+from deploy.studies.study import StudyName
+
+
+def study(
+    name: Annotated[StudyName, typer.Argument(help="Which study.")],
+    runs: Annotated[
+        int | None, typer.Option("--runs", "-n", min=1, help="Runs a cell; each study has its own default.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=1, help="Runs at the same time; as many as cores.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="The first run's; the others follow.")] = 0,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over every scenario.")
+    ] = None,
+    transport: Annotated[
+        Transport | None, typer.Option(help="Real processes (routed, mesh) or all in one (local).")
+    ] = None,
+    random: Annotated[
+        int | None, typer.Option(min=1, help="robustness: this many random fault runs instead of the grid.")
+    ] = None,
+    json_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--json",
+            "--out",
+            help="Write rows and provenance; '-' for standard output. A file can be resumed.",
+        ),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
+) -> None:
+    """Measure a table: the paper's experiments, faults, peers, numbers of robots.
+
+    Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
+    there after Ctrl-C or a crash, unless the code or the settings have changed.
+
+    Examples: disknav study tightness --json tightness.json --plot tightness.png;
+    disknav study robustness --random 10000 --json faults.json;
+    disknav study tuning --runs 5 --transport local
+
+    Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.studies.request import Request, perform
+
+    request = Request(
+        name=name,
+        runs=runs,
+        jobs=jobs or os.cpu_count() or 1,
+        seed=seed,
+        settings=tuple(setting or ()),
+        transport=transport,
+        random=random,
+        target=json_file,
+        plot=plot,
+        fresh=fresh,
+        quiet=quiet,
+    )
+    raise typer.Exit(perform(request))

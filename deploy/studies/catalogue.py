@@ -1,0 +1,57 @@
+"""The studies by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from deploy.options import Transport
+from deploy.studies.paper import tightness, tuning
+from deploy.studies.peers import peers
+from deploy.studies.random_faults import random_faults
+from deploy.studies.robustness import robustness
+from deploy.studies.scale import scale
+from deploy.studies.study import Study, StudyName
+from protocol.errors import UsageError
+
+_BUILD: dict[StudyName, Callable[..., Study]] = {
+    "tightness": tightness,
+    "tuning": tuning,
+    "robustness": robustness,
+    "peers": peers,
+    "scale": scale,
+}
+_DEFAULT: dict[StudyName, Transport] = {"tightness": "routed", "tuning": "routed"}
+_ONE_AT_A_TIME: frozenset[StudyName] = frozenset({"scale"})  # its figures are speeds
+
+
+@dataclass(frozen=True)
+class Defaults:
+    """What a study uses unless told otherwise."""
+
+    transport: Transport
+    one_job: bool
+
+
+def defaults(name: StudyName) -> Defaults:
+    """Real processes for the paper's experiments; elsewhere the in-process bus, with the same rows."""
+    return Defaults(_DEFAULT.get(name, "local"), name in _ONE_AT_A_TIME)
+
+
+def find(
+    name: StudyName, runs: int | None, seed: int, random: int | None, transport: Transport | None
+) -> Study:
+    """The study, with `runs` runs a cell (its own number unless given) from `seed` on.
+
+    Raises:
+        UsageError: `random` (runs) was given to a study that has no random fault runs.
+    """
+    if random is not None:
+        if name != "robustness":
+            raise UsageError(f"study {name} has no random fault runs; --random belongs to robustness")
+        return random_faults(random, seed)
+    arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
+    if name == "scale" and transport is not None:
+        arguments["transports"] = (transport,)
+    return _BUILD[name](**arguments)
