@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import threading
 import time
+from math import inf
 
+from deploy.monitor.admin_space import ROUTERS, router
 from deploy.monitor.watcher import Watcher
 from protocol.bus import Bus
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
+from protocol.errors import BusError
 from protocol.keys import checked_run
 
 _LONGEST_WAIT = 0.05  # s; how soon `close` is noticed
+_ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
 
 
 class Attachment(Watcher):
@@ -19,6 +23,7 @@ class Attachment(Watcher):
 
     def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
         super().__init__(bus, run, speed=speed)
+        self._look_at = self.deadline
         self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
         self._thread.start()
 
@@ -31,8 +36,19 @@ class Attachment(Watcher):
                 event = self._bus.receive(min(_LONGEST_WAIT, max(0.0, self.deadline - now)))
                 if event is not None:
                     self.handle(event)
+                if now >= self._look_at:
+                    self._look_at_network(now)
         finally:
             self._bus.close()
+
+    def _look_at_network(self, now: float) -> None:
+        """See who is connected, if the admin space is on; where it is off, asking once was enough."""
+        try:
+            found = router(self._bus.ask(ROUTERS, b"", _ADMIN_TIMEOUT))
+        except BusError:
+            found = None
+        self._look_at = now + _ADMIN_PERIOD if found is not None else inf
+        self.change(lambda view, _: setattr(view, "router", found))
 
     def close(self) -> None:
         """Stop watching and disconnect; may be called twice."""

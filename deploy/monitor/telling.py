@@ -52,6 +52,7 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
         "verdict": view.verdict,
         "steering": {"paused": view.steering.paused, "speed": view.steering.speed},
         "smallest": view.smallest,
+        "router": None if view.router is None else view.router.told(),
         "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
         "samples": _samples(view, since),
     }

@@ -46,7 +46,16 @@ def table(frame: dict[str, Any]) -> RenderableType:
     for row in frame["robots"]:
         style = "bold red" if row["alarm"] else "green" if row["status"] == "at goal" else ""
         listing.add_row(*_cells(row), style=style)
-    return Group(_headline(frame), listing)
+    return Group(_headline(frame), *_network(frame), listing)
+
+
+def _network(frame: dict[str, Any]) -> list[Text]:
+    router = frame["router"]
+    if router is None:
+        return []
+    return [
+        Text(f"zenoh {router['version']}, router {router['zid']}, {len(router['links'])} links", style="dim")
+    ]
 
 
 def _headline(frame: dict[str, Any]) -> Text:

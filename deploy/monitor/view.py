@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from deploy.monitor.admin_space import Router
 from deploy.monitor.robot_view import RobotView
 from deploy.monitor.thinned import Thinned
 from protocol.messages import Clock, Health, Message, Truth
@@ -35,6 +36,7 @@ class View:
         self.lockstep = True
         self.epoch = 0  # counts the scenarios seen under this run name
         self.steering = Steering()
+        self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
         self.tick, self.verdict = 0, ""
         self.world_alive: bool | None = None

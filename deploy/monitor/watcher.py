@@ -38,7 +38,7 @@ class Watcher(SharedView):
         self.deadline = time.monotonic()
         self._bus, self._run = bus, run
         self._wishes: SimpleQueue[Steer] = SimpleQueue()
-        self._known, self._gone = False, False  # the scenario; the world that told it
+        self._there, self._known = False, False  # the world; the scenario it runs
         self._ask_at = self.deadline
         if speed is not None:
             self.steer(Steer(speed=speed))
@@ -66,7 +66,7 @@ class Watcher(SharedView):
     def wake(self, now: float) -> None:
         """Learn the scenario if it is unknown, and pass on what viewers asked for."""
         self.deadline = now + PERIOD
-        if not self._known and now >= self._ask_at:
+        if self._there and not self._known and now >= self._ask_at:
             self._learn()
             self._ask_at = time.monotonic() + RETRY
         if self._known:
@@ -79,9 +79,9 @@ class Watcher(SharedView):
             return  # a stranger's token under our name says nothing about any robot
         self.change(lambda view, _: view.present(robot, event.alive))
         if robot is None:
-            if event.alive and self._gone:
-                self._known, self._ask_at = False, 0.0  # another world under this name
-            self._gone = not event.alive
+            if event.alive and not self._there:
+                self._known, self._ask_at = False, 0.0  # perhaps another world under this name
+            self._there = event.alive
 
     def _on_sample(self, sample: Sample) -> None:
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import re
 import socket
@@ -11,9 +12,11 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from math import inf
 from typing import Any
 
 import pytest
+import zenoh
 from rich.console import Console
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
@@ -289,6 +292,42 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
             until(lambda: (second.turn(), watcher.overview()["epoch"] == 2)[1])
 
 
+def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:
+    router, endpoint = with_admin_space()
+    with router, closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
+        told = until(lambda: watcher.snapshot()["router"])
+        assert told["zid"] == str(router.zid())
+        assert len(told["links"]) == 1
+        assert told["links"][0].startswith("client tcp/127.0.0.1:")
+        assert "1 links" in rendered(watcher.snapshot())
+
+
+def test_where_the_admin_space_is_off_nothing_is_missing() -> None:
+    router, endpoint = listening(Connection("router"))
+    with closing(router), closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
+        until(lambda: watcher._look_at == inf)
+        assert watcher.snapshot()["router"] is None
+
+
+def with_admin_space() -> tuple[zenoh.Session, str]:
+    """A router as a stock one is, on a free port."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    configuration = {
+        "mode": "router",
+        "listen": {"endpoints": [endpoint]},
+        "scouting": {"multicast": {"enabled": False}},
+        "adminspace": {"enabled": True},
+    }
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(configuration))), endpoint
+
+
+def rendered(frame: dict[str, Any]) -> str:
+    console = Console(record=True, width=120, file=io.StringIO())
+    console.print(terminal.table(frame))
+    return console.export_text()
+
+
 def test_nobody_at_the_endpoint_is_an_error() -> None:
     with pytest.raises(BusError):
         attach(Connection(connect=("tcp/127.0.0.1:1",), timeout=0.2), "r")
@@ -319,12 +358,11 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
 
 def test_the_terminal_shows_the_same_rows_and_ends_with_the_run() -> None:
     player = Player(ring(2), "old", entries(3), speed=0.0)
-    console = Console(record=True, width=120, force_terminal=False)
+    console = Console(record=True, width=120, file=io.StringIO())
     assert terminal.show(player, console) == "arrived"
     player.close()
     frame = player.snapshot()
     frame["robots"][0].update(alarm=True, status="fenced")
-    console.print(terminal.table(frame))
-    text = console.export_text()
+    text = rendered(frame)
     assert "✕ fenced" in text
     assert "smallest clearance 10.00 mm" in text
