@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from agents.lines.line import HalfPlane
 
 _CUTS = 12  # tangents of the workspace boundary that are tried
-_SHRINK = (1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
+_SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
 
 Vector = tuple[float, float]
 
@@ -131,8 +131,9 @@ def _inwards(
     period: float,
     noise: float,
 ) -> Vector:
-    """The velocity for `step`, shortened until floating point agrees that all constraints hold."""
+    """The velocity for `step`, nudged and shortened until floating point agrees that all constraints hold."""
     for shrink in _SHRINK:
+        step = _nudged(step, limits)
         vx, vy = step[0] / period * shrink, step[1] / period * shrink
         dx, dy = vx * period, vy * period
         length = math.hypot(dx, dy)
@@ -144,3 +145,14 @@ def _inwards(
         ):
             return vx, vy
     return 0.0, 0.0
+
+
+def _nudged(step: Vector, limits: Sequence[HalfPlane]) -> Vector:
+    """A displacement moved off the edges that it lies on, by what rounding may add."""
+    dx, dy = step
+    push = 4e-16 * (abs(dx) + abs(dy))
+    for nx, ny, limit in limits:
+        if nx * dx + ny * dy > limit - push:
+            dx -= 2.0 * push * nx
+            dy -= 2.0 * push * ny
+    return dx, dy

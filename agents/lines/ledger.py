@@ -21,7 +21,7 @@ from protocol.messages import Answer, Down, Proposal, State
 
 ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING = 32  # most unanswered proposals of one pair
-UNCHANGED = 1e-3  # of what a robot moves in a tick; a line that differs by less is not worth a proposal
+UNCHANGED = 1e-2  # of what a robot moves in a tick; a line that differs by less is not worth a proposal
 
 
 class Ledger:
@@ -173,7 +173,7 @@ class Ledger:
         peer = Disk(*state.position, bond.radius + state.bound, *state.desired)
         newest = end.newest
         ticks = max(0, self._tick - state.tick) + 2
-        if newest is not None and is_idle(newest, me, peer, 2 * ticks * self._reach):
+        if newest is not None and is_idle(newest, me, peer, ticks * self._reach):
             return
         line = place(me, peer, ticks * self._period)
         if line is None or not self._owner_fits(line):

@@ -1,4 +1,4 @@
-"""The applied velocity: all constraints to the last bit, nearest by brute force, standing still always allowed."""
+"""The applied velocity: all constraints to the last bit, nearest by brute force, still if need be."""
 
 from __future__ import annotations
 

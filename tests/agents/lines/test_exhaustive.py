@@ -66,7 +66,7 @@ class DropsAtOnce(Owner):
 class TakesOldAnswers(Owner):
     """Reads an answer to an earlier life as one to its own."""
 
-    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:
+    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:  # noqa: ARG002
         return super().hear(peer_life, self.life, held, seen)
 
 
@@ -89,7 +89,7 @@ class TakesOldOffers(Follower):
 class TakesOffersToOthers(Follower):
     """Adopts what was offered to an earlier life of its own."""
 
-    def hear(self, peer_life: int, life: int, *offer: object) -> bool:
+    def hear(self, peer_life: int, life: int, *offer: object) -> bool:  # noqa: ARG002
         return super().hear(peer_life, self.life, *offer)  # type: ignore[arg-type]  # as above
 
 

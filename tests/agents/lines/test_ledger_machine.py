@@ -1,0 +1,153 @@
+"""Three whole ledgers under any order of events: no contact, and each pair has a line that both obey."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from agents.lines.ledger import Ledger
+from agents.safe_velocity import safe_velocity
+from protocol.messages import Down, State
+
+SPEED, PERIOD, ROOM = 0.4, 0.05, 0.3  # fast, so that a few ticks suffice to collide
+RADII = {1: 0.04, 2: 0.03, 3: 0.05}
+STARTS = {1: (-0.06, 0.0), 2: (0.03, 0.0), 3: (0.0, 0.11)}
+robots = st.sampled_from(sorted(RADII))
+angles = st.floats(0.0, 2.0 * math.pi)
+
+
+def polar(size: float, angle: float) -> tuple[float, float]:
+    return size * math.cos(angle), size * math.sin(angle)
+
+
+class Fleet(RuleBasedStateMachine):
+    """Truth, ledgers, and every State that was ever sent."""
+
+    @initialize(known=st.booleans(), bound=st.sampled_from([0.0, 0.002]))
+    def begin(self, known: bool, bound: float) -> None:
+        self.tick = 0
+        self.bound = bound
+        self.truth = dict(STARTS)
+        self.error = dict.fromkeys(RADII, (0.0, 0.0))
+        self.life = dict.fromkeys(RADII, 1)
+        self.down: dict[int, Down] = {}
+        self.sent: list[State] = []
+        self.ledger = {robot: self.newborn(robot, STARTS if known else None) for robot in RADII}
+
+    def newborn(self, robot: int, starts: dict[int, tuple[float, float]] | None) -> Ledger:
+        ledger = Ledger(robot, self.life[robot], RADII, speed=SPEED, period=PERIOD, starts=starts)
+        ledger.locate(self.tick, self.estimate(robot), self.bound)
+        return ledger
+
+    def estimate(self, robot: int) -> tuple[float, float]:
+        (x, y), (ex, ey) = self.truth[robot], self.error[robot]
+        return x + ex, y + ey
+
+    @rule(robot=robots, angle=angles, share=st.floats(0.0, 1.0))
+    def measure(self, robot: int, angle: float, share: float) -> None:
+        self.error[robot] = polar(self.bound * share, angle)
+        self.ledger[robot].locate(self.tick, self.estimate(robot), self.bound)
+
+    @rule(robot=robots, angle=angles)
+    def speak(self, robot: int, angle: float) -> None:
+        desired = polar(SPEED, angle)
+        proposals, answers = self.ledger[robot].speak(desired)
+        self.sent.append(
+            State(
+                robot,
+                self.life[robot],
+                self.tick,
+                self.estimate(robot),
+                self.bound,
+                0.0,
+                0.0,
+                desired,
+                proposals,
+                answers,
+            )
+        )
+
+    @precondition(lambda self: self.sent)
+    @rule(back=st.integers(0, 40), robot=robots)
+    def deliver(self, back: int, robot: int) -> None:
+        state = self.sent[-1 - back % len(self.sent)]
+        if state.robot != robot:
+            self.ledger[robot].hear(state)
+
+    @rule(wish=st.fixed_dictionaries(dict.fromkeys(RADII, angles)), ticks=st.integers(1, 4))
+    def drive(self, wish: dict[int, float], ticks: int) -> None:
+        for _ in range(ticks):
+            moved = {robot: self.executed(robot, angle) for robot, angle in wish.items()}
+            self.tick += 1
+            for robot, (x, y) in moved.items():
+                self.truth[robot] = (x, y)
+                self.ledger[robot].locate(self.tick, self.estimate(robot), self.bound)
+            self.apart()
+
+    @rule(ticks=st.integers(1, 6), wish=st.fixed_dictionaries(dict.fromkeys(RADII, angles)))
+    def converse(self, ticks: int, wish: dict[int, float]) -> None:
+        """An undisturbed stretch, so that lines come about and move."""
+        for _ in range(ticks):
+            states = len(self.sent)
+            for robot, angle in wish.items():
+                self.speak(robot, angle)
+            for state, robot in itertools.product(self.sent[states:], RADII):
+                if state.robot != robot:
+                    self.ledger[robot].hear(state)
+            self.drive(wish, 1)
+
+    def executed(self, robot: int, angle: float) -> tuple[float, float]:
+        x, y = self.truth[robot]
+        ledger = self.ledger[robot]
+        if robot in self.down or not ledger.ready:
+            return x, y
+        room = ROOM - RADII[robot] - self.bound
+        vx, vy = safe_velocity(
+            polar(SPEED, angle),
+            self.estimate(robot),
+            ledger.half_planes(),
+            workspace=room,
+            speed=SPEED,
+            period=PERIOD,
+        )
+        return x + vx * PERIOD, y + vy * PERIOD
+
+    @rule(robot=robots)
+    def restart(self, robot: int) -> None:
+        self.life[robot] += 1
+        self.down.pop(robot, None)
+        self.ledger[robot] = self.newborn(robot, None)
+        for down in self.down.values():
+            self.ledger[robot].peer_down(down)
+
+    @rule(robot=robots)
+    def fence(self, robot: int) -> None:
+        self.down[robot] = Down(robot, self.life[robot], self.truth[robot])
+
+    @precondition(lambda self: self.down)
+    @rule(robot=robots)
+    def announce(self, robot: int) -> None:
+        for down in self.down.values():
+            self.ledger[robot].peer_down(down)
+
+    @invariant()
+    def apart(self) -> None:
+        """No two disks touch."""
+        for one, other in itertools.combinations(RADII, 2):
+            assert math.dist(self.truth[one], self.truth[other]) >= RADII[one] + RADII[other]
+
+    @invariant()
+    def shared(self) -> None:
+        """Of every pair that may both move, each obeys a line that the other obeys too."""
+        for one, other in itertools.combinations(RADII, 2):
+            owner, follower = self.ledger[one]._bonds[other], self.ledger[other]._bonds[one]
+            if owner.end.agreed and follower.end.agreed and not self.down.keys() & {one, other}:
+                assert set(follower.end.obeyed) <= set(owner.end.obeyed)
+
+
+Fleet.TestCase.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
+TestFleet = Fleet.TestCase
