@@ -74,7 +74,7 @@ class LocalFleet:
 
     def _record(self, path: Path) -> Recorder:
         bus = self.network.connect()
-        recorder = bus.node = Recorder(bus, self.run, path)
+        recorder = bus.node = Recorder(bus, self.run, path, beside=True)
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:

@@ -7,16 +7,16 @@ the network never waits. Half a second at most is lost when this process is kill
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable
 from math import inf
 from pathlib import Path
 
+from deploy.recording.beside import FileBeside
 from deploy.recording.writer import RecordingFile
 from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
-from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.errors import BusError, MessageError
 from protocol.keys import everything, world_key
 from protocol.messages import Result
 
@@ -32,10 +32,7 @@ class Recorder:
     """Records one run, from now to its result; a node on any bus.
 
     `on_ready` is called once the scenario is known and everything is subscribed: nothing that is
-    published from then on can be missed.
-
-    Attributes:
-        rejected: payloads that were no messages of this run, by reason; they are not recorded.
+    published from then on can be missed. `beside`: another process writes the file (`FileBeside`).
 
     Raises:
         UsageError: the file cannot be created.
@@ -49,13 +46,13 @@ class Recorder:
         path: Path,
         *,
         on_ready: Callable[[], None] | None = None,
+        beside: bool = False,
         patience: float = PATIENCE,
     ) -> None:
         self.finished = False
-        self.rejected: Counter[str] = Counter()
         self._bus, self._run, self._patience = bus, run, patience
         self._on_ready, self._ready = on_ready, False
-        self._file = RecordingFile(path)
+        self._file = FileBeside(path) if beside else RecordingFile(path)
         self._aside: list[Sample] = []
         self._result: str | None = None
         self._result_key = world_key(run, "result")
@@ -66,11 +63,12 @@ class Recorder:
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):
+            if event.key == self._result_key:
+                self._on_result(event)
+                return
             self._aside.append(event)
             if len(self._aside) >= _BATCH and self._ready:
                 self._write(time.monotonic())
-            if event.key == self._result_key:
-                self._on_result(event)
         elif isinstance(event, Presence):
             self._on_world(event.alive)
 
@@ -89,7 +87,7 @@ class Recorder:
         if not self.finished:
             self.finished, self.deadline = True, inf
             self._write(time.monotonic())
-            self._file.finish(self._result, dict(self.rejected))
+            self._file.finish(self._result)
 
     def wind_up(self, patience: float) -> None:
         """Go on until the result is there, `patience` (s) at most, and finish: for a process told to stop."""
@@ -117,22 +115,16 @@ class Recorder:
         try:
             message = decode(sample.key, sample.payload)
         except MessageError:
-            return  # counted when it is written
+            self._aside.append(sample)  # to be counted with the others
+            return
         if isinstance(message, Result) and self._result is None:
             self._result = message.report
             self.deadline = time.monotonic() + _LAST_WORDS
 
     def _write(self, now: float) -> None:
         batch, self._aside = self._aside, []
-        for key, payload in batch if self._ready else ():
-            if key == self._result_key:
-                continue
-            try:
-                self._file.add(key, payload)
-            except MessageError as error:
-                self.rejected[error.reason] += 1
-            except KeyGrammarError:
-                self.rejected["key"] += 1
+        if batch and self._ready:
+            self._file.write(batch)
         if now >= self._flushed + _FLUSH_PERIOD:
             self._flushed = now
             self._file.flush()

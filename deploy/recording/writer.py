@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -11,9 +13,9 @@ from mcap.writer import Writer
 
 from deploy.recording.form import schema, to_object
 from protocol.codec import decode_stream
-from protocol.errors import MessageError, RecordingError, UsageError
+from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse
-from protocol.messages import VERSION, AnyMessage
+from protocol.messages import VERSION
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
@@ -33,6 +35,9 @@ class Channel:
 class RecordingFile:
     """A recording that is being written.
 
+    Attributes:
+        rejected: payloads that were no messages of this run, by reason; they are not recorded.
+
     Raises:
         UsageError: the file cannot be created.
         RecordingError: (all methods) it cannot be written any more.
@@ -40,6 +45,7 @@ class RecordingFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.rejected: Counter[str] = Counter()
         self._channels: dict[str, Channel] = {}
         self._schemas: dict[str, int] = {}
         self._robots: frozenset[int] = frozenset()
@@ -62,19 +68,23 @@ class RecordingFile:
         self._writer.add_metadata("scenario", {"json": _encode(scenario).decode()})
         self.flush()
 
-    def add(self, key: str, payload: bytes) -> AnyMessage:
-        """Record what was published under `key`, at the simulated time of its tick.
+    def write(self, batch: Iterable[tuple[str, bytes]]) -> None:
+        """Record what was published, at the simulated time of its tick."""
+        for key, payload in batch:
+            try:
+                self._add(key, payload)
+            except MessageError as error:
+                self.rejected[error.reason] += 1
+            except KeyGrammarError:
+                self.rejected["key"] += 1
 
-        Raises:
-            MessageError: it is not a valid message of this run; nothing is recorded.
-        """
+    def _add(self, key: str, payload: bytes) -> None:
         channel = self._channels.get(key) or self._open(key)
         message: Any = decode_stream(channel.stream, channel.robot, payload)
         data = _encode(channel.form(message))
         time = round(message.tick * self._step * 1e9)
         self._writer.add_message(channel.number, time, data, time, self._count & 0xFFFFFFFF)
         self._count += 1
-        return message  # type: ignore[no-any-return]  # every recorded stream has a tick, their union has not
 
     def _open(self, key: str) -> Channel:
         address = parse(key)
@@ -98,13 +108,13 @@ class RecordingFile:
         except OSError as error:
             raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
 
-    def finish(self, result: str | None, rejected: dict[str, int]) -> None:
+    def finish(self, result: str | None) -> None:
         """Write the result (a JSON object) and the index; nothing can be added afterwards."""
         try:
             if result is not None:
                 self._writer.flush()
                 self._writer.add_metadata("result", {"json": result})
-            counts = {"messages": str(self._count), "rejected": json.dumps(rejected)}
+            counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
             self._writer.add_metadata("recorder", counts)
             self._writer.finish()
             self._file.close()

@@ -18,11 +18,13 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from deploy.recording import process
+from deploy.recording.beside import FileBeside
 from deploy.recording.contents import records
 from deploy.recording.form import from_object, schema, to_object
 from deploy.recording.reader import read, trajectory_hash
 from deploy.recording.recorder import Recorder
 from deploy.recording.result import attach
+from deploy.recording.writer import RecordingFile
 from deploy.router import listening
 from protocol import joining
 from protocol.bus import Request, Sample
@@ -331,12 +333,41 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
     found = read(tmp_path / "fake.mcap")
     assert [entry.message for entry in found.entries] == [command]
     assert found.result == {"verdict": "arrived"}
-    assert recorder.rejected == {"shape": 1, "not-finite": 1, "identity": 1, "key": 1, "oversize": 1}
+    with (tmp_path / "fake.mcap").open("rb") as file:
+        metadata = {each.name: each.metadata for each in make_reader(file).iter_metadata()}
+    assert json.loads(metadata["recorder"]["rejected"]) == {
+        "shape": 1,
+        "not-finite": 1,
+        "identity": 1,
+        "key": 1,
+        "oversize": 1,
+    }
 
 
 def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
     with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
         Recorder(LocalNetwork().connect(), "r", tmp_path / "no" / "x.mcap")
+
+
+def test_the_same_when_another_process_writes(tmp_path):
+    with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
+        FileBeside(tmp_path / "no" / "x.mcap")
+    here, beside = RecordingFile(tmp_path / "here.mcap"), FileBeside(tmp_path / "beside.mcap")
+    for file in (here, beside):
+        file.begin("r", scenario())
+        file.write([Sample(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
+        file.flush()
+        file.finish('{"verdict": "arrived"}')
+    assert (tmp_path / "here.mcap").read_bytes() == (tmp_path / "beside.mcap").read_bytes()
+
+
+def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
+    file = FileBeside(tmp_path / "x.mcap")
+    (child,) = multiprocessing.active_children()
+    child.kill()
+    child.join(10)
+    with pytest.raises(RecordingError, match=r"cannot go on recording to .*x\.mcap"):
+        file.begin("r", scenario())
 
 
 def test_a_world_that_never_appears_ends_the_wait(tmp_path):
