@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
-from agents.lines.placement import Disk, is_idle, is_same, place
+from agents.lines.placement import Disk, is_same, place
 from protocol.messages import Answer, Down, Proposal, State
 
 ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
@@ -105,12 +105,17 @@ class Ledger:
         return all(bond.ready for bond in self._bonds.values())
 
     def half_planes(self) -> list[HalfPlane]:
-        """Where the estimated own centre must stay; radius and error bound are subtracted."""
-        margin = self._bound + 2.0 * ROUNDING
+        """Where the estimated own centre must stay; radius and error bound are subtracted.
+
+        Without those that are out of reach within a tick.
+        """
+        x, y, margin = self._x, self._y, self._bound + 2.0 * ROUNDING
+        near = margin + 2.0 * self._reach
         return [
             HalfPlane(nx, ny, limit - margin)
             for bond in self._bonds.values()
-            for nx, ny, limit in bond.half_planes
+            for nx, ny, limit in (bond.sides if bond.disk is None else bond.half_planes)
+            if limit - nx * x - ny * y < near
         ]
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
@@ -170,11 +175,17 @@ class Ledger:
         state = bond.state
         if state is None or state.position is None or not end.met or len(end.proposed) >= OUTSTANDING:
             return
-        peer = Disk(*state.position, bond.radius + state.bound, *state.desired)
         newest = end.newest
         ticks = max(0, self._tick - state.tick) + 2
-        if newest is not None and is_idle(newest, me, peer, ticks * self._reach):
-            return
+        px, py = state.position
+        apart = 2.0 * ticks * self._reach
+        if (
+            newest is not None
+            and newest.gap(me.x, me.y) > apart + me.radius
+            and -newest.gap(px, py) > apart + bond.radius + state.bound
+        ):
+            return  # neither comes near the line before a new one could be agreed
+        peer = Disk(px, py, bond.radius + state.bound, *state.desired)
         line = place(me, peer, ticks * self._period)
         if line is None or not self._owner_fits(line):
             return

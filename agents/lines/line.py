@@ -37,6 +37,10 @@ class Line(NamedTuple):
             return HalfPlane(self.nx, self.ny, self.offset - radius)
         return HalfPlane(-self.nx, -self.ny, -self.offset - radius)
 
+    def gap(self, x: float, y: float) -> float:
+        """Distance from (x, y) to the line, m; positive on the owner's side."""
+        return self.offset - self.nx * x - self.ny * y
+
     @property
     def is_unit(self) -> bool:
         """Whether the normal has length one; a line from the network must be checked."""

@@ -1,4 +1,4 @@
-"""Where the owner puts the next line of a pair, and when it is worth a proposal.
+"""Where the owner puts the next line of a pair.
 
 Nothing here can be unsafe: the ledger offers only lines that the own disk satisfies, and the
 follower adopts only those that its own disk satisfies.
@@ -26,15 +26,6 @@ class Disk(NamedTuple):
     radius: float
     vx: float = 0.0
     vy: float = 0.0
-
-
-def is_idle(line: Line, owner: Disk, follower: Disk, reach: float) -> bool:
-    """Whether both disks stay more than `reach` (m) behind the line when each moves that far: it may stay."""
-    nx, ny, offset = line
-    return (
-        offset - nx * owner.x - ny * owner.y - owner.radius > 2.0 * reach
-        and nx * follower.x + ny * follower.y - follower.radius - offset > 2.0 * reach
-    )
 
 
 def is_same(one: Line, other: Line, tolerance: float) -> bool:
