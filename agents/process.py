@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 from agents.node import RobotNode
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
+from protocol.credentials import credentials
 from protocol.drive import Stop, drive, stop_on_signal
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
@@ -39,5 +41,6 @@ def _say(robot: int, error: DisknavError, status: int) -> int:
 
 
 if __name__ == "__main__":
-    endpoint, run_name, identity = sys.argv[1:]
-    sys.exit(main(Connection(connect=(endpoint,)), run_name, int(identity)))
+    endpoint, run_name, identity, *keys = sys.argv[1:]
+    proof = credentials(Path(keys[0]), f"robot-{identity}") if keys else None
+    sys.exit(main(Connection(connect=(endpoint,), credentials=proof), run_name, int(identity)))

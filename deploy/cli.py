@@ -7,7 +7,7 @@ import sys
 
 import typer
 
-from deploy.commands import scenario
+from deploy.commands import keys, scenario
 from deploy.commands.check import check
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
@@ -16,7 +16,7 @@ from deploy.commands.replay import replay
 from deploy.commands.run import run
 from deploy.commands.single import robot, router, world
 from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
-from protocol.errors import DisknavError, KeyGrammarError, ScenarioError, UsageError
+from protocol.errors import CertificateError, DisknavError, KeyGrammarError, ScenarioError, UsageError
 
 app = typer.Typer(
     name="disknav",
@@ -31,8 +31,9 @@ app = typer.Typer(
 for command in (run, check, plot, replay, info, monitor, robot, world, router):
     app.command()(command)
 app.add_typer(scenario.app, name="scenario")
+app.add_typer(keys.app, name="keys")
 
-_INVALID = (ScenarioError, UsageError, KeyGrammarError)
+_INVALID = (ScenarioError, UsageError, KeyGrammarError, CertificateError)
 
 
 def main() -> None:

@@ -15,13 +15,13 @@ from deploy import process_table as table
 from deploy.fault_schedule import FaultSchedule
 from deploy.options import RunOptions
 from deploy.process_life import Exit
+from deploy.security.membership import Membership
 from deploy.supervisor import Supervisor
 from deploy.topology import Mesh, Routed, Topology
 from deploy.unjudged import unjudged
 from protocol.bus import Event, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.connection import Connection
 from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
@@ -90,10 +90,12 @@ class Fleet:
         if options.transport == "mesh":
             folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
             return Mesh(Path(folder), self._scenarios[0].ids)
+        membership = Membership(options.secure)
+        membership.run(options.run)  # or the router would turn everybody away
         if options.router is not None:
-            return Routed(options.router)
-        self._supervisor.start([table.router(Connection("router"))])
-        return Routed(self._supervisor.report("router", _START))
+            return Routed(options.router, membership)
+        self._supervisor.start([table.router(membership.router())])
+        return Routed(self._supervisor.report("router", _START), membership)
 
     def _start_world(self) -> None:
         """The world, and before anything can happen the recorder."""

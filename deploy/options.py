@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
+
+from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
 Mode = Literal["lockstep", "realtime"]
@@ -23,6 +26,11 @@ class RunOptions:
     mode: Mode = "lockstep"
     router: str | None = None  # endpoint of a router that is already there
     run: str = field(default_factory=fresh_run_name)
+    secure: Path | None = None  # directory of keys; every link is TLS with certificates then
+
+    def __post_init__(self) -> None:
+        if self.secure is not None and self.transport != "routed":
+            raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
 
     @property
     def lockstep(self) -> bool:

@@ -15,7 +15,7 @@ from dataclasses import replace
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.drive import Stop, stop_on_signal
-from protocol.errors import EndpointTakenError
+from protocol.errors import CertificateError, EndpointTakenError
 
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
@@ -28,12 +28,14 @@ def main(connection: Connection, ready: Callable[[str], None] | None = None) -> 
 
     Raises:
         EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
+        CertificateError: another router does not accept this one's certificate, or the reverse.
         BusError: the endpoint cannot be listened on for another reason.
     """
     try:
         with stop_on_signal():
             bus, endpoint = listening(connection)
             with closing(bus):
+                _check_links(connection)
                 if ready is not None:
                     ready(endpoint)
                 while True:
@@ -46,8 +48,9 @@ def listening(connection: Connection) -> tuple[ZenohBus, str]:
     """Open a router session; returns it with the endpoint that it listens on."""
     if connection.listen:
         return _asked_for(connection), connection.listen[0]
+    protocol = "tcp" if connection.credentials is None else "tls"
     for port in PORTS:
-        endpoint = f"tcp/{HOST}:{port}"
+        endpoint = f"{protocol}/{HOST}:{port}"
         try:
             return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
         except EndpointTakenError:
@@ -56,6 +59,17 @@ def listening(connection: Connection) -> tuple[ZenohBus, str]:
         f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}: "
         f"stop another fleet, or name an endpoint to listen on"
     )
+
+
+def _check_links(connection: Connection) -> None:
+    """zenoh goes on trying routers that refuse it, without a word; those that cannot be reached yet may come."""
+    if connection.credentials is None:
+        return
+    from protocol.tls_refusal import refusal  # only where it may be needed
+
+    for endpoint in connection.connect:
+        if (why := refusal(endpoint, connection.credentials)) is not None:
+            raise CertificateError(why)
 
 
 def _asked_for(connection: Connection) -> ZenohBus:

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from deploy.security.membership import Membership
+from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.connection import Connection
 
 
 @dataclass(frozen=True)
 class Routed:
-    """All are clients of the router at `endpoint`."""
+    """All are clients of the router at `endpoint`, each with what proves its role."""
 
     endpoint: str
+    membership: Membership = field(default_factory=Membership)
 
     def world(self) -> Connection:
         """The world's connection."""
-        return Connection(connect=(self.endpoint,))
+        return self.membership.client(WORLD, (self.endpoint,))
 
-    def robot(self, robot: int) -> Connection:  # noqa: ARG002
+    def robot(self, robot: int) -> Connection:
         """A robot's connection."""
-        return Connection(connect=(self.endpoint,))
+        return self.membership.client(robot_role(robot), (self.endpoint,))
 
     def observer(self) -> Connection:
         """Connection of somebody who only watches."""
-        return Connection(connect=(self.endpoint,))
+        return self.membership.client(MONITOR, (self.endpoint,))
 
 
 @dataclass(frozen=True)

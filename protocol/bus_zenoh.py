@@ -25,7 +25,8 @@ import zenoh
 
 from protocol.bus import Event, Presence, Publish, Request, Sample
 from protocol.connection import Connection, configuration
-from protocol.errors import BusError, EndpointTakenError
+from protocol.errors import BusError, CertificateError, EndpointTakenError
+from protocol.open_failure import explained
 from protocol.streams import Stream
 
 _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in short attempts
@@ -42,6 +43,7 @@ class ZenohBus:
 
     Raises:
         EndpointTakenError: another process listens on an endpoint of `connection.listen`.
+        CertificateError: one end does not accept the other's certificate.
         BusError: nobody could be reached within `connection.timeout`.
     """
 
@@ -167,8 +169,8 @@ def _open(connection: Connection) -> zenoh.Session:
             with _signals_for_this_thread():
                 return zenoh.open(config)
         except zenoh.ZError as error:
-            failure = _explained(connection, error)
-            if isinstance(failure, EndpointTakenError) or time.monotonic() >= deadline:
+            failure = explained(connection, str(error))
+            if isinstance(failure, EndpointTakenError | CertificateError) or time.monotonic() >= deadline:
                 raise failure from error
 
 
@@ -184,16 +186,3 @@ def _signals_for_this_thread() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _explained(connection: Connection, error: zenoh.ZError) -> BusError:
-    """What a failed `open` means and what to do about it; zenoh's own words come last."""
-    listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
-    if "in use" in str(error):
-        return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")
-    if not connection.connect:
-        return BusError(f"cannot listen on {listen}: {error}")
-    return BusError(
-        f"nobody reachable at {connect} within {connection.timeout:g} s: is the router running there "
-        f"(`disknav router`), is the endpoint right, does a firewall stand between? ({error})"
-    )

@@ -4,27 +4,36 @@ from __future__ import annotations
 
 import signal
 from contextlib import closing
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from deploy.monitor.source import Source
+from deploy.security.membership import Membership
+from deploy.security.roster import MONITOR
 from protocol.connection import Connection
+from protocol.errors import UsageError
 
-DEFAULT_ROUTER = "tcp/127.0.0.1:7447"
 _TIMEOUT = 5.0  # s to reach somebody
 
 
 def monitor(
-    run: Annotated[str, typer.Option(help="Name of the run; the fleet's launcher prints it.")],
+    run: Annotated[
+        str | None,
+        typer.Option(help="Name of the run; the fleet's launcher prints it. With --secure, the roster's."),
+    ] = None,
     router: Annotated[
         list[str] | None,
         typer.Option(
-            help=f"Endpoint of the fleet's router, {DEFAULT_ROUTER} unless given; "
+            help="Endpoint of the fleet's router, tcp/127.0.0.1:7447 (tls/ with --secure) unless given; "
             "repeat it for each process of a mesh."
         ),
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
+    secure: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Certificates from `disknav keys new DIR`.")
+    ] = None,
     port: Annotated[
         int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
     ] = None,
@@ -40,7 +49,11 @@ def monitor(
     """
     from deploy.monitor.attachment import attach
 
-    with closing(attach(_connection(router or [DEFAULT_ROUTER]), run)) as source:
+    membership = Membership(secure)
+    name = membership.run(run)
+    if name is None:
+        raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
+    with closing(attach(_connection(router, membership), name)) as source:
         try:
             if web:
                 _serve(source, port)
@@ -52,9 +65,11 @@ def monitor(
             pass
 
 
-def _connection(endpoints: list[str]) -> Connection:
+def _connection(endpoints: list[str] | None, membership: Membership) -> Connection:
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
-    return Connection("client" if len(endpoints) == 1 else "peer", connect=tuple(endpoints), timeout=_TIMEOUT)
+    if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
+        return membership.client(MONITOR, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+    return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
 def _serve(source: Source, port: int | None) -> None:

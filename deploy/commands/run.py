@@ -11,6 +11,7 @@ import typer
 
 from deploy.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.result import Result, exit_status, table
+from deploy.security.membership import Membership
 from protocol.keys import checked_run
 
 
@@ -29,6 +30,10 @@ def run(
     router: Annotated[str | None, typer.Option(help="Use the router at this endpoint; start none.")] = None,
     name: Annotated[
         str | None, typer.Option("--run", help="Name of the run; a fresh one unless given.")
+    ] = None,
+    secure: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."),
     ] = None,
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
@@ -50,7 +55,8 @@ def run(
     from deploy.load import load
 
     loaded = load(scenario, setting or [], seed)
-    options = RunOptions(transport, mode, router, fresh_run_name() if name is None else checked_run(name))
+    run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
+    options = RunOptions(transport, mode, router, run_name, secure)
     silent = quiet or str(json_file) == "-"
     result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
     _write(result, json_file)
