@@ -78,7 +78,7 @@ def page() -> str:
         _HEAD.format(version=messages.VERSION, subscriber=SUBSCRIBER, grammar=_grammar()),
         _conventions(),
         _overview(),
-        *(_section(_title(stream), stream.message) for stream in STREAMS.values()),
+        *(_section(f"`{stream.name}`", stream.message) for stream in STREAMS.values()),
         "## Inside them\n\nArrays without a type in front.\n",
         *(_section(inner.__name__, inner, level=3) for inner in _INNER),
         _requests(),
@@ -118,10 +118,6 @@ def _overview() -> str:
 def _key(stream: Stream) -> str:
     owner = "robot/<id>" if stream.name in keys.ROBOT_STREAMS else "world"
     return f"disknav/<run>/{owner}/{stream.name}"
-
-
-def _title(stream: Stream) -> str:
-    return f"`{stream.name}`"
 
 
 def _section(title: str, struct: type[msgspec.Struct], level: int = 2) -> str:

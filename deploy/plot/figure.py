@@ -14,7 +14,8 @@ from deploy.plot.workspace import draw_workspace
 from deploy.recording.reader import Recording
 
 Panel = Callable[[Axes], None]
-_SIDE = 3.9  # inches, a workspace
+_SIDE = 3.9  # inches, a workspace at least
+_LEGEND = 0.35  # inches
 _COLUMN = 3.3  # inches, curves
 _PANEL = 1.2  # inches, height of one curve
 
@@ -22,8 +23,8 @@ _PANEL = 1.2  # inches, height of one curve
 def figure(recordings: Sequence[Recording]) -> Figure:
     """One workspace a recording, and their curves over time in one column beside them."""
     panels = _panels(recordings)
-    workspaces = _SIDE * len(recordings)
-    height = max(_SIDE + 0.35, _PANEL * len(panels))
+    height = max(_SIDE + _LEGEND, _PANEL * len(panels))
+    workspaces = (height - _LEGEND) * len(recordings)
     whole = Figure(figsize=(workspaces + _COLUMN, height), layout="constrained")
     left, right = whole.subfigures(1, 2, width_ratios=[workspaces, _COLUMN], squeeze=False)[0]
     for axes, recording in zip(left.subplots(1, len(recordings), squeeze=False)[0], recordings, strict=True):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
+from matplotlib.patheffects import withStroke
 
 from deploy.plot.style import FAINT, INK, colour, dash
 from deploy.recording.reader import Recording
@@ -75,4 +76,5 @@ def _label(axes: Axes, place: np.ndarray, text: str, *, faint: bool = False) -> 
         color=FAINT if faint else INK,
         fontweight="normal" if faint else "bold",
         zorder=6,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")] if faint else None,
     )
