@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from functools import partial
 from typing import NamedTuple
 
-from deploy.library.demonstrations import crash, delay_6
+from deploy.library.demonstrations import admissible, crash, delay_6
 from deploy.library.figures import figure_1, figure_2
 from deploy.library.goal_sets import TIGHTNESS, figure_3
 from deploy.library.random_instances import random_instance
@@ -39,6 +39,7 @@ _FIXED: dict[str, tuple[_Build, Entry]] = {
         for letter, tight in TIGHTNESS.items()
     },
     "head-on": (head_on, Entry("head-on", "2", "two robots change places, exactly on the saddle")),
+    "admissible": (admissible, Entry("admissible", "3", "goals for which the paper's guarantee holds")),
     "delay-6": (delay_6, Entry("delay-6", "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss")),
     "crash": (crash, Entry("crash", "6", "figure-3c; one robot is killed and started again")),
 }
