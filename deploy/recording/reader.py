@@ -123,9 +123,8 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
         truths = _truths(scenario, entries)
         report = None if result is None else json.loads(result["json"])
     except (KeyError, ValueError, KeyGrammarError) as error:
-        raise RecordingError(
-            f"{path}: a message does not fit this version's declarations: {error}"
-        ) from error
+        reason = f"{path} was written by another version, a message lacks or has too much: {error}"
+        raise RecordingError(f"{reason}; read it with the version that wrote it") from error
     return Recording(
         path, run, scenario, report, entries, truths, found.cut or "recorder" not in found.metadata
     )
