@@ -13,7 +13,7 @@ from rich.text import Text
 from deploy.monitor.source import Source
 
 REFRESH = 0.2  # s
-_COLUMNS = ("robot", "status", "to goal, mm", "age, s", "behind, ticks", "rate, 1/s", "error, mm", "rejected")
+_COLUMNS = ("robot", "status", "goal, mm", "age, s", "behind", "1/s", "error, mm", "rejected", "restarts")
 _PHASES = {
     "searching": "looking for the run",
     "gathering": "waiting for robots",
@@ -40,9 +40,9 @@ def show(source: Source, console: Console | None = None) -> str:
 
 def table(frame: dict[str, Any]) -> RenderableType:
     """One frame as a terminal shows it."""
-    listing = Table(box=None, padding=(0, 2), header_style="dim")
-    for column in (*_COLUMNS, "restarts"):
-        listing.add_column(column, justify="left" if column == "status" else "right")
+    listing = Table(box=None, padding=(0, 1), header_style="dim")
+    for column in _COLUMNS:
+        listing.add_column(column, justify="left" if column == "status" else "right", no_wrap=True)
     for row in frame["robots"]:
         style = "bold red" if row["alarm"] else "green" if row["status"] == "at goal" else ""
         listing.add_row(*_cells(row), style=style)

@@ -6,7 +6,10 @@ import asyncio
 import io
 import json
 import re
+import signal
 import socket
+import subprocess
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -262,12 +265,14 @@ class World:
         self.truth = self.bus.publisher(STREAMS["truth"], world_key(run, "truth"))
         self.bus.announce(world_key(run, "alive"))
         self.tick = 0
+        self.asked = False
 
     def turn(self) -> None:
         """Answer whoever asks, and let a tick go by."""
         event: Event | None = self.bus.receive(0.02)
         if event is not None and not isinstance(event, Sample | Presence):
             event.reply(encode_reply(Overview(ring(2), True)))
+            self.asked = True
         self.clock(encode(Clock(self.tick, 0.05 * self.tick, (1, 2), (), "")))
         self.tick += 1
         self.truth(encode(Truth(self.tick, (1, 2), ((0.001 * self.tick, 0.0), (0.1, 0.1)), 0.01, 0.5)))
@@ -290,6 +295,34 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
         second = World(endpoint, run)  # another world under this name: everything anew
         with closing(second.bus):
             until(lambda: (second.turn(), watcher.overview()["epoch"] == 2)[1])
+
+
+@pytest.mark.process
+def test_a_frozen_monitor_holds_up_nobody() -> None:
+    router, endpoint = listening(Connection("router"))
+    run = fresh_run_name()
+    world = World(endpoint, run)
+    command = [sys.executable, "-m", "deploy.cli", "monitor", "--run", run, "--router", endpoint]
+    with closing(router), closing(world.bus), subprocess.Popen(command, stdout=subprocess.DEVNULL) as monitor:
+        try:
+            until(lambda: (world.turn(), world.asked or monitor.poll() is not None)[1], 60.0)
+            assert world.asked
+            monitor.send_signal(signal.SIGSTOP)
+            many = tuple(range(1, 501))
+            truth = encode(Truth(9, many, tuple((0.1, 0.1) for _ in many), 0.01, 0.5))
+            assert longest(lambda: world.truth(truth), 3000) < 0.4  # waiting for room would take 0.5 s
+        finally:
+            monitor.kill()
+
+
+def longest(action: Callable[[], None], times: int) -> float:
+    """Seconds that the slowest of many repetitions took."""
+    worst = 0.0
+    for _ in range(times):
+        began = time.monotonic()
+        action()
+        worst = max(worst, time.monotonic() - began)
+    return worst
 
 
 def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:

@@ -118,8 +118,8 @@ export function drawSeparatingLine(space, robot, place, other, [, nx, ny, limit]
   context.beginPath();
   context.moveTo(...space.point([foot[0] - ny * reach, foot[1] + nx * reach]));
   context.lineTo(...space.point([foot[0] + ny * reach, foot[1] - nx * reach]));
-  context.lineWidth = 1.75;
-  context.globalAlpha = strength * Math.sqrt(nearness);
+  context.lineWidth = 1.5;
+  context.globalAlpha = strength * nearness;
   context.strokeStyle = space.hue(robot);
   context.stroke();
   context.globalAlpha = 1;

@@ -25,7 +25,7 @@ export class Workspace extends Painted {
     this.drawFloor(overview.radius);
     const places = robots.map((robot) => this.model.place(robot, now));
     if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i]));
-    if (this.layers.goals()) robots.forEach((robot) => drawGoal(this, robot));
+    if (this.layers.goals()) robots.filter((robot) => robot.row?.status !== "at goal").forEach((robot) => drawGoal(this, robot));
     if (this.layers.lines()) this.drawLines(places);
     robots.forEach((robot, i) => drawDisk(this, robot, places[i]));
     if (this.layers.velocity()) robots.forEach((robot, i) => this.drawVelocity(robot, places[i]));
