@@ -28,6 +28,7 @@ class Bounds(NamedTuple):
     proposals: int = 3  # numbers used in one life of the owner
     outstanding: int = 1  # unanswered proposals at once
     fences: int = 0  # lives that are fenced
+    initial: bool = False  # whether the first lives begin with a line that both know
 
 
 class Config(NamedTuple):
@@ -195,7 +196,8 @@ def search(
     bounds: Bounds, owner: type[Owner] = Owner, follower: type[Follower] = Follower, most: int = 2_000_000
 ) -> Search:
     """Visit all states reachable within `bounds`, nearest first, until one breaks the invariant."""
-    start = Config(owner(1), follower(1), 0, 3, frozenset(), frozenset())
+    line = Line(1.0, 0.0, 1.5) if bounds.initial else None
+    start = Config(owner(1, line), follower(1, line), 0, 3, frozenset(), frozenset())
     seen = {start.key()}
     queue = deque([start])
     while queue:

@@ -5,9 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 
-from hypothesis import settings
+import pytest
+from hypothesis import Phase, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 
 from agents.lines.ledger import Ledger
 from agents.safe_velocity import safe_velocity
@@ -18,6 +26,7 @@ RADII = {1: 0.04, 2: 0.03, 3: 0.05}
 STARTS = {1: (-0.06, 0.0), 2: (0.03, 0.0), 3: (0.0, 0.11)}
 robots = st.sampled_from(sorted(RADII))
 angles = st.floats(0.0, 2.0 * math.pi)
+wishes = st.fixed_dictionaries(dict.fromkeys(RADII, st.floats(-0.5, 0.5)))  # off the way to the next robot
 
 
 def polar(size: float, angle: float) -> tuple[float, float]:
@@ -52,9 +61,14 @@ class Fleet(RuleBasedStateMachine):
         self.error[robot] = polar(self.bound * share, angle)
         self.ledger[robot].locate(self.tick, self.estimate(robot), self.bound)
 
-    @rule(robot=robots, angle=angles)
-    def speak(self, robot: int, angle: float) -> None:
-        desired = polar(SPEED, angle)
+    def towards_next(self, robot: int, turn: float) -> tuple[float, float]:
+        """Full speed at another robot, so that only the lines keep them apart."""
+        (x, y), (px, py) = self.truth[robot], self.truth[robot % len(RADII) + 1]
+        return polar(SPEED, math.atan2(py - y, px - x) + turn)
+
+    @rule(robot=robots, turn=st.floats(-0.5, 0.5))
+    def speak(self, robot: int, turn: float) -> None:
+        desired = self.towards_next(robot, turn)
         proposals, answers = self.ledger[robot].speak(desired)
         self.sent.append(
             State(
@@ -78,36 +92,36 @@ class Fleet(RuleBasedStateMachine):
         if state.robot != robot:
             self.ledger[robot].hear(state)
 
-    @rule(wish=st.fixed_dictionaries(dict.fromkeys(RADII, angles)), ticks=st.integers(1, 4))
+    @rule(wish=wishes, ticks=st.integers(1, 4))
     def drive(self, wish: dict[int, float], ticks: int) -> None:
         for _ in range(ticks):
-            moved = {robot: self.executed(robot, angle) for robot, angle in wish.items()}
+            moved = {robot: self.executed(robot, turn) for robot, turn in wish.items()}
             self.tick += 1
             for robot, (x, y) in moved.items():
                 self.truth[robot] = (x, y)
                 self.ledger[robot].locate(self.tick, self.estimate(robot), self.bound)
             self.apart()
 
-    @rule(ticks=st.integers(1, 6), wish=st.fixed_dictionaries(dict.fromkeys(RADII, angles)))
+    @rule(ticks=st.integers(1, 6), wish=wishes)
     def converse(self, ticks: int, wish: dict[int, float]) -> None:
         """An undisturbed stretch, so that lines come about and move."""
         for _ in range(ticks):
             states = len(self.sent)
-            for robot, angle in wish.items():
-                self.speak(robot, angle)
+            for robot, turn in wish.items():
+                self.speak(robot, turn)
             for state, robot in itertools.product(self.sent[states:], RADII):
                 if state.robot != robot:
                     self.ledger[robot].hear(state)
             self.drive(wish, 1)
 
-    def executed(self, robot: int, angle: float) -> tuple[float, float]:
+    def executed(self, robot: int, turn: float) -> tuple[float, float]:
         x, y = self.truth[robot]
         ledger = self.ledger[robot]
         if robot in self.down or not ledger.ready:
             return x, y
         room = ROOM - RADII[robot] - self.bound
         vx, vy = safe_velocity(
-            polar(SPEED, angle),
+            self.towards_next(robot, turn),
             self.estimate(robot),
             ledger.half_planes(),
             workspace=room,
@@ -151,3 +165,23 @@ class Fleet(RuleBasedStateMachine):
 
 Fleet.TestCase.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
 TestFleet = Fleet.TestCase
+
+
+def test_the_machine_would_notice_a_robot_that_moves_before_it_has_a_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Ledger, "ready", True)
+    brief = settings(
+        max_examples=200, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
+    )
+    with pytest.raises(AssertionError):
+        run_state_machine_as_test(Fleet, settings=brief)
+
+
+def test_the_machine_would_notice_a_follower_that_adopts_blindly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Ledger, "_follower_fits", lambda self, line: True)  # noqa: ARG005
+    brief = settings(
+        max_examples=200, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
+    )
+    with pytest.raises(AssertionError):
+        run_state_machine_as_test(Fleet, settings=brief)
