@@ -3,7 +3,7 @@ import { Painted } from "./canvas.js";
 import { drawArrow, drawDisk, drawGoal, drawSeparatingLine, drawTrail } from "./shapes.js";
 
 const MARGIN = 10; // px
-const ARROW_SECONDS = 0.6; // an arrow is as long as the way of so many seconds
+const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
 const STALE = 1.5; // s of simulated time after which a line that was reported is not drawn
 
 export class Workspace extends Painted {
@@ -106,8 +106,10 @@ export class Workspace extends Painted {
 
   drawVelocity(robot, place) {
     const [vx, vy] = robot.row?.velocity ?? [0, 0];
-    const running = this.model.frame?.phase !== "ended" && !robot.row?.alarm;
-    if (running) drawArrow(this, place, [vx * ARROW_SECONDS, vy * ARROW_SECONDS]);
+    const speed = Math.hypot(vx, vy);
+    if (speed === 0 || this.model.frame?.phase === "ended" || robot.row?.alarm) return;
+    const rim = [place[0] + (vx / speed) * robot.radius, place[1] + (vy / speed) * robot.radius];
+    drawArrow(this, rim, [vx * ARROW_SECONDS, vy * ARROW_SECONDS]);
   }
 
   describe() {
