@@ -159,16 +159,13 @@ class Ledger:
                 if end.hear(life, offer.peer_incarnation, offer.number, line, self._follower_fits):
                     bond.renew()
 
-    def _owner_fits(self, line: Line) -> bool:
-        """Whether the own disk surely satisfies a line now, on the owner's side."""
-        return line.is_unit and self._is_inside(line.side(self._radius, owner=True))
-
     def _follower_fits(self, line: Line) -> bool:
-        """The same on the follower's side."""
-        return line.is_unit and self._is_inside(line.side(self._radius, owner=False))
+        return self._fits(line, owner=False)
 
-    def _is_inside(self, side: HalfPlane) -> bool:
-        return side.slack(self._x, self._y) >= self._bound + ROUNDING
+    def _fits(self, line: Line, owner: bool) -> bool:
+        """Whether the own disk surely satisfies a line now."""
+        side = line.side(self._radius, owner)
+        return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
 
     def _consider(self, bond: Bond, end: Owner, me: Disk) -> None:
         """Propose a new line if the pair needs one."""
@@ -187,7 +184,7 @@ class Ledger:
             return  # neither comes near the line before a new one could be agreed
         peer = Disk(px, py, bond.radius + state.bound, *state.desired)
         line = place(me, peer, ticks * self._period)
-        if line is None or not self._owner_fits(line):
+        if line is None or not self._fits(line, owner=True):
             return
         if newest is None or not is_same(line, newest, UNCHANGED * self._reach):
             end.propose(line)
