@@ -62,7 +62,7 @@ def listening(connection: Connection) -> tuple[ZenohBus, str]:
 
 
 def _check_links(connection: Connection) -> None:
-    """zenoh goes on trying routers that refuse it, without a word; those that cannot be reached yet may come."""
+    """Say that a router refuses this one: zenoh would go on trying without a word."""
     if connection.credentials is None:
         return
     from protocol.tls_refusal import refusal  # only where it may be needed

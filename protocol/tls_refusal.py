@@ -47,8 +47,8 @@ def refusal(endpoint: str, credentials: Credentials) -> str | None:
 
 
 def demands_certificates(endpoint: str) -> bool:
-    """Whether TLS is spoken at a plain `tcp/` endpoint."""
-    address = _address(endpoint, "tcp")
+    """Whether TLS is spoken at an endpoint that was tried without certificates."""
+    address = _address(endpoint, "tcp") or _address(endpoint, "tls")
     if address is None:
         return False
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

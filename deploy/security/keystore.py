@@ -69,6 +69,6 @@ def _fill(directory: Path, roster: Roster, hosts: Sequence[str], days: float) ->
 def _write(path: Path, content: bytes, mode: int) -> None:
     """Write a new file that never had more permissions than `mode`, whatever the umask."""
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
-    with open(descriptor, "wb") as file:
+    with os.fdopen(descriptor, "wb") as file:
         os.fchmod(descriptor, mode)
         file.write(content)

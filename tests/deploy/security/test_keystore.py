@@ -1,0 +1,149 @@
+"""The directory of keys: who may read it, what it holds, and that it is never overwritten by accident."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from cryptography import x509
+from cryptography.x509.oid import ExtendedKeyUsageOID
+
+from deploy.security.certificates import Authority
+from deploy.security.inspection import inspect
+from deploy.security.keystore import create
+from deploy.security.membership import Membership
+from deploy.security.roster import Roster, read
+from protocol.credentials import credentials
+from protocol.errors import CertificateError, UsageError
+
+ROSTER = Roster("demo", (1, 2, 7))
+
+
+@pytest.fixture
+def keys(tmp_path: Path) -> Path:
+    create(tmp_path / "keys", ROSTER, hosts=["10.0.0.1", "base.example"])
+    return tmp_path / "keys"
+
+
+def certificate(path: Path) -> x509.Certificate:
+    return x509.load_pem_x509_certificate(path.read_bytes())
+
+
+@pytest.mark.parametrize("umask", [0o000, 0o077])
+def test_private_keys_are_their_owners_alone(tmp_path: Path, umask: int) -> None:
+    before = os.umask(umask)
+    try:
+        create(tmp_path / "keys", ROSTER)
+    finally:
+        os.umask(before)
+    assert (tmp_path / "keys").stat().st_mode & 0o777 == 0o700
+    modes = {path.name: path.stat().st_mode & 0o777 for path in (tmp_path / "keys").iterdir()}
+    assert {mode for name, mode in modes.items() if name.endswith(".key")} == {0o600}
+    assert {mode for name, mode in modes.items() if not name.endswith(".key")} == {0o644}
+
+
+def test_nobody_keeps_the_authoritys_private_key(keys: Path) -> None:
+    secrets = {path.stem for path in keys.iterdir() if b"PRIVATE KEY" in path.read_bytes()}
+    assert secrets == set(ROSTER.roles)
+
+
+def test_a_certificate_for_each_role_and_no_other(keys: Path) -> None:
+    assert read(keys) == ROSTER
+    assert {path.stem for path in keys.glob("*.pem")} == {"ca", *ROSTER.roles}
+    for role in ROSTER.roles:
+        inspect(credentials(keys, role), role)
+
+
+def test_only_the_router_may_listen_and_only_at_its_hosts(keys: Path) -> None:
+    for role in ROSTER.roles:
+        usage = certificate(keys / f"{role}.pem").extensions.get_extension_for_class(x509.ExtendedKeyUsage)
+        assert (ExtendedKeyUsageOID.SERVER_AUTH in usage.value) == (role == "router")
+    names = certificate(keys / "router.pem").extensions.get_extension_for_class(x509.SubjectAlternativeName)
+    addresses = {str(address) for address in names.value.get_values_for_type(x509.IPAddress)}
+    assert addresses == {"127.0.0.1", "::1", "10.0.0.1"}
+    assert names.value.get_values_for_type(x509.DNSName) == ["localhost", "base.example"]
+
+
+def test_validity_is_what_was_asked_for(tmp_path: Path) -> None:
+    end = create(tmp_path / "keys", ROSTER, days=2.0)
+    assert abs(end - datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=2)).total_seconds() < 60.0
+    assert certificate(tmp_path / "keys" / "robot-7.pem").not_valid_after_utc == end
+
+
+def test_keys_are_replaced_only_by_force_and_then_all_of_them(keys: Path) -> None:
+    before = {path.name: path.read_bytes() for path in keys.iterdir()}
+    with pytest.raises(UsageError, match="--force"):
+        create(keys, ROSTER)
+    assert {path.name: path.read_bytes() for path in keys.iterdir()} == before
+    create(keys, Roster("demo", (1,)), force=True)
+    assert not (keys / "robot-7.key").exists()
+    assert (keys / "ca.pem").read_bytes() != before["ca.pem"]
+
+
+def test_a_directory_of_something_else_is_left_alone_even_by_force(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(UsageError, match="no directory of keys"):
+        create(tmp_path, ROSTER, force=True)
+    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+
+
+def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(Authority, "issue", fail)
+    with pytest.raises(OSError, match="no space"):
+        create(tmp_path / "keys", ROSTER)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_exposed_key_is_refused(keys: Path) -> None:
+    (keys / "robot-1.key").chmod(0o640)
+    with pytest.raises(CertificateError, match="others can reach"):
+        Membership(keys).client("robot-1", ["tls/127.0.0.1:7447"])
+
+
+def test_what_does_not_fit_together_is_named(keys: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    create(other, ROSTER)
+    membership, router = Membership(keys), ["tls/127.0.0.1:7447"]
+
+    def swap(source: Path, target: str) -> None:
+        shutil.copy(source, keys / target)
+
+    with pytest.raises(CertificateError, match=r"robot-9\.pem does not exist"):
+        membership.client("robot-9", router)
+    swap(keys / "robot-2.pem", "robot-1.pem")
+    with pytest.raises(CertificateError, match=r"certificate of \['robot-2'\], not of robot-1"):
+        membership.client("robot-1", router)
+    swap(other / "robot-1.pem", "robot-1.pem")
+    with pytest.raises(CertificateError, match="not signed by the authority"):
+        membership.client("robot-1", router)
+    swap(other / "world.key", "world.key")
+    with pytest.raises(CertificateError, match="not the private key of the certificate"):
+        membership.client("world", router)
+
+
+def test_expired_certificates_are_named(tmp_path: Path) -> None:
+    create(tmp_path / "keys", ROSTER, days=1e-9)
+    with pytest.raises(CertificateError, match=r"valid from .* to .* UTC"):
+        Membership(tmp_path / "keys").client("robot-1", ["tls/127.0.0.1:7447"])
+
+
+def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
+    membership = Membership(keys)
+    assert membership.run(None) == membership.run("demo") == "demo"
+    with pytest.raises(CertificateError, match="for the run demo, not other"):
+        membership.run("other")
+    with pytest.raises(UsageError, match="not protected"):
+        membership.client("robot-1", ["tcp/127.0.0.1:7447"])
+    with pytest.raises(UsageError, match="--secure"):
+        Membership().client("robot-1", ["tls/127.0.0.1:7447"])
+
+
+def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
+    with pytest.raises(CertificateError, match="disknav keys new"):
+        Membership(tmp_path).run(None)

@@ -1,0 +1,230 @@
+"""A secured router against those who do not belong, and what others are told of a wrong certificate."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy import process_table as table
+from deploy.fleet import Fleet
+from deploy.load import load
+from deploy.local import LocalFleet
+from deploy.options import RunOptions
+from deploy.router import main
+from deploy.security.keystore import create
+from deploy.security.membership import Membership
+from deploy.security.roster import Roster
+from deploy.supervisor import Supervisor
+from protocol.bus import Presence, Sample
+from protocol.bus_zenoh import ZenohBus
+from protocol.connection import Connection
+from protocol.credentials import Credentials, credentials
+from protocol.errors import BusError, CertificateError
+from protocol.keys import everything, robot_key, world_key
+from protocol.messages import Clock, Truth
+from protocol.streams import STREAMS
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
+
+ROSTER = Roster("guarded", (1, 2, 3, 4, 5, 6))
+ROGUE = b"rogue"
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("security") / "keys"
+    create(directory, ROSTER)
+    return directory
+
+
+@pytest.fixture(scope="module")
+def endpoint(keys: Path) -> Iterator[str]:
+    with Supervisor() as supervisor:
+        supervisor.start([table.router(Membership(keys).router())])
+        yield supervisor.report("router", 20.0)
+
+
+def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohBus:
+    """A session with a role's own credentials."""
+    return ZenohBus(Membership(keys).client(role, (endpoint,), timeout=timeout))
+
+
+def stranger(endpoint: str, proof: Credentials | None, timeout: float = 1.0) -> ZenohBus:
+    """A session of somebody who takes no advice."""
+    return ZenohBus(Connection(connect=(endpoint,), timeout=timeout, credentials=proof))
+
+
+def write(bus: ZenohBus, run: str, robot: int, stream: str, payload: bytes) -> None:
+    bus.publisher(STREAMS[stream], robot_key(run, robot, stream))(payload)
+
+
+def heard(spy: ZenohBus, last: bytes) -> list[tuple[str, bytes]]:
+    """All samples up to the one with payload `last`."""
+    samples: list[tuple[str, bytes]] = []
+    deadline = time.monotonic() + 10.0
+    while time.monotonic() < deadline:
+        event = spy.receive(0.05)
+        if isinstance(event, Sample):
+            samples.append((event.key, event.payload))
+            if event.payload == last:
+                return samples
+    raise AssertionError(f"{last!r} never arrived; heard {samples}")
+
+
+def attack(bus: ZenohBus, run: str, own: int | None = None) -> None:
+    """Write into every stream of a run but one's own, in everybody's name, and claim to be present."""
+    for robot in ROSTER.robots:
+        for stream in ("state", "command", "health", "measurement"):
+            if robot != own:
+                write(bus, run, robot, stream, ROGUE)
+    for stream in ("clock", "truth", "result"):
+        bus.publisher(STREAMS[stream], world_key(run, stream))(ROGUE)
+    bus.announce(robot_key(run, 6 if own != 6 else 5, "alive"))
+    bus.announce(world_key(run, "alive"))
+    bus.subscribe(everything(run))
+
+
+@pytest.mark.parametrize("role", ["robot-2", "monitor"])
+def test_a_certificate_does_not_write_in_anothers_name(keys: Path, endpoint: str, role: str) -> None:
+    own = 2 if role == "robot-2" else None
+    with (
+        closing(member(keys, "monitor", endpoint)) as spy,
+        closing(member(keys, role, endpoint)) as rogue,
+        closing(member(keys, "robot-3", endpoint)) as honest,
+    ):
+        spy.subscribe(everything("guarded"))
+        spy.watch(everything("guarded"))
+        honest.announce(robot_key("guarded", 3, "alive"))
+        assert spy.receive(10.0) == Presence(robot_key("guarded", 3, "alive"), True)
+        attack(rogue, "guarded", own)
+        if own is not None:
+            write(rogue, "guarded", own, "state", b"its own")
+            assert heard(spy, b"its own") == [(robot_key("guarded", 2, "state"), b"its own")]
+        write(honest, "guarded", 3, "state", b"honest")
+        assert heard(spy, b"honest") == [(robot_key("guarded", 3, "state"), b"honest")]
+        if own is not None:  # nor did it overhear what is not for robots
+            write(honest, "guarded", 3, "command", b"secret")
+            heard(spy, b"secret")
+            assert rogue.receive(0.1) is None
+
+
+def test_certificates_of_another_authority_and_of_an_older_run(
+    keys: Path, endpoint: str, tmp_path: Path
+) -> None:
+    create(tmp_path / "before", ROSTER)  # same run, same roles, other keys
+    with pytest.raises(CertificateError, match=r"certificate of the router .* is not accepted here"):
+        member(tmp_path / "before", "robot-1", endpoint)
+    # Somebody may well have the public half of the right authority.
+    shutil.copy(keys / "ca.pem", tmp_path / "before" / "ca.pem")
+    with pytest.raises(CertificateError, match=r"refuses the certificate .*not signed by the authority"):
+        stranger(endpoint, credentials(tmp_path / "before", "robot-1"))
+
+
+def test_without_a_certificate_nobody_gets_in_and_is_told_why(endpoint: str) -> None:
+    with pytest.raises(CertificateError, match=r"demands certificates.*--secure"):
+        stranger(endpoint.replace("tls/", "tcp/"), None)
+    with pytest.raises(CertificateError, match=r"demands certificates.*--secure"):
+        stranger(endpoint, None)
+
+
+def test_an_expired_certificate_says_so(tmp_path: Path) -> None:
+    create(tmp_path / "keys", ROSTER, days=3.0 / 86400.0)
+    proof = credentials(tmp_path / "keys", "robot-1")
+    listener = Connection("router", credentials=credentials(tmp_path / "keys", "router"))
+    failures: list[str] = []
+
+    def ready(endpoint: str) -> None:
+        stranger(endpoint, proof, 5.0).close()
+        deadline = time.monotonic() + 20.0
+        while not failures and time.monotonic() < deadline:
+            try:
+                stranger(endpoint, proof, 0.5).close()
+            except CertificateError as error:
+                failures.append(str(error))
+        os.kill(os.getpid(), 15)
+
+    assert main(listener, ready) == 0
+    assert "expired" in failures[0]
+
+
+def test_a_robots_key_cannot_pose_as_the_router(keys: Path) -> None:
+    impostor = Connection("router", credentials=credentials(keys, "robot-1"))
+
+    def ready(endpoint: str) -> None:
+        with pytest.raises(CertificateError, match="unsuitable certificate purpose"):
+            member(keys, "robot-2", endpoint)
+        os.kill(os.getpid(), 15)
+
+    assert main(impostor, ready) == 0
+
+
+def test_a_router_with_certificates_of_another_run_is_told(endpoint: str, tmp_path: Path) -> None:
+    create(tmp_path / "other", ROSTER)
+    with pytest.raises(CertificateError, match="certificate of the router"):
+        main(Membership(tmp_path / "other").router(connect=(endpoint,)))
+
+
+def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
+    def ready(endpoint: str) -> None:
+        with pytest.raises(BusError, match=r"--secure|nobody reachable"):
+            stranger(endpoint.replace("tcp/", "tls/"), credentials(keys, "robot-1"))
+        os.kill(os.getpid(), 15)
+
+    assert main(Connection("router"), ready) == 0
+
+
+def test_a_run_under_attack_is_the_run_without(keys: Path) -> None:
+    """Rogues write into everything, over and over; the trajectory does not differ in a bit."""
+    scenario = load("figure-1", ["control.speed=0.02"], 3)
+    alone = LocalFleet([scenario]).execute()[0]
+    rogues: list[ZenohBus] = []
+    attacks = 0
+
+    def watch(message: Clock | Truth) -> None:
+        nonlocal attacks
+        if message.tick >= 2 and not rogues:
+            (endpoint,) = fleet.topology.observer().connect
+            rogues.append(member(keys, "robot-2", endpoint))
+            rogues.append(member(keys, "monitor", endpoint))
+        for rogue, own in zip(rogues, (2, None), strict=False):
+            attack(rogue, "guarded", own)
+            attacks += 1
+
+    fleet: Any
+    with Fleet([scenario], RunOptions(run="guarded", secure=keys), watch=watch) as fleet:
+        report = fleet.execute()[0]
+        for rogue in rogues:
+            rogue.close()
+    assert attacks > 10
+    assert report["verdict"] == "arrived"
+    assert report["trajectory_sha256"] == alone["trajectory_sha256"]
+    assert report["messages"]["rejected"] == {}
+
+
+def test_the_same_attack_tells_where_there_are_no_rules(keys: Path) -> None:
+    """What the tests above forbid is possible on a router without rules: they could fail."""
+    open_to_all = replace(Membership(keys).router(), access=None)
+
+    def ready(endpoint: str) -> None:
+        with (
+            closing(member(keys, "monitor", endpoint)) as spy,
+            closing(member(keys, "robot-2", endpoint)) as rogue,
+        ):
+            spy.subscribe(everything("guarded"))
+            spy.watch(everything("guarded"))
+            rogue.announce(robot_key("guarded", 2, "alive"))
+            assert spy.receive(10.0) is not None
+            attack(rogue, "guarded", 2)
+            write(rogue, "guarded", 2, "state", b"last")
+            assert (robot_key("guarded", 3, "command"), ROGUE) in heard(spy, b"last")
+        os.kill(os.getpid(), 15)
+
+    assert main(open_to_all, ready) == 0
