@@ -75,6 +75,11 @@ def _fleet(
 ) -> Fleet | LocalFleet:
     if options.transport == "local":
         return LocalFleet(
-            [scenario], options.run, lockstep=options.lockstep, watch=bar.watch, record=recording
+            [scenario],
+            options.run,
+            lockstep=options.lockstep,
+            speed=options.speed,
+            watch=bar.watch,
+            record=recording,
         )
     return Fleet([scenario], options, watch=bar.watch, record=recording)

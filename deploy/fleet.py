@@ -100,7 +100,9 @@ class Fleet:
     def _start_world(self) -> None:
         """The world, and before anything can happen the recorder."""
         run, topology = self._options.run, self.topology
-        self._supervisor.start([table.world(topology.world(), run, self._scenarios, self._options.lockstep)])
+        options, scenarios = self._options, self._scenarios
+        world = table.world(topology.world(), run, scenarios, options.lockstep, speed=options.speed)
+        self._supervisor.start([world])
         if self._record is not None:
             self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
             self._supervisor.report(table.RECORDER, _START)

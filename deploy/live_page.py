@@ -1,4 +1,4 @@
-"""The live page beside a run: in real time unless its viewer asks for another speed."""
+"""The live page beside a run: as the fleet goes, and as its viewer steers it."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from deploy.monitor.attachment import Attachment
 from deploy.monitor.watcher import Watcher
 from deploy.options import RunOptions
 from protocol.bus_zenoh import ZenohBus
-
-_REAL_TIME = 1.0  # simulated seconds per second
 
 
 class Page:
@@ -41,8 +39,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
     """
     from deploy.monitor.server import serve_in_thread
 
-    speed = _REAL_TIME if options.lockstep else None
-    source = _watch(fleet, options.run, speed)
+    source = _watch(fleet, options.run)
     server = serve_in_thread(source)
     print(f"live page: {server.address}", file=sys.stderr, flush=True)
     try:
@@ -53,9 +50,9 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
             source.close()
 
 
-def _watch(fleet: Fleet | LocalFleet, run: str, speed: float | None) -> Watcher:
+def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
     if isinstance(fleet, Fleet):
-        return Attachment(ZenohBus(fleet.topology.observer()), run, speed=speed)
+        return Attachment(ZenohBus(fleet.topology.observer()), run)
     bus = fleet.network.connect()
-    watcher = bus.node = Watcher(bus, run, speed=speed)
+    watcher = bus.node = Watcher(bus, run)
     return watcher

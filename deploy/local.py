@@ -27,6 +27,7 @@ class LocalFleet:
         scenarios: k already numbers; all with the same robot ids.
         run: name of the run.
         lockstep: whether the world waits for every robot.
+        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
     """
@@ -37,13 +38,14 @@ class LocalFleet:
         run: str = "local",
         *,
         lockstep: bool = True,
+        speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
     ) -> None:
         self.network = LocalNetwork()
         self.run = run
         bus = self.network.connect()
-        self.world = WorldNode(bus, run, scenarios, lockstep)
+        self.world = WorldNode(bus, run, scenarios, lockstep, speed=speed)
         bus.node = self.world
         self._recorder = None if record is None else self._record(record)
         self.robots: dict[int, LocalBus] = {}

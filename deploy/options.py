@@ -27,6 +27,7 @@ class RunOptions:
     router: str | None = None  # endpoint of a router that is already there
     run: str = field(default_factory=fresh_run_name)
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
+    speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":

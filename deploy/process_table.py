@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from protocol.connection import Connection
+from protocol.scenario import Scenario
+from world.node import GATHERING
 
 RECORDER = "recorder"
 
@@ -28,9 +31,17 @@ def router(connection: Connection) -> Process:
     return Process("router", "deploy.router:main", (connection,), vital=True, reports=True)
 
 
-def world(connection: Connection, run: str, *arguments: Any) -> Process:
+def world(
+    connection: Connection,
+    run: str,
+    scenarios: Sequence[Scenario],
+    lockstep: bool,
+    gathering: float = GATHERING,
+    speed: float = 0.0,
+) -> Process:
     """The world of a run."""
-    return Process("world", "world.process:main", (connection, run, *arguments), vital=True)
+    arguments = (connection, run, scenarios, lockstep, gathering, speed)
+    return Process("world", "world.process:main", arguments, vital=True)
 
 
 def robot(connection: Connection, run: str, identity: int) -> Process:

@@ -45,6 +45,15 @@ class Phase(Enum):
 class WorldNode:
     """One world, one scenario after another with the same robots, on one bus.
 
+    Args:
+        bus: a connection of its own.
+        run: name of the run.
+        scenarios: all with the same robot ids; k already numbers.
+        lockstep: whether ticks wait for the robots.
+        gathering: s that robots have to join.
+        patience: s that a lock-step tick waits for a command.
+        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
+
     Attributes:
         reports: one a scenario that has ended.
         steering: what viewers ask of a lock-step clock.
@@ -59,10 +68,11 @@ class WorldNode:
         *,
         gathering: float = GATHERING,
         patience: float = PATIENCE,
+        speed: float = 0.0,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
-        self.steering = Steering()
+        self.steering = Steering(speed=speed)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._scenarios = iter(scenarios)
         self._roster = Roster(scenarios[0].ids)
@@ -187,6 +197,7 @@ class WorldNode:
         turn.opened = True
         if turn.world.tick == 0:
             turn.began = time.monotonic()
+            self._outlet.truth(turn.world.truth)
         self._schedule()
         self._outlet.clock(turn.clock(), due=turn.is_marked())
         self._outlet.measurements(measurements)

@@ -22,10 +22,11 @@ def main(
     scenarios: Sequence[Scenario],
     lockstep: bool,
     gathering: float = GATHERING,
+    speed: float = 0.0,
 ) -> int:
     """Judge `scenarios` one after another in `run`; returns the exit status.
 
-    `gathering` is how long robots may take to join, s.
+    `gathering` is how long robots may take to join, s; `speed` as in `WorldNode`.
 
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
     3: the network is gone.
@@ -33,7 +34,7 @@ def main(
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            node = WorldNode(bus, checked_run(run), scenarios, lockstep, gathering=gathering)
+            node = WorldNode(bus, checked_run(run), scenarios, lockstep, gathering=gathering, speed=speed)
             drive(node, bus, on_stop=lambda: node.interrupt("interrupted", "the world was asked to stop"))
     except Stop:
         return SUCCESS

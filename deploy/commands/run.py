@@ -43,6 +43,12 @@ def run(
         Path | None, typer.Option("--json", help="Write the result; '-' for standard output.")
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0, help="Simulated seconds per second in lock-step, 0 for no limit; 1 with --web."
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
 ) -> None:
     """Run a scenario: a router, a world and one process per robot; prints what came of it.
@@ -56,7 +62,8 @@ def run(
 
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
-    options = RunOptions(transport, mode, router, run_name, secure)
+    pace = speed if speed is not None else 1.0 if web else 0.0
+    options = RunOptions(transport, mode, router, run_name, secure, pace)
     silent = quiet or str(json_file) == "-"
     result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
     _write(result, json_file)
