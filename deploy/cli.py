@@ -9,12 +9,15 @@ import typer
 
 from deploy.commands import keys, scenario
 from deploy.commands.check import check
+from deploy.commands.deploy import deploy
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.plot import plot
+from deploy.commands.probe import probe
 from deploy.commands.replay import replay
 from deploy.commands.run import run
 from deploy.commands.single import robot, router, world
+from deploy.commands.study import study
 from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from protocol.errors import CertificateError, DisknavError, KeyGrammarError, ScenarioError, UsageError
 
@@ -28,7 +31,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-for command in (run, check, plot, replay, info, monitor, robot, world, router):
+for command in (run, check, study, plot, replay, info, monitor, robot, world, router, probe, deploy):
     app.command()(command)
 app.add_typer(scenario.app, name="scenario")
 app.add_typer(keys.app, name="keys")
