@@ -1,0 +1,54 @@
+"""What README shows runs: its commands, its scenario, its links."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from deploy.load import resolved
+from deploy.local import LocalFleet
+from protocol.scenario_file import parse_toml
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+PREFIX = ".venv/bin/disknav "
+COMMANDS = [line.split("#")[0].strip() for line in README.splitlines() if line.startswith(PREFIX)]
+QUICK = {"run": ["--quiet"], "check": ["--json"], "--help": []}
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command(command: str, tmp_path: Path) -> None:
+    words = shlex.split(command.removeprefix(PREFIX))
+    call = [sys.executable, "-m", "deploy.cli", *words, *QUICK[words[0]]]
+    done = subprocess.run(
+        call, cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, stdin=subprocess.DEVNULL, timeout=110, check=False
+    )
+    assert done.returncode == 0
+
+
+def test_there_are_commands() -> None:
+    assert len(COMMANDS) >= 5
+
+
+def test_the_scenario() -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    (report,) = LocalFleet([resolved(parse_toml(text, "README"))]).execute()
+    assert report["verdict"] == "arrived"
+
+
+@pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\(([^)#:]+)\)", README))))
+def test_a_link(target: str) -> None:
+    assert (ROOT / target).exists()
+
+
+def test_make_targets_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text()
+    for target in re.findall(r"^make ([a-z]+)", README, re.MULTILINE):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
