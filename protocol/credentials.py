@@ -38,7 +38,8 @@ def credentials(directory: Path, role: str) -> Credentials:
     """What `role` shows to others, found in `directory`.
 
     Raises:
-        CertificateError: a file is missing, or others than its owner may read or write the private key.
+        CertificateError: a file is missing, or the private key is exposed: it may be read by its owner
+            only, and by a group if it is root's, as engines hand keys to processes.
     """
     paths = [directory.absolute() / name for name in (AUTHORITY, certificate_file(role), key_file(role))]
     for path in paths:
@@ -47,7 +48,8 @@ def credentials(directory: Path, role: str) -> Credentials:
                 f"{path} does not exist, so there is no certificate for {role}; "
                 f"`disknav keys new` makes one for each role of a run"
             )
-    if exposed := paths[2].stat().st_mode & 0o077:
+    status = paths[2].stat()
+    if exposed := status.st_mode & (0o037 if status.st_uid == 0 else 0o077):
         raise CertificateError(
             f"{paths[2]} is a private key that others can reach (mode bits {exposed:03o}): "
             f"chmod 600 it, or better make new keys"

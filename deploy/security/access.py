@@ -51,12 +51,18 @@ def access_control(roster: Roster) -> dict[str, Any]:
 
 
 def _robot(run: str, robot: int) -> Iterator[Rule]:
-    """A robot writes under its own id, hears its measurement and everybody's state, asks for the scenario."""
+    """A robot writes under its own id, hears its measurement and everybody's state, asks for the scenario.
+
+    Its own health is for the probe beside it, which has no other certificate; so is the world's clock.
+    """
     role = robot_role(robot)
     own = [robot_key(run, robot, stream) for stream in ROBOT_STREAMS if _published_by(stream, "robot")]
     yield _rule(role, "publish", _PUBLISH, own)
     yield _rule(
-        role, "subscribe", _SUBSCRIBE, [robot_key(run, robot, "measurement"), every_robot(run, "state")]
+        role,
+        "subscribe",
+        _SUBSCRIBE,
+        [*(robot_key(run, robot, stream) for stream in ("measurement", "health")), every_robot(run, "state")],
     )
     yield _rule(role, "ask", _ASK, [world_key(run, "scenario")])
     yield _rule(role, "announce", _ANNOUNCE, [robot_key(run, robot, _ALIVE)])
@@ -68,7 +74,7 @@ def _world(run: str) -> Iterator[Rule]:
     to_robots = [every_robot(run, stream) for stream in ROBOT_STREAMS if _published_by(stream, "world")]
     own = [world_key(run, stream) for stream in WORLD_STREAMS if _published_by(stream, "world")]
     yield _rule(WORLD, "publish", _PUBLISH, [*to_robots, *own])
-    yield _rule(WORLD, "subscribe", _SUBSCRIBE, [every_robot(run, "command")])
+    yield _rule(WORLD, "subscribe", _SUBSCRIBE, [every_robot(run, "command"), world_key(run, "clock")])
     yield _rule(WORLD, "serve", _SERVE, [world_key(run, stream) for stream in _QUERYABLES])
     yield _rule(WORLD, "announce", _ANNOUNCE, [world_key(run, _ALIVE)])
     yield _rule(WORLD, "watch", _WATCH, [every_robot(run, _ALIVE)])

@@ -101,7 +101,7 @@ def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_an_exposed_key_is_refused(keys: Path) -> None:
-    (keys / "robot-1.key").chmod(0o640)
+    (keys / "robot-1.key").chmod(0o644)
     with pytest.raises(CertificateError, match="others can reach"):
         Membership(keys).client("robot-1", ["tls/127.0.0.1:7447"])
 

@@ -1,0 +1,1 @@
+"""Files by which an existing engine runs a secured fleet: Docker Compose, Kubernetes, systemd."""

@@ -1,0 +1,51 @@
+"""The folder that `disknav deploy` leaves: an engine's files, and the keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from deploy.manifests import compose, kubernetes
+from deploy.manifests.plan import KEYS, Plan
+from deploy.manifests.systemd import systemd
+from deploy.security.membership import missing_library
+from protocol.errors import UsageError
+
+Engine = Literal["compose", "kubernetes", "systemd"]
+
+
+def write(folder: Path, engine: Engine, plan: Plan, days: float = 30.0) -> None:
+    """Make `folder` with all that `engine` needs.
+
+    Raises:
+        UsageError: there is something in it already, or a library is missing.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UsageError(f"{folder} exists and is not empty: name another folder")
+    try:
+        from deploy.security.keystore import create
+    except ModuleNotFoundError as error:
+        raise missing_library() from error
+    create(folder / KEYS, plan.roster, hosts=_hosts(engine, plan), days=days)
+    for name, text in _files(engine, plan, folder / KEYS).items():
+        path = folder / name
+        path.touch(mode=0o600 if name == kubernetes.SECRET else 0o644)
+        path.write_text(text, encoding="utf-8")
+
+
+def _files(engine: Engine, plan: Plan, keys: Path) -> Mapping[str, str]:
+    if engine == "compose":
+        return compose.compose(plan)
+    if engine == "kubernetes":
+        return kubernetes.kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
+    return systemd(plan)
+
+
+def _hosts(engine: Engine, plan: Plan) -> tuple[str, ...]:
+    """By which names and addresses the router will be called."""
+    if engine == "compose":
+        return compose.HOSTS
+    if engine == "kubernetes":
+        return kubernetes.hosts(plan)
+    return (plan.router.partition("/")[2].rpartition(":")[0].strip("[]"),)

@@ -1,0 +1,126 @@
+"""Compose and Kubernetes files: by their own schemas, and by what must not be in them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import compose_spec
+import kubernetes_validate
+import pytest
+import yaml
+import zenoh
+
+from deploy.load import load
+from deploy.manifests.folder import write
+from deploy.manifests.plan import Plan
+from deploy.probe import probed_key
+from deploy.security.roster import Roster
+from protocol.errors import UsageError
+from protocol.scenario_file import parse_toml, write_toml
+
+ROSTER = Roster("Yard_7", (1, 2, 5))
+SCENARIO = load("figure-2", [], 4)
+
+
+@pytest.fixture
+def plan() -> Plan:
+    return Plan(ROSTER, write_toml(SCENARIO))
+
+
+def written(tmp_path: Path, engine: Any, plan: Plan) -> Path:
+    write(tmp_path / "fleet", engine, plan)
+    return tmp_path / "fleet"
+
+
+def documents(path: Path) -> list[dict[str, Any]]:
+    return list(yaml.safe_load_all(path.read_text()))
+
+
+def test_compose_follows_its_specification(tmp_path: Path, plan: Plan) -> None:
+    folder = written(tmp_path, "compose", plan)
+    project = compose_spec.PyCompose.from_yaml((folder / "compose.yaml").read_text())
+    project.validate()
+    assert set(project.service_names()) == {"router", "world", "robot-1", "robot-2", "robot-5"}
+
+
+def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path, plan: Plan) -> None:
+    folder = written(tmp_path, "compose", plan)
+    (project,) = documents(folder / "compose.yaml")
+    for role, service in project["services"].items():
+        secrets = {secret["source"] for secret in service["secrets"]}
+        assert {name for name in secrets if name.endswith(".key")} == {f"{role}.key"}
+        assert service["cap_drop"] == ["ALL"]
+        assert service["read_only"] is True
+        assert "ports" not in service
+    files = {folder / entry["file"] for part in ("configs", "secrets") for entry in project[part].values()}
+    assert all(path.is_file() for path in files)
+    assert parse_toml((folder / "scenario.toml").read_text()) == SCENARIO
+    config = zenoh.Config.from_json5((folder / "router.json5").read_text())
+    assert "/keys/router.key" in config.get_json("transport/link/tls")
+    assert "disknav/Yard_7/" in config.get_json("access_control/rules")
+
+
+@pytest.mark.parametrize("version", ["1.30", "1.33"])
+def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str) -> None:
+    folder = written(tmp_path, "kubernetes", plan)
+    kinds = []
+    for name in ("fleet.yaml", "secret.yaml"):
+        for document in documents(folder / name):
+            kubernetes_validate.validate(document, version, strict=True)
+            kinds.append(document["kind"])
+    assert kinds == ["ConfigMap", "Service", "Deployment", "Job", "Job", "Secret"]
+
+
+def test_a_kubernetes_schema_would_notice(tmp_path: Path, plan: Plan) -> None:
+    job = documents(written(tmp_path, "kubernetes", plan) / "fleet.yaml")[-1]
+    job["spec"]["completionz"] = 3
+    with pytest.raises(kubernetes_validate.ValidationError):
+        kubernetes_validate.validate(job, "1.33", strict=True)
+
+
+def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, plan: Plan) -> None:
+    robots = documents(written(tmp_path, "kubernetes", plan) / "fleet.yaml")[-1]["spec"]
+    assert (robots["completions"], robots["completionMode"]) == (3, "Indexed")
+    container = robots["template"]["spec"]["containers"][0]
+    items = robots["template"]["spec"]["volumes"][0]["secret"]["items"]
+    listed = next(entry["value"] for entry in container["env"] if entry["name"] == "ROBOTS")
+    for index, robot in enumerate(ROSTER.robots):
+        shell = container["command"][-1].replace("exec disknav", "exec echo")
+        environment = {"ROBOTS": listed, "INDEX": str(index), "PATH": "/usr/bin:/bin"}
+        done = subprocess.run(["/bin/sh", "-c", shell], env=environment, capture_output=True, check=True)
+        assert done.stdout.decode().split()[:2] == ["robot", str(robot)]
+        seen = {item["key"] for item in items if item["path"].startswith(f"{index}/")}
+        assert {name for name in seen if name.endswith(".key")} == {f"robot-{robot}.key"}
+
+
+def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path, plan: Plan) -> None:
+    folder = written(tmp_path, "kubernetes", plan)
+    objects = [document.get("spec", {}) for document in documents(folder / "fleet.yaml")]
+    templates = [spec["template"]["spec"] for spec in objects if "template" in spec]
+    assert len(templates) == 3
+    for pod in templates:
+        assert pod["securityContext"]["runAsNonRoot"] is True
+        (container,) = pod["containers"]
+        assert container["securityContext"]["capabilities"] == {"drop": ["ALL"]}
+        assert {"livenessProbe", "readinessProbe"} <= set(container)
+    assert "probe" in templates[1]["containers"][0]["livenessProbe"]["exec"]["command"]
+    assert (folder / "secret.yaml").stat().st_mode & 0o077 == 0
+    assert probed_key("r", "robot-5") == "disknav/r/robot/5/health"
+
+
+def test_a_router_or_a_monitor_cannot_be_probed() -> None:
+    for role in ("router", "monitor", "robot-x"):
+        with pytest.raises(UsageError, match="cannot be probed"):
+            probed_key("r", role)
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "notes").write_text("mine")
+    command = [sys.executable, "-m", "deploy.cli", "deploy", "compose", "figure-2", "-o", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+    assert done.returncode == 2
+    assert "not empty" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["notes"]

@@ -1,0 +1,127 @@
+"""systemd units: verified by systemd's own tool, and their command lines run until the robots arrive."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+
+import pytest
+
+from deploy.load import load
+from deploy.manifests.folder import write
+from deploy.manifests.plan import Plan
+from deploy.manifests.systemd import ETC
+from deploy.security.membership import Membership
+from deploy.security.roster import Roster
+from protocol.bus import Sample
+from protocol.bus_zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.keys import world_key
+from protocol.messages import Result
+from protocol.scenario_file import write_toml
+
+SCENARIO = load("figure-2", [], 4)
+DISKNAV = str(Path(sys.executable).parent / "disknav")
+ANALYZE = shutil.which("systemd-analyze")
+needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is not installed")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    plan = Plan(
+        Roster("yard", SCENARIO.ids), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}"
+    )
+    write(tmp_path / "fleet", "systemd", plan)
+    return tmp_path / "fleet"
+
+
+def analyze(*arguments: str) -> subprocess.CompletedProcess[str]:
+    assert ANALYZE is not None
+    return subprocess.run([ANALYZE, *arguments], capture_output=True, text=True, timeout=60, check=False)
+
+
+@needs_systemd
+def test_systemd_accepts_the_units(folder: Path) -> None:
+    done = analyze("verify", *map(str, [*folder.glob("*.service"), *folder.glob("*.target")]))
+    assert (done.returncode, done.stderr) == (0, "")
+    broken = folder / "disknav-yard-world.service"
+    broken.write_text(broken.read_text().replace("NoNewPrivileges", "NoNewPrivilegez"))
+    assert "NoNewPrivilegez" in analyze("verify", str(broken)).stderr
+
+
+@needs_systemd
+@pytest.mark.parametrize("unit", ["router", "world", "robot@"])
+def test_systemd_finds_them_hardly_exposed(folder: Path, unit: str) -> None:
+    done = analyze(
+        "security", "--offline=true", "--threshold=15", str(folder / f"disknav-yard-{unit}.service")
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def lines(unit: Path, directive: str) -> list[str]:
+    return [
+        line.partition("=")[2] for line in unit.read_text().splitlines() if line.startswith(f"{directive}=")
+    ]
+
+
+@contextmanager
+def started(folder: Path, unit: str, instance: str = "") -> Iterator[subprocess.Popen[bytes]]:
+    """Do what systemd does for a unit: hand over its credentials, start its command line, stop it."""
+    path = folder / f"disknav-yard-{unit}.service"
+    handed = folder.parent / f"{unit}{instance}"
+    handed.mkdir(mode=0o700)
+    for line in lines(path, "LoadCredential"):
+        name, _, source = line.replace("%i", instance).partition(":")
+        shutil.copy(source.replace(f"{ETC}/disknav-yard", str(folder)), handed / name)
+        (handed / name).chmod(0o400)
+    (command,) = lines(path, "ExecStart")
+    process = subprocess.Popen(shlex.split(command.replace("%i", instance).replace("%d", str(handed))))
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait(10.0)
+
+
+@pytest.mark.process
+@pytest.mark.timeout(90)
+def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
+    (listen,) = lines(folder / "disknav-yard-router.service", "ExecStart")
+    endpoint = listen.split("--listen ")[1].split()[0]
+    monitor = Membership(folder / "keys").client("monitor", (endpoint,))
+    with ExitStack() as stack:
+        stack.enter_context(started(folder, "router"))
+        bus = stack.enter_context(closing(ZenohBus(monitor)))
+        bus.subscribe(world_key("yard", "result"))
+        world = stack.enter_context(started(folder, "world"))
+        robots = [stack.enter_context(started(folder, "robot@", str(robot))) for robot in SCENARIO.ids]
+        for role in ("robot-1", "world"):
+            probing = [DISKNAV, "probe", role, "--router", endpoint, "--within", "20"]
+            keys = folder.parent / ("world" if role == "world" else "robot@1")
+            assert subprocess.run([*probing, "--secure", str(keys)], timeout=30, check=False).returncode == 0
+        report = json.loads(result(bus))
+        assert report["verdict"] == "arrived"
+        assert world.wait(10.0) == 0
+        assert [robot.wait(10.0) for robot in robots] == [0] * len(robots)
+
+
+def result(bus: ZenohBus) -> str:
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        event = bus.receive(0.1)
+        if isinstance(event, Sample):
+            message = decode(event.key, event.payload)
+            assert isinstance(message, Result)
+            return message.report
+    raise AssertionError("no result")
