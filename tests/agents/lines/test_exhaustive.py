@@ -69,7 +69,7 @@ class DropsAtOnce(Owner):
 class TakesOldAnswers(Owner):
     """Reads an answer to an earlier life as one to its own."""
 
-    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:  # noqa: ARG002
+    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:
         return super().hear(peer_life, self.life, held, seen)
 
 
@@ -92,7 +92,7 @@ class TakesOldOffers(Follower):
 class TakesOffersToOthers(Follower):
     """Adopts what was offered to an earlier life of its own."""
 
-    def hear(self, peer_life: int, life: int, *offer: object) -> bool:  # noqa: ARG002
+    def hear(self, peer_life: int, life: int, *offer: object) -> bool:
         return super().hear(peer_life, self.life, *offer)  # type: ignore[arg-type]  # as above
 
 
@@ -106,7 +106,7 @@ class TakesDeadOwners(Follower):
 class AdoptsBlindly(Follower):
     """Adopts a line that its disk does not satisfy."""
 
-    def hear(self, peer_life: int, life: int, number: int, line: object, fits: object) -> bool:  # noqa: ARG002
+    def hear(self, peer_life: int, life: int, number: int, line: object, fits: object) -> bool:
         return super().hear(peer_life, life, number, line, lambda _: True)  # type: ignore[arg-type]  # as above
 
 
