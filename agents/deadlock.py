@@ -10,7 +10,7 @@ a word. The escape is a drift within the flow: the other disks and the workspace
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from agents.slice import Peer
@@ -66,7 +66,7 @@ class Progress:
         desired: Vector,
         free: float,
         gamma: float,
-        barred: bool,
+        barred: Callable[[], bool],
         latency: float = 0.0,
     ) -> float:
         """Take in one tick and return the strength.
@@ -76,7 +76,7 @@ class Progress:
             desired: velocity that the flow asks for, before drift and filter, m/s.
             free: free speed, m/s; 0 at the goal.
             gamma: sum of all robots' squared distances to their goals, m^2, as known.
-            barred: whether a disk bars the straight way to the goal (`barred`).
+            barred: tells whether a disk bars the straight way to the goal (`barred`); not always asked.
             latency: age of the oldest peer state in use, s. A filter that waits for answers holds a robot
                 for some round trips without any deadlock: the patience grows with it.
         """
@@ -100,12 +100,12 @@ class Progress:
             self._stalled = 0.0
         return self.strength
 
-    def _stalls(self, barred: bool, latency: float) -> bool:
+    def _stalls(self, barred: Callable[[], bool], latency: float) -> bool:
         _, (wx, wy) = self._wanted
         _, (mx, my) = self._moved
         wanted = math.hypot(wx, wy)
         if wanted < SLOW * self._free:
-            return barred or self._quiet > PATIENCE + TRIPS * latency
+            return barred() or self._quiet > PATIENCE + TRIPS * latency
         return mx * wx + my * wy < SLOW * self._free * wanted
 
 

@@ -29,23 +29,27 @@ class Flow(NamedTuple):
     drift: Vector = (0.0, 0.0)
 
 
-def desired_velocity(flow: Flow, position: Vector, *, period: float, speed: float) -> Vector:
+def desired_velocity(
+    flow: Flow, position: Vector, *, period: float, speed: float, begin: Gradient | None = None
+) -> Vector:
     """Mean velocity (m/s) over one period of the flow that starts at `position` (m).
 
     Where the law asks for more than the speed limit the curve is followed at the limit: it ends after
     `period` (s), or after `speed * period` of arc if that is sooner. Either way phi descends, and a large
     scale gives the flow of a robot that saturates by itself. The result never exceeds `speed` (m/s).
+    `begin` is the slice's gradient at `position`, if it is known already.
     """
-    x, y = _end(flow, position, period, speed * period)
+    if begin is None:
+        begin = flow.slice.gradient(*position)
+    x, y = _end(flow, position, begin, period, speed * period)
     vx, vy = (x - position[0]) / period, (y - position[1]) / period
     excess = math.hypot(vx, vy) / speed
     return (vx, vy) if excess <= 1.0 else (vx / excess, vy / excess)
 
 
-def _end(flow: Flow, position: Vector, period: float, reach: float) -> Vector:
+def _end(flow: Flow, position: Vector, now: Gradient, period: float, reach: float) -> Vector:
     """Where the flow is after `period`, or after `reach` of arc if that is sooner."""
     x, y = position
-    now = flow.slice.gradient(x, y)
     left, arc, step = period, reach, period
     tolerance = TOLERANCE * reach
     for _ in range(MAX_STEPS):

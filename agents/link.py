@@ -7,7 +7,8 @@ sender, so the order of arrival changes nothing.
 
 from __future__ import annotations
 
-import heapq
+from collections import defaultdict
+from operator import attrgetter
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from protocol.scenario import Link as LinkFaults
 from protocol.scenario import Partition, Scenario
 
 _KEPT = 4096  # ticks of draws that are remembered
+_by_sender = attrgetter("robot", "tick")
 
 
 class Link:
@@ -32,19 +34,21 @@ class Link:
         self._column = {peer: column for column, peer in enumerate(scenario.ids)}
         self._ideal = _is_ideal(scenario.link)
         self._draws: dict[int, np.ndarray] = {}
-        self._waiting: list[tuple[int, int, int, int, State]] = []
+        self._waiting: defaultdict[int, list[State]] = defaultdict(list)  # by the tick at which they are due
 
     def put(self, state: State) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
-        due = [state.tick] if self._ideal else self._due(state)
-        for copy, tick in enumerate(due):
-            heapq.heappush(self._waiting, (tick, state.robot, state.tick, copy, state))
+        if self._ideal:
+            self._waiting[state.tick].append(state)
+            return
+        for tick in self._due(state):
+            self._waiting[tick].append(state)
 
     def take(self, tick: int) -> list[State]:
         """All States due up to and including `tick`, by due tick, sender and age."""
         taken = []
-        while self._waiting and self._waiting[0][0] <= tick:
-            taken.append(heapq.heappop(self._waiting)[-1])
+        for due in sorted(each for each in self._waiting if each <= tick):
+            taken += sorted(self._waiting.pop(due), key=_by_sender)
         return taken
 
     def _due(self, state: State) -> list[int]:

@@ -21,13 +21,13 @@ class Neighbours:
 
     def hear(self, state: State) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
-        known = self.states.get(state.robot)
-        if known is not None and (known.incarnation, known.tick) >= (state.incarnation, state.tick):
+        robot = state.robot
+        known = self.states.get(robot)
+        if known is not None and not is_newer(state, known):
             return False
-        self.states[state.robot] = state
-        fenced = self.down.get(state.robot)
-        if fenced is not None and state.incarnation > fenced.incarnation:
-            del self.down[state.robot]
+        self.states[robot] = state
+        if robot in self.down and state.incarnation > self.down[robot].incarnation:
+            del self.down[robot]
         return True
 
     def fence(self, downs: Iterable[Down]) -> list[Down]:
@@ -43,10 +43,22 @@ class Neighbours:
         known = fenced is not None and fenced.incarnation >= down.incarnation
         return not (risen or known)
 
+    def moving(self) -> list[State]:
+        """The newest States of all who are not fenced."""
+        if not self.down:
+            return list(self.states.values())
+        return [state for peer, state in self.states.items() if peer not in self.down]
+
     def position(self, peer: int) -> tuple[float, float] | None:
         """Where a peer is, as far as known; exact for a fenced one."""
-        fenced = self.down.get(peer)
-        if fenced is not None:
-            return fenced.position
+        if peer in self.down:
+            return self.down[peer].position
         state = self.states.get(peer)
         return None if state is None else state.position
+
+
+def is_newer(state: State, known: State) -> bool:
+    """Whether `state` is of a newer life than `known`, or of a later tick of the same life."""
+    if state.incarnation == known.incarnation:
+        return state.tick > known.tick
+    return state.incarnation > known.incarnation

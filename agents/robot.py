@@ -98,12 +98,14 @@ class Robot:
 
     def hear(self, state: State) -> bool:
         """A peer's State has arrived; False if it is no peer of this run."""
-        if not self._neighbours.knows(state.robot):
+        robot, tick = state.robot, state.tick
+        if robot not in self._radii:
             return False
         self._link.put(state)
-        self._arrived[state.robot] = max(state.tick, self._arrived.get(state.robot, -1))
-        if state.tick >= self.tick:
-            self._awaited.discard(state.robot)
+        if tick > self._arrived.get(robot, -1):
+            self._arrived[robot] = tick
+        if tick >= self.tick:
+            self._awaited.discard(robot)
         return True
 
     @property

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from agents import pace
 from agents.deadlock import Progress, barred, circling
 from agents.flow import Flow, desired_velocity
 from agents.neighbours import Neighbours
-from agents.slice import Peer, Slice
+from agents.slice import Gradient, Peer, Slice
+from protocol.messages import State
 from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
@@ -34,41 +36,44 @@ class GradientLaw:
         """See `agents.laws.law.Law`."""
         peers = self._peers(neighbours)
         field = self._slice = Slice(self._goal, self._radius, self._workspace, self._k, peers)
-        scale = self._scale(field, position, neighbours)
+        begin = field.gradient(*position)
+        moving = neighbours.moving()
+        scale = self._scale(math.hypot(begin.dx, begin.dy), position, moving)
         free = self._free(position, scale)
-        strength = self._stuck(position, displacement, free, peers, neighbours, tick)
-        self._wanted = self._follow(Flow(field, scale), position)
+        strength = self._stuck(position, displacement, free, peers, moving, tick)
+        self._wanted = self._follow(Flow(field, scale), position, begin)
         if strength == 0.0:
             return self._wanted
         vx, vy = circling(position, self._goal, self._radius, peers)
         drift = (strength * free * vx, strength * free * vy)
-        return self._follow(Flow(field, scale, drift), position)
+        return self._follow(Flow(field, scale, drift), position, begin)
 
     def slice_norm(self, position: Vector) -> float:
         """See `agents.laws.law.Law`; before the first tick the attraction alone."""
         return 2.0 * self._away(position) if self._slice is None else self._slice.norm(*position)
 
-    def _follow(self, flow: Flow, position: Vector) -> Vector:
-        return desired_velocity(flow, position, period=self._period, speed=self._speed)
+    def _follow(self, flow: Flow, position: Vector, begin: Gradient) -> Vector:
+        return desired_velocity(flow, position, period=self._period, speed=self._speed, begin=begin)
 
     def _peers(self, neighbours: Neighbours) -> list[Peer]:
-        states = neighbours.states
+        states, down = neighbours.states, neighbours.down
         peers = []
         for peer, radius in self._radii.items():
-            place = neighbours.position(peer)
-            if place is not None:
-                # A fenced robot is an obstacle: that it never arrives must not keep the others off their goals.
-                fixed = peer in neighbours.down or peer not in states
-                gamma = 0.0 if fixed else states[peer].gamma
-                peers.append(Peer(place[0], place[1], radius, gamma))
+            if peer in down:
+                # An obstacle: that it never arrives must not keep the others off their goals.
+                peers.append(Peer(*down[peer].position, radius, 0.0))
+            elif peer in states:
+                state = states[peer]
+                if state.position is not None:
+                    x, y = state.position
+                    peers.append(Peer(x, y, radius, state.gamma))
         return peers
 
-    def _scale(self, field: Slice, position: Vector, neighbours: Neighbours) -> float:
+    def _scale(self, slice_norm: float, position: Vector, moving: Sequence[State]) -> float:
         if not self._common:
             return pace.own_pace(self._gain)
-        moving = [state for peer, state in neighbours.states.items() if peer not in neighbours.down]
-        slices = [field.norm(*position), *(state.slice for state in moving)]
-        gammas = [self._away(position) ** 2, *(state.gamma for state in moving)]
+        slices = [slice_norm, *[state.slice for state in moving]]
+        gammas = [self._away(position) ** 2, *[state.gamma for state in moving]]
         return pace.common_pace(slices, gammas, self._speed, self._gain)
 
     def _stuck(
@@ -77,18 +82,17 @@ class GradientLaw:
         displacement: Vector,
         free: float,
         peers: list[Peer],
-        neighbours: Neighbours,
+        moving: Sequence[State],
         tick: int,
     ) -> float:
         """How strongly to escape from a deadlock, 0 to 1."""
-        moving = (state.tick for peer, state in neighbours.states.items() if peer not in neighbours.down)
-        oldest = min(moving, default=tick)
+        oldest = min([state.tick for state in moving], default=tick)
         return self._progress.update(
             displacement=displacement,
             desired=self._wanted,
             free=free,
-            gamma=self._away(position) ** 2 + sum(peer.gamma for peer in peers),
-            barred=barred(position, self._goal, self._radius, peers),
+            gamma=self._away(position) ** 2 + sum([peer.gamma for peer in peers]),
+            barred=lambda: barred(position, self._goal, self._radius, peers),
             latency=(tick - oldest) * self._period,
         )
 

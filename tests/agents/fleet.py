@@ -98,7 +98,7 @@ class Fleet:
             desired=wanted,
             free=free,
             gamma=own.gamma(*here),
-            barred=barred(here, goal, self.radii[i], peers),
+            barred=lambda: barred(here, goal, self.radii[i], peers),
             latency=self.delay * self.period,
         )
         if strength == 0.0:

@@ -47,7 +47,13 @@ def test_an_ordinary_run_never_escapes() -> None:
 
 
 def still(progress: Progress, seconds: float, **changes: object) -> float:
-    tick = {"displacement": (0.0, 0.0), "desired": (0.1, 0.0), "free": 0.1, "gamma": 0.2, "barred": False}
+    tick = {
+        "displacement": (0.0, 0.0),
+        "desired": (0.1, 0.0),
+        "free": 0.1,
+        "gamma": 0.2,
+        "barred": lambda: False,
+    }
     strength = 0.0
     for _ in range(round(seconds / progress.period)):
         strength = progress.update(**(tick | changes))
@@ -68,7 +74,7 @@ def test_swinging_to_and_fro_is_no_progress() -> None:
     for tick in range(200):
         swing = 0.1 * math.cos(2 * math.pi * tick / 8)
         strength = progress.update(
-            displacement=(0.05 * swing, 0.0), desired=(swing, 0.0), free=0.1, gamma=0.2, barred=True
+            displacement=(0.05 * swing, 0.0), desired=(swing, 0.0), free=0.1, gamma=0.2, barred=lambda: True
         )
         strongest = max(strongest, strength)
     assert strongest == 1.0
@@ -99,7 +105,9 @@ def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
     for _ in range(200):
         gamma *= 0.99
         assert (
-            progress.update(displacement=(0.0, 0.0), desired=(0.0, 0.0), free=0.1, gamma=gamma, barred=False)
+            progress.update(
+                displacement=(0.0, 0.0), desired=(0.0, 0.0), free=0.1, gamma=gamma, barred=lambda: False
+            )
             == 0.0
         )
     assert still(progress, 3.0, desired=(0.0, 0.0), gamma=gamma) == 1.0

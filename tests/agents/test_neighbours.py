@@ -1,4 +1,4 @@
-"""What a robot knows of its peers: newer lives and ticks win, fenced disks stand until a newer life speaks."""
+"""What a robot knows of its peers: newer lives and ticks win, fenced disks stand until a new life speaks."""
 
 from agents.neighbours import Neighbours
 from protocol.messages import Down, State
