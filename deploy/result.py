@@ -76,9 +76,9 @@ def _figures(result: Mapping[str, Any]) -> Table:
 
 
 def _robots(result: Mapping[str, Any]) -> Table:
-    listing = Table(box=None, padding=(0, 2), header_style="dim")
+    listing = Table(box=None, padding=(0, 1), header_style="dim")
     for column in ("robot", "arrived", "path, m", "pid", "restarts", "cpu, s", "memory, MB", "exit"):
-        listing.add_column(column, justify="right")
+        listing.add_column(column, justify="right", no_wrap=True)
     processes = {process["name"]: process for process in result["processes"]}
     for robot in result["robots"]:
         row = processes.get(f"robot-{robot}", {})

@@ -70,7 +70,11 @@ def run(
     if not silent:
         from rich.console import Console
 
-        Console().print(table(result))
+        console = Console(soft_wrap=True)
+        console.print(table(result))
+        for what, target in (("recording", record), ("picture", plot), ("result", json_file)):
+            if target is not None:
+                console.print(f"{what}: {target}", highlight=False)
     raise typer.Exit(exit_status(result))
 
 
