@@ -10,13 +10,9 @@ import typer
 
 
 def check(
-    scenario: Annotated[
-        str, typer.Argument(help="A scenario file, or a library name.")
-    ],
+    scenario: Annotated[str, typer.Argument(help="A scenario file, or a library name.")],
     seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
-    setting: Annotated[
-        list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")
-    ] = None,
+    setting: Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON instead.")] = False,
 ) -> None:
     """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
