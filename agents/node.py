@@ -14,9 +14,9 @@ from collections import Counter
 from agents.robot import Robot
 from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
-from protocol.codec import decode_stream, encode
-from protocol.errors import BusError, JoinError, KeyGrammarError, MessageError
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.codec import decode, encode
+from protocol.errors import BusError, JoinError, MessageError
+from protocol.keys import every_robot, robot_key, world_key
 from protocol.messages import Health, Measurement, State
 from protocol.streams import STREAMS
 
@@ -44,7 +44,6 @@ class RobotNode:
         self._lockstep = True
         self._declared = self._over = False
         self._refused = 0
-        self._addresses: dict[str, tuple[str, int | None]] = {}
         self._rejected: Counter[str] = Counter()
         self._published = self._received = 0
         self._heard_world = self._reported = time.monotonic()
@@ -107,41 +106,29 @@ class RobotNode:
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):
-            self._on_sample(event)
+            self._on_sample(event.key, event.payload)
         elif isinstance(event, Presence) and not event.alive and not self.finished:
             if self._over:
                 self.finished = True
                 return
             raise BusError(f"run {self._run!r}: the world is gone; robot {self._robot} stops")
 
-    def _on_sample(self, sample: Sample) -> None:
+    def _on_sample(self, key: str, payload: bytes) -> None:
         try:
-            stream, robot = self._address(sample.key)
-            message = decode_stream(stream, robot, sample.payload)
+            message = decode(key, payload)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
         self._received += 1
-        if self.core is None or self._ended:
+        core = self.core
+        if core is None or self._ended:
             return
         if isinstance(message, State):
-            self._on_state(message)
+            self._on_state(core, message)
         elif isinstance(message, Measurement):
-            self._on_measurement(message)
+            self._on_measurement(core, message)
 
-    def _address(self, key: str) -> tuple[str, int | None]:
-        found = self._addresses.get(key)
-        if found is None:
-            try:
-                address = parse(key)
-            except KeyGrammarError as error:
-                raise MessageError("key", str(error)) from None
-            found = self._addresses[key] = (address.stream, address.robot)
-        return found
-
-    def _on_state(self, state: State) -> None:
-        core = self.core
-        assert core is not None
+    def _on_state(self, core: Robot, state: State) -> None:
         if state.incarnation < self._oldest.get(state.robot, 0):
             return  # of an earlier turn
         if not core.hear(state):
@@ -149,9 +136,7 @@ class RobotNode:
         elif not self._commanded and core.complete:
             self._command()
 
-    def _on_measurement(self, measurement: Measurement) -> None:
-        core = self.core
-        assert core is not None
+    def _on_measurement(self, core: Robot, measurement: Measurement) -> None:
         self._heard_world = time.monotonic()
         if measurement.over and measurement.incarnation >= core.incarnation:
             self._over = True

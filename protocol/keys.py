@@ -16,6 +16,7 @@ Grammar::
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import NamedTuple
 
 from protocol.errors import KeyGrammarError
@@ -70,6 +71,7 @@ def everything(run: str) -> str:
     return f"disknav/{run}/**"
 
 
+@lru_cache(maxsize=1 << 14)  # every message is heard under a key, and there are few
 def parse(key: str) -> Address:
     """Take a key apart; raises KeyGrammarError on anything that the grammar does not allow."""
     found = _KEY.fullmatch(key)

@@ -53,9 +53,12 @@ class Bond:
 
     def meet(self, state: State) -> bool:
         """Take over a peer's State if it is newer; False when it is of an old life, to be ignored."""
-        if not self.end.meet(state.incarnation):
-            return False
-        if self.state is None or (state.incarnation, state.tick) > (self.state.incarnation, self.state.tick):
+        known = self.state
+        if known is None or state.incarnation != known.incarnation:
+            if not self.end.meet(state.incarnation):
+                return False
+            self.state = state
+        elif state.tick > known.tick:
             self.state = state
         return True
 

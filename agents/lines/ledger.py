@@ -102,7 +102,7 @@ class Ledger:
     @property
     def ready(self) -> bool:
         """Whether there is a line with every live peer; a robot that is not ready must stand still."""
-        return all(bond.ready for bond in self._bonds.values())
+        return all(bond.end.agreed or bond.ready for bond in self._bonds.values())
 
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay; radius and error bound are subtracted.

@@ -50,7 +50,7 @@ class Owner:
     @property
     def newest(self) -> Line | None:
         """The line that the follower will hold if it adopts all it is offered."""
-        return next(reversed(self.proposed.values()), self.held)
+        return next(reversed(self.proposed.values())) if self.proposed else self.held
 
     def meet(self, peer_life: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
