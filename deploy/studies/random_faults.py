@@ -40,8 +40,8 @@ def _sound(rows: Sequence[Row]) -> bool:
 def outcome(result: Result) -> str:
     """What a fault run came to.
 
-    collision; arrived; survivors_arrived: all but robots that were killed; barred: the disk of a robot
-    that was killed covers another one's goal; not_arrived; failed: the software did.
+    collision; arrived; survivors_arrived: all but robots that were killed; barred: a robot that was
+    killed leaves no room; not_arrived; failed: the software did.
     """
     if result["verdict"] == FAILED:
         return "failed"
@@ -59,17 +59,21 @@ def _others_arrived(result: Result) -> bool:
 
 
 def _barred(result: Result) -> bool:
-    """Whether everybody who is missing has a dead disk on its goal."""
+    """Whether a dead disk stands on the goal of a robot that is missing, or too near the boundary for it.
+
+    One such robot is enough: it stays in the others' way, and as its gamma does not vanish, their repulsion
+    does not either. A disk that a robot cannot pass on the boundary's side is no obstacle of a sphere
+    world: it makes a pocket, in which the gradient may end.
+    """
     scenario = fault_scenario(result["seed"])
     missing = set(result["robots"]) - set(result["arrived"]) - set(result["down"])
-    return all(
-        any(
-            math.dist(result["positions"][str(dead)], scenario.spec(robot).goal)
-            < scenario.spec(robot).radius + scenario.spec(dead).radius
-            for dead in result["down"]
-        )
-        for robot in missing
-    )
+    for dead in map(scenario.spec, result["down"]):
+        place = result["positions"][str(dead.id)]
+        room = scenario.workspace.radius - math.hypot(*place) - dead.radius
+        for robot in map(scenario.spec, missing):
+            if math.dist(place, robot.goal) < robot.radius + dead.radius or room < 2.0 * robot.radius:
+                return True
+    return False
 
 
 def _row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
@@ -91,6 +95,7 @@ def _row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
         "time_mean": mean([result["sim_time"] for result in came]),
         "time_max": max((result["sim_time"] for result in came), default=None),
         "min_clearance": min((result["min_clearance"] for result in judged), default=None),
+        "barred_seeds": [result["seed"] for kind, result in outcomes if kind == "barred"],
         "failures": [
             {"seed": result["seed"], "outcome": kind, "reason": result["reason"]}
             for kind, result in outcomes
