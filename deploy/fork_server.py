@@ -101,4 +101,12 @@ class _Server:
                 return
             code = os.waitstatus_to_exitcode(status)
             cpu = usage.ru_utime + usage.ru_stime
-            self._channel.send(Exited(self._lives.pop(pid), code, cpu, usage.ru_maxrss / unit))
+            life = self._lives.pop(pid)
+            self._relay_last(life)
+            self._channel.send(Exited(life, code, cpu, usage.ru_maxrss / unit))
+
+    def _relay_last(self, life: int) -> None:
+        """What a process reported before it ended is told before its end."""
+        for descriptor, (owner, pipe) in list(self._reports.items()):
+            while owner == life and descriptor in self._reports and pipe.poll():
+                self._relay(descriptor)

@@ -68,6 +68,7 @@ def test_several_recordings_side_by_side(recording, faulty, tmp_path):
     assert faulty.path.stem in text
 
 
+@pytest.mark.slow
 def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
     data = recording.path.read_bytes()
     cut = tmp_path / "cut.mcap"
@@ -78,6 +79,7 @@ def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
         assert (tmp_path / name).stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_a_film_ends_with_the_end(recording, tmp_path):
     told: list[float] = []
     draw(recording, tmp_path / "a.gif", told.append)

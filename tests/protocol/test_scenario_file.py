@@ -261,6 +261,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(scenarios())
 def test_round_trip(scenario: Scenario) -> None:
@@ -276,6 +277,7 @@ junk = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(scenarios(), junk, st.data())
 def test_junk_anywhere_is_a_scenario_error_or_fine(scenario: Scenario, bad: Any, data: st.DataObject) -> None:

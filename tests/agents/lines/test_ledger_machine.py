@@ -178,6 +178,7 @@ def test_the_machine_would_notice_a_robot_that_moves_before_it_has_a_line(
         run_state_machine_as_test(Fleet, settings=brief)
 
 
+@pytest.mark.slow
 def test_the_machine_would_notice_a_follower_that_adopts_blindly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Ledger, "_follower_fits", lambda self, line: True)  # noqa: ARG005
     brief = settings(
