@@ -17,9 +17,9 @@ from typing import Any
 import psutil
 
 from deploy.fleet import Fleet
-from deploy.local import LocalFleet
 from deploy.options import RunOptions
 from deploy.result import complete
+from deploy.studies.metered import MeteredFleet
 from deploy.studies.study import Build, Run
 from protocol.errors import ProcessError
 
@@ -33,8 +33,8 @@ FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never
 KEPT = (
     "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
     "nrl", "tight", "k", "robots", "ticks", "sim_time", "wall_time",
-    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "max_rss_mb",
-    "processes",
+    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "robots_cpu_s",
+    "max_rss_mb", "processes",
 )
 # fmt: on
 
@@ -72,11 +72,13 @@ def execute(batch: list[Job], send: Send) -> None:
 def _in_process(run: Run, build: Build) -> Result:
     began = time.process_time()
     try:
-        (report,) = LocalFleet([build(run.seed)]).execute()
+        fleet = MeteredFleet([build(run.seed)])
+        (report,) = fleet.execute()
     except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
         return {"seed": run.seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
     result = complete(report, RunOptions("local"), [])
     result["cpu_s"] = time.process_time() - began
+    result["robots_cpu_s"] = fleet.robots_cpu()
     result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
     return result
 

@@ -1,0 +1,147 @@
+"""Every study in small: its rows, summary, table and picture."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from deploy.studies.chart import draw_study
+from deploy.studies.fault_scenario import fault_scenario
+from deploy.studies.paper import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.provenance import provenance
+from deploy.studies.random_faults import outcome, random_faults
+from deploy.studies.request import Request, perform
+from deploy.studies.robustness import Conditions, grid, robustness
+from deploy.studies.run_log import RunLog
+from deploy.studies.runner import execute
+from deploy.studies.scale import scale
+from deploy.studies.statistics import deviation, power_law
+from deploy.studies.study import Study
+from deploy.studies.table import table
+from protocol.errors import ScenarioError, UsageError
+from protocol.scenario_file import validated
+
+PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
+SMALL: dict[str, Callable[[], Study]] = {
+    "robustness": lambda: robustness(1, conditions=[Conditions(), Conditions(noise=0.001)]),
+    "random faults": lambda: random_faults(4),
+    "scale": lambda: scale(1, robots=(3, 4), transports=("local",)),
+}
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_small_study_from_runs_to_picture(name: str, tmp_path: Path) -> None:
+    study = SMALL[name]()
+    result = execute(study, "local", RunLog(None), jobs=2)
+    assert len(result.rows) == len(study.cells)
+    assert study.sound(result.rows)
+    assert all(set(study.columns) <= set(row) for row in result.rows)
+    text = StringIO()
+    Console(file=text, width=200).print(table(study, result.rows))
+    assert all(line in text.getvalue() for line in study.summary(result.rows))
+    draw_study(study.name, result.rows, tmp_path / "study.svg")
+    assert (tmp_path / "study.svg").read_text().startswith("<?xml")
+
+
+def _request(**changes: object) -> Request:
+    usual = {
+        "name": "tightness",
+        "runs": 2,
+        "jobs": 2,
+        "seed": 0,
+        "settings": ("time.step=0.05",),
+        "transport": "local",
+        "random": None,
+        "target": None,
+        "plot": None,
+        "fresh": False,
+        "quiet": True,
+    }
+    return Request(**{**usual, **changes})  # type: ignore[arg-type]
+
+
+def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
+    target = tmp_path / "rows.json"
+    assert perform(_request(target=target, plot=tmp_path / "rows.png")) == 0
+    document = json.loads(target.read_text())
+    assert document["study"] == "tightness"
+    assert [row["tight"] for row in document["rows"]] == [2.44, 2.63, 2.87, 3.30, 3.45]
+    assert all(set(row) >= PROMISED for row in document["rows"])
+    assert document["provenance"]["seed"] == 0
+    assert document["provenance"]["versions"]["numpy"]
+    assert document["provenance"]["machine"]["cores"] >= 1
+    assert (tmp_path / "rows.png").stat().st_size > 0
+
+
+def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="does not exist"):
+        perform(_request(target=tmp_path / "nowhere" / "rows.json"))
+    with pytest.raises(UsageError, match="random fault runs"):
+        perform(_request(random=3))
+    with pytest.raises(UsageError, match="picture"):
+        perform(_request(plot=tmp_path / "rows.gif"))
+    with pytest.raises(ScenarioError, match="pace"):
+        perform(_request(settings=("control.pace=slow",)))
+
+
+def test_the_papers_flow_is_bare() -> None:
+    scenario = paper_flow("d", 20.0, 3)
+    control, time = scenario.control, scenario.time
+    assert (control.law, control.k, control.pace, control.filter) == ("gradient", 20.0, "common", "none")
+    assert (time.step, time.tolerance) == (PERIOD, TOLERANCE)
+    assert [cell.labels["k"] for cell in tuning(1).cells][4:] == [20.0, 30.0, 40.0, 60.0, 100.0, 300.0]
+
+
+def test_fault_scenarios_are_valid_and_repeatable() -> None:
+    for seed in range(60):
+        scenario = fault_scenario(seed)
+        assert validated(scenario) == scenario == fault_scenario(seed)
+        assert 3 <= len(scenario.robots) <= 8
+        assert (scenario.link.delay, scenario.link.loss) == ((0.0, 1.0), 0.5)
+
+
+def test_fault_scenarios_have_every_fault() -> None:
+    drawn = [fault_scenario(seed) for seed in range(60)]
+    assert {fault.event for s in drawn for fault in s.process} == {"kill", "pause", "resume", "restart"}
+    assert {bool(s.link.partition) for s in drawn} == {bool(s.link.duplicate) for s in drawn} == {True, False}
+    assert {s.sensing[0].noise > 0.0 for s in drawn} == {True, False}
+    assert {len({robot.radius for robot in s.robots}) > 1 for s in drawn} == {True, False}
+
+
+def test_outcomes_of_fault_runs() -> None:
+    base = {"seed": 1, "verdict": "timeout", "collisions": 0, "down": [], "arrived": [1], "robots": [1, 2]}
+    assert outcome({**base, "verdict": "arrived"}) == "arrived"
+    assert outcome({**base, "collisions": 1, "verdict": "collision"}) == "collision"
+    assert outcome(base) == "not_arrived"
+    assert outcome({**base, "verdict": "aborted", "down": [2]}) == "survivors_arrived"
+    assert outcome({"seed": 1, "verdict": "failed"}) == "failed"
+    goal = fault_scenario(1).robots[0].goal
+    buried = {**base, "down": [2], "arrived": [], "robots": [1, 2], "positions": {"1": (0, 0), "2": goal}}
+    assert outcome(buried) == "barred"
+
+
+def test_a_collision_under_the_filter_is_not_sound() -> None:
+    study = robustness(1, conditions=[Conditions()])
+    kept, bare = ({"filter": filter_, "collisions": 1} for filter_ in ("separating-lines", "none"))
+    assert study.sound([bare])
+    assert not study.sound([kept, bare])
+
+
+def test_the_grid_covers_what_is_asked_for() -> None:
+    points = list(grid())
+    assert {p.delay for p in points} == {0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0}
+    assert {p.loss for p in points} >= {0.0, 0.5}
+    assert {p.period for p in points} >= {0.02, 0.05, 0.2}
+    assert any(p.noise > 0.0 for p in points)
+
+
+def test_statistics() -> None:
+    factor, exponent = power_law([1, 2, 4], [3, 12, 48])
+    assert (factor, exponent) == (pytest.approx(3.0), pytest.approx(2.0))
+    assert deviation([1.0]) is None
+    assert provenance(7, "local", 2)["seed"] == 7
