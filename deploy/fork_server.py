@@ -57,7 +57,7 @@ class _Server:
                 elif ready == self._child_ended:
                     os.read(self._child_ended, 4096)
                     self._collect()
-                elif isinstance(ready, int):
+                elif isinstance(ready, int) and ready in self._reports:  # else just collected
                     self._relay(ready)
 
     def kill_all(self) -> None:
