@@ -1,0 +1,82 @@
+"""Optimal reciprocal collision avoidance (van den Berg, Guy, Lin, Manocha 2011) by pyrvo, to compare with.
+
+Every robot has a simulator of its own, fed with what that robot heard: peers stand where their newest
+State says, moved on by their velocity over its age. Only the robot's own new velocity is used.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.laws.nominal import Nominal
+from agents.neighbours import Neighbours
+from protocol.scenario import Scenario
+
+Vector = tuple[float, float]
+
+HORIZON = 2.0  # s, ahead of which encounters count
+NOISE = 0.1  # of the speed limit
+PADDING = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
+_SIDES = 48  # of the polygon that stands for the workspace's circle
+
+
+class OrcaLaw:
+    """One robot's reciprocal velocity; see `agents.laws.law.Law`."""
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        from pyrvo import RVOSimulator
+
+        self._period, self._speed = scenario.time.step, scenario.control.speed
+        self._radii = {spec.id: spec.radius + PADDING for spec in scenario.robots}
+        self._nominal = Nominal(scenario, robot, NOISE)
+        self._agents: dict[int, int] = {}
+        everyone, far = len(scenario.robots), 2.0 * scenario.workspace.radius
+        self._simulator = RVOSimulator(
+            self._period, far, everyone, HORIZON, HORIZON, self._radii[robot], self._speed
+        )
+        self._simulator.add_obstacle(_inside(scenario.workspace.radius))
+        self._simulator.process_obstacles()
+        self._own = self._simulator.add_agent((0.0, 0.0))
+
+    def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:
+        """See `agents.laws.law.Law`."""
+        moving = (displacement[0] / self._period, displacement[1] / self._period)
+        self._place(self._own, position, moving, self._nominal.velocity(position, tick))
+        for peer in self._radii:
+            self._observe(peer, neighbours, tick)
+        self._simulator.do_step()
+        new = self._simulator.get_agent_velocity(self._own)
+        excess = max(1.0, math.hypot(new.x, new.y) / self._speed)
+        return new.x / excess, new.y / excess
+
+    def slice_norm(self, position: Vector) -> float:
+        """See `agents.laws.law.Law`."""
+        return self._nominal.pull(position)
+
+    def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
+        """Put a peer where it should be by now."""
+        place = neighbours.position(peer)
+        if place is None:
+            return
+        if peer not in self._agents:
+            self._agents[peer] = self._simulator.add_agent(place)
+            self._simulator.set_agent_radius(self._agents[peer], self._radii[peer])
+        vx, vy = 0.0, 0.0
+        if peer not in neighbours.down:
+            state = neighbours.states[peer]
+            vx, vy = state.desired
+            age = (tick - state.tick) * self._period
+            place = (place[0] + age * vx, place[1] + age * vy)
+        self._place(self._agents[peer], place, (vx, vy), (vx, vy))
+
+    def _place(self, agent: int, position: Vector, velocity: Vector, preferred: Vector) -> None:
+        simulator = self._simulator
+        simulator.set_agent_position(agent, position)
+        simulator.set_agent_velocity(agent, velocity)
+        simulator.set_agent_pref_velocity(agent, preferred)
+
+
+def _inside(radius: float) -> list[Vector]:
+    """Vertices, clockwise, so that robots are kept inside."""
+    angles = [-math.tau * n / _SIDES for n in range(_SIDES)]
+    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
