@@ -33,6 +33,7 @@ _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in shor
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
 _LONGEST = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s a peer waits for its links before it announces itself
+_ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
 _CAPACITY = 1 << 16  # events that may wait; of more, the older half is dropped and counted
 
 _Arrived = zenoh.Sample | zenoh.Query | Presence
@@ -51,6 +52,8 @@ class ZenohBus:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
         self._connection = connection
+        if connection.mode == "router":
+            zenoh.init_log_from_env_or(_ROUTER_LOG)
         self._session = _open(connection)
         self.dropped = 0  # events lost to a full queue
 
