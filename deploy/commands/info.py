@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console, Group
@@ -11,7 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from deploy.bar import bar
-from deploy.recording.reader import Recording, read, trajectory_hash
+
+if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
+    from deploy.recording.reader import Recording
 
 
 def info(
@@ -21,6 +23,8 @@ def info(
 
     Example: disknav info figure-1.mcap
     """
+    from deploy.recording.reader import read
+
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
     Console().print(Group(_summary(found), _streams(found)))
@@ -47,6 +51,8 @@ def _summary(recording: Recording) -> Table:
 
 
 def _check(recording: Recording) -> str:
+    from deploy.recording.reader import trajectory_hash
+
     if recording.truths.missing:
         return f"cannot be checked: {recording.truths.missing} ticks were not recorded"
     found = trajectory_hash(recording)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from deploy.bar import bar
-from deploy.plot.draw import check, draw
-from deploy.recording.reader import Recording, read
+
+if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
+    from deploy.recording.reader import Recording
 
 
 def plot(
@@ -24,6 +25,8 @@ def plot(
 
     Example: disknav plot figure-1.mcap -o figure-1.pdf
     """
+    from deploy.plot.draw import check, draw
+
     check(out, len(recordings))
     found = [_read(path) for path in recordings]
     with bar(f"drawing {out.name}") as progress:
@@ -31,5 +34,7 @@ def plot(
 
 
 def _read(path: Path) -> Recording:
+    from deploy.recording.reader import read
+
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)

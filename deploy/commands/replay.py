@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 from contextlib import closing
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from deploy.bar import bar
-from deploy.recording.reader import Recording, read
-from deploy.recording.replay import publish, verify
+
+if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
+    from deploy.recording.reader import Recording
 
 
 def replay(
@@ -39,6 +40,9 @@ def replay(
 
     Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
     """
+    from deploy.recording.reader import read
+    from deploy.recording.replay import verify
+
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
     digest = verify(found)
@@ -53,6 +57,7 @@ def replay(
 
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
+    from deploy.recording.replay import publish
     from deploy.router import listening
     from protocol.bus_zenoh import ZenohBus
     from protocol.connection import Connection
