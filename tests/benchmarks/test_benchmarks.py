@@ -1,0 +1,41 @@
+"""The benchmarks themselves: everything that they measure is there and runs. Nothing is timed here."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.benchmarks import __main__ as bench
+from tests.benchmarks import cores, floors
+from tests.benchmarks.fleets import Measured, measure
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("carrier", ["zmq", "pipes"])
+def test_floors_tick(carrier: floors.Carrier) -> None:
+    if carrier == "zmq":
+        pytest.importorskip("zmq")
+    assert floors.rate(3, 0.1, carrier).ticks_per_second > 0.0
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+def test_a_fleet_is_measured_over_several_runs() -> None:
+    found = measure(2, 0.5)
+    assert found.ticks_per_second > 0.0
+    assert found.cpu_ms > 0.0
+    assert 0.0 < found.start < 30.0
+    assert found.private_mb > 0.1
+
+
+def test_the_table_has_a_ratio_for_each() -> None:
+    floor, fleet = bench.Rate(1000.0, 2.0), Measured(700.0, 4.0, 0.5, 5.0)
+    floor_line, fleet_line = bench.table(6, {"bare zenoh": floor, "fleet": fleet}).splitlines()
+    assert floor_line.split()[-5:] == ["1000", "1.00", "2.00", "1.00", "66.7"]
+    assert fleet_line.split()[-7:] == ["700", "0.70", "4.00", "0.50", "133.3", "0.50", "5.0"]
+
+
+def test_all_cores_are_measured() -> None:
+    found = cores.costs(3, repeat=1, number=2)
+    assert list(found) == ["slice", "filter", "codec", "robot", "world"]
+    assert all(cost.core > 0.0 and cost.floor > 0.0 for cost in found.values())
