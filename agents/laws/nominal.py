@@ -8,6 +8,7 @@ from protocol.draws import Purpose, generator
 from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
+_HELD = 1.0  # s that a random part stays as it is: drawn anew every tick it would average out
 
 
 class Nominal:
@@ -20,6 +21,7 @@ class Nominal:
         """`noise`: largest random velocity, as a fraction of the speed limit; none at the goal."""
         self._goal, self._robot, self._seed = scenario.spec(robot).goal, robot, scenario.seed
         self._speed, self._period = scenario.control.speed, scenario.time.step
+        self._held = max(1, scenario.ticks(_HELD))
         self._tolerance, self._noise = scenario.time.tolerance, noise
 
     def velocity(self, position: Vector, tick: int) -> Vector:
@@ -29,7 +31,7 @@ class Nominal:
         if away <= 0.5 * self._tolerance:
             return 0.0, 0.0
         rate = min(self._speed / away, 1.0 / self._period)
-        draw = generator(self._seed, Purpose.CONTROL, self._robot, tick)
+        draw = generator(self._seed, Purpose.CONTROL, self._robot, tick // self._held)
         angle, size = math.tau * draw.random(), self._noise * self._speed * draw.random()
         return rate * dx + size * math.cos(angle), rate * dy + size * math.sin(angle)
 

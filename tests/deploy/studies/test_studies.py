@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from deploy.library import swap
 from deploy.studies.chart import draw_study
 from deploy.studies.fault_scenario import fault_scenario
 from deploy.studies.paper import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.peers import LAWS, peers
 from deploy.studies.provenance import provenance
 from deploy.studies.random_faults import outcome, random_faults
 from deploy.studies.request import Request, perform
@@ -24,6 +26,7 @@ from deploy.studies.statistics import deviation, power_law
 from deploy.studies.study import Study
 from deploy.studies.table import table
 from protocol.errors import ScenarioError, UsageError
+from protocol.scenario import Scenario
 from protocol.scenario_file import validated
 
 PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
@@ -145,3 +148,20 @@ def test_statistics() -> None:
     assert (factor, exponent) == (pytest.approx(3.0), pytest.approx(2.0))
     assert deviation([1.0]) is None
     assert provenance(7, "local", 2)["seed"] == 7
+
+
+def test_peers_meet_the_same_scenarios(tmp_path: Path) -> None:
+    pytest.importorskip("pyrvo")
+    pytest.importorskip("daqp")
+    study = peers(1, scenarios={"head-on": head_on_apart}, delays=(0.0,))
+    rows = execute(study, "local", RunLog(None), jobs=1).rows
+    assert [row["law"] for row in rows] == list(LAWS)
+    assert study.sound(rows)
+    by_law = {row["law"]: row for row in rows}
+    assert by_law["orca"]["arrived"] == by_law["barrier"]["arrived"] == 1
+    draw_study(study.name, rows, tmp_path / "peers.svg")
+
+
+def head_on_apart(seed: int) -> Scenario:
+    """Two robots that change places, slightly off the saddle."""
+    return swap(2, 0.005, seed)
