@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from agents.laws import require
 from agents.navigation.tuning import automatic_k
 from deploy.library.names import build
 from protocol.errors import UsageError
@@ -17,8 +18,10 @@ from protocol.scenario_shape import Document
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
-    """The scenario `name`, ready to run: as `read`, with k resolved."""
-    return resolved(read(name, settings, seed))
+    """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
+    scenario = resolved(read(name, settings, seed))
+    require(scenario.control.law)
+    return scenario
 
 
 def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:

@@ -57,6 +57,11 @@ class Control:
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"
     speed: Positive = 0.10  # m/s
+    # Of laws to compare with; each has a value of its own for what is not given.
+    horizon: Positive | None = None  # s, orca: no collision may follow for this long
+    barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
+    symmetry_noise: Probability | None = None  # orca, barrier: random part of the wish, of the speed limit
+    margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
 
 
 @dataclass(frozen=True, slots=True)

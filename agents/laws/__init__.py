@@ -1,6 +1,6 @@
 """Control laws: the paper's, and others to compare it with. The safety filter comes after any of them."""
 
-from agents.laws.choice import choose
+from agents.laws.choice import choose, require
 from agents.laws.law import Law
 
-__all__ = ["Law", "choose"]
+__all__ = ["Law", "choose", "require"]

@@ -1,12 +1,45 @@
-"""Which law a scenario asks for."""
+"""Which law a scenario asks for. Laws to compare with need libraries that the paper's does without."""
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
+from protocol.errors import UsageError
 from protocol.scenario import Scenario
+
+_LIBRARIES = {"orca": "pyrvo", "barrier": "daqp"}
 
 
 def choose(scenario: Scenario, robot: int) -> Law:
-    """The law of `scenario.control.law` for one robot."""
+    """The law of `scenario.control.law` for one robot.
+
+    Raises:
+        UsageError: its library is not installed.
+    """
+    law = scenario.control.law
+    require(law)
+    if law == "orca":
+        from agents.laws.orca import OrcaLaw
+
+        return OrcaLaw(scenario, robot)
+    if law == "barrier":
+        from agents.laws.barrier import BarrierLaw
+
+        return BarrierLaw(scenario, robot)
     return GradientLaw(scenario, robot)
+
+
+def require(law: str) -> None:
+    """Find out whether a law's library is there, without loading it.
+
+    Raises:
+        UsageError: it is not installed; says how to.
+    """
+    library = _LIBRARIES.get(law)
+    if library is not None and find_spec(library) is None:
+        raise UsageError(
+            f'control.law = "{law}" needs the library {library}, which is not installed: '
+            'pip install "disknav[peers]"'
+        )
