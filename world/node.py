@@ -111,7 +111,7 @@ class WorldNode:
             turn.rejected[error.reason] += 1
             return
         turn.received += 1
-        if isinstance(message, Command) and turn.world.accept(message) and not turn.world.waiting:
+        if isinstance(message, Command) and turn.world.accept(message) and turn.world.complete:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -175,7 +175,7 @@ class WorldNode:
         while self._phase is Phase.RUNNING:
             if not self._turn.opened and not self._open():
                 return
-            if self._turn.world.waiting or not self._lockstep:
+            if not (self._turn.world.complete and self._lockstep):
                 return
             self._close()
         if self._phase is Phase.FAREWELL:

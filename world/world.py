@@ -76,6 +76,11 @@ class World:
         """Active robots whose command of the open tick is outstanding."""
         return frozenset(self._commands.waiting)
 
+    @property
+    def complete(self) -> bool:
+        """Whether nobody is in `waiting`."""
+        return not self._commands.waiting
+
     def join(self, robot: int) -> int:
         """A process takes over a robot; it takes part from the next opening of a tick on.
 
