@@ -47,7 +47,7 @@ def rate(scenario: Scenario, variant: str, keys: Path) -> Rate:
             processes = fleet.processes()
         router.stop()
         cpu = sum(process["cpu_s"] for process in processes) + sum(u.cpu_s for u in router.usage())
-    return Rate(report["ticks_per_second"], 1000.0 * cpu / report["ticks"])
+    return Rate(report["ticks"] / report["wall_time"], 1000.0 * cpu / report["ticks"])
 
 
 @contextmanager

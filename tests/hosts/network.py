@@ -1,0 +1,122 @@
+"""Hosts on one machine: a network namespace each, wired to a switch by links that can be cut."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, Self
+
+import pytest
+
+
+def unable() -> str | None:
+    """Why hosts cannot be made here; None if they can."""
+    if shutil.which("ip") is None:
+        return "iproute2 (the command ip) is not installed"
+    if os.geteuid() != 0:
+        return "network namespaces need root"
+    probe = f"disknav-probe-{os.getpid()}"
+    done = subprocess.run(["ip", "netns", "add", probe], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        return f"no network namespaces here: {done.stderr.strip()}"
+    subprocess.run(["ip", "netns", "del", probe], check=True)
+    return None
+
+
+needs_hosts = pytest.mark.skipif(unable() is not None, reason=unable() or "")
+
+
+class Hosts:
+    """A context manager: `count` hosts, 10.77.0.1 and so on. Leaving it ends all that runs on them."""
+
+    def __init__(self, count: int, log: Path) -> None:
+        self._numbers = range(1, count + 1)
+        self._prefix = f"disknav-{os.getpid()}"
+        self._log = log
+        self._processes: list[subprocess.Popen[str]] = []
+        self._files: list[IO[str]] = []
+
+    def __enter__(self) -> Self:
+        try:
+            self._wire()
+        except BaseException:
+            self._remove()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._processes:
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+        for process in self._processes:
+            try:
+                process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        for file in self._files:
+            file.close()
+        self._remove()
+
+    def address(self, host: int) -> str:
+        """IPv4 address of a host."""
+        return f"10.77.0.{host}"
+
+    def start(self, host: int, command: Sequence[str]) -> subprocess.Popen[str]:
+        """Run a command on a host; what it says to standard error goes to the log."""
+        file = self._log.open("a")
+        self._files.append(file)
+        process = subprocess.Popen(
+            ["ip", "netns", "exec", self._name(host), *command],
+            stdout=subprocess.PIPE,
+            stderr=file,
+            text=True,
+        )
+        self._processes.append(process)
+        return process
+
+    def await_log(self, text: str, seconds: float) -> None:
+        """Wait until a process has said `text`."""
+        deadline = time.monotonic() + seconds
+        while text not in (said := self._log.read_text()):
+            assert time.monotonic() < deadline, f"{text!r} was not said within {seconds} s; but:\n{said}"
+            time.sleep(0.02)
+
+    def cut(self, host: int) -> None:
+        """Unplug a host from the switch: what is sent is lost, and nobody is told."""
+        _ip("-n", self._name(0), "link", "set", f"port{host}", "down")
+
+    def mend(self, host: int) -> None:
+        """Plug it in again."""
+        _ip("-n", self._name(0), "link", "set", f"port{host}", "up")
+
+    def _name(self, host: int) -> str:
+        return f"{self._prefix}-{host}"
+
+    def _wire(self) -> None:
+        switch = self._name(0)
+        _ip("netns", "add", switch)
+        _ip("-n", switch, "link", "add", "switch", "type", "bridge")
+        _ip("-n", switch, "link", "set", "switch", "up")
+        for host in self._numbers:
+            name = self._name(host)
+            _ip("netns", "add", name)
+            _ip("-n", name, "link", "set", "lo", "up")
+            peer = ["peer", "name", f"port{host}", "netns", switch]
+            _ip("-n", name, "link", "add", "eth0", "type", "veth", *peer)
+            _ip("-n", switch, "link", "set", f"port{host}", "master", "switch", "up")
+            _ip("-n", name, "addr", "add", f"{self.address(host)}/24", "dev", "eth0")
+            _ip("-n", name, "link", "set", "eth0", "up")
+
+    def _remove(self) -> None:
+        for host in (0, *self._numbers):
+            subprocess.run(["ip", "netns", "del", self._name(host)], capture_output=True, check=False)
+
+
+def _ip(*arguments: str) -> None:
+    subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)
