@@ -3,6 +3,9 @@
 The velocity nearest to the nominal one under h' >= -gain h for every h of
     h_ij = |d_ij|^2 - rho_ij^2   of a peer, which is taken to answer for half of it,
     h_0i = rho_0i^2 - |b_i|^2    of the boundary.
+Peers stand where their newest State says, moved on by their velocity over its age. While every h >= 0 the
+velocity 0 is feasible, so the nearest velocity is never faster than the nominal one.
+`control.barrier_gain`, `symmetry_noise` and `margin` outrank the constants below.
 """
 
 from __future__ import annotations
@@ -14,13 +17,15 @@ from numpy.typing import NDArray
 
 from agents.laws.nominal import Nominal
 from agents.neighbours import Neighbours
+from agents.safe_velocity import safe_velocity
 from protocol.scenario import Scenario
 
+Array = NDArray[np.float64]
 Vector = tuple[float, float]
 
 GAIN = 4.0  # 1/s
 NOISE = 0.1  # of the speed limit
-_SIDES = 16  # of the polygon inside the disk of speeds
+MARGIN = 0.0005  # m, around each disk
 
 
 class BarrierLaw:
@@ -29,46 +34,54 @@ class BarrierLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         from daqp import solve
 
+        control = scenario.control
+        margin = MARGIN if control.margin is None else control.margin
         self._solve = solve
-        self._speed, self._radius = scenario.control.speed, scenario.spec(robot).radius
-        self._room = scenario.workspace.radius - self._radius
-        self._radii = {spec.id: spec.radius for spec in scenario.robots if spec.id != robot}
-        self._nominal = Nominal(scenario, robot, NOISE)
-        angles = math.tau * np.arange(_SIDES) / _SIDES
-        self._sides = np.column_stack([np.cos(angles), np.sin(angles)])
-        self._reach = np.full(_SIDES, self._speed * math.cos(math.pi / _SIDES))
+        self._speed, self._period = control.speed, scenario.time.step
+        self._gain = GAIN if control.barrier_gain is None else control.barrier_gain
+        self._room = scenario.workspace.radius - scenario.spec(robot).radius
+        self._radius = scenario.spec(robot).radius + margin
+        self._radii = {spec.id: spec.radius + margin for spec in scenario.robots if spec.id != robot}
+        self._nominal = Nominal(
+            scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
+        )
 
     def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:  # noqa: ARG002
         """See `agents.laws.law.Law`; stands still where the program has no solution."""
         wanted = np.array(self._nominal.velocity(position, tick))
-        rows, limits = self._barriers(np.array(position), neighbours)
-        normals = np.vstack([self._sides, *rows])
-        upper = np.concatenate([self._reach, limits])
-        lower = np.full(len(upper), -1e30)
-        found, _, flag, _ = self._solve(
-            np.eye(2), -wanted, normals, upper, lower, np.zeros(len(upper), dtype=np.int32)
-        )
-        return (float(found[0]), float(found[1])) if flag == 1 else (0.0, 0.0)
+        normals, upper = self._barriers(np.array(position), neighbours, tick)
+        if (normals @ wanted > upper).any():
+            lower, hard = np.full(len(upper), -1e30), np.zeros(len(upper), dtype=np.int32)
+            wanted, _, flag, _ = self._solve(np.eye(2), -wanted, normals, upper, lower, hard)
+            if flag != 1:
+                return 0.0, 0.0
+        vx, vy = float(wanted[0]), float(wanted[1])
+        excess = max(1.0, math.hypot(vx, vy) / self._speed)
+        return self._inside(position, (vx / excess, vy / excess))
 
     def slice_norm(self, position: Vector) -> float:
         """See `agents.laws.law.Law`."""
         return self._nominal.pull(position)
 
-    def _barriers(
-        self, own: NDArray[np.float64], neighbours: Neighbours
-    ) -> tuple[list[NDArray[np.float64]], list[float]]:
+    def _barriers(self, own: Array, neighbours: Neighbours, tick: int) -> tuple[Array, Array]:
         """Rows a and limits c of a . v <= c, scaled to |a| = 1 so that the solver's tolerance is a speed."""
-        rows, limits = [own], [0.5 * GAIN * (self._room**2 - float(own @ own))]
+        rows, limits = [own], [0.5 * self._gain * (self._room**2 - float(own @ own))]
         for peer, radius in self._radii.items():
             place = neighbours.position(peer)
             if place is None:
                 continue
-            apart = own - np.array(place)
-            share = 0.5 if peer not in neighbours.down else 1.0
+            apart, share = own - np.array(place), 1.0
+            if peer not in neighbours.down:
+                state, share = neighbours.states[peer], 0.5
+                apart -= (tick - state.tick) * self._period * np.array(state.desired)
             rows.append(-apart)
-            limits.append(0.5 * share * GAIN * (float(apart @ apart) - (radius + self._radius) ** 2))
-        lengths = [max(float(np.hypot(*row)), 1e-9) for row in rows]
-        return (
-            [row / length for row, length in zip(rows, lengths, strict=True)],
-            [limit / length for limit, length in zip(limits, lengths, strict=True)],
+            limits.append(0.5 * share * self._gain * (float(apart @ apart) - (radius + self._radius) ** 2))
+        normals, upper = np.array(rows), np.array(limits)
+        lengths = np.maximum(np.hypot(normals[:, 0], normals[:, 1]), 1e-9)
+        return normals / lengths[:, None], upper / lengths
+
+    def _inside(self, position: Vector, velocity: Vector) -> Vector:
+        """The boundary curves towards a robot that moves along it: the nearest velocity that stays inside."""
+        return safe_velocity(
+            velocity, position, (), workspace=self._room, speed=self._speed, period=self._period
         )

@@ -2,6 +2,7 @@
 
 Every robot has a simulator of its own, fed with what that robot heard: peers stand where their newest
 State says, moved on by their velocity over its age. Only the robot's own new velocity is used.
+`control.horizon`, `symmetry_noise` and `margin` outrank the constants below.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ Vector = tuple[float, float]
 
 HORIZON = 2.0  # s, ahead of which encounters count
 NOISE = 0.1  # of the speed limit
-PADDING = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
+MARGIN = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
 _SIDES = 48  # of the polygon that stands for the workspace's circle
 
 
@@ -26,13 +27,18 @@ class OrcaLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         from pyrvo import RVOSimulator
 
-        self._period, self._speed = scenario.time.step, scenario.control.speed
-        self._radii = {spec.id: spec.radius + PADDING for spec in scenario.robots}
-        self._nominal = Nominal(scenario, robot, NOISE)
+        control = scenario.control
+        horizon = HORIZON if control.horizon is None else control.horizon
+        margin = MARGIN if control.margin is None else control.margin
+        self._period, self._speed = scenario.time.step, control.speed
+        self._radii = {spec.id: spec.radius + margin for spec in scenario.robots}
+        self._nominal = Nominal(
+            scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
+        )
         self._agents: dict[int, int] = {}
         everyone, far = len(scenario.robots), 2.0 * scenario.workspace.radius
         self._simulator = RVOSimulator(
-            self._period, far, everyone, HORIZON, HORIZON, self._radii[robot], self._speed
+            self._period, far, everyone, horizon, horizon, self._radii[robot], self._speed
         )
         self._simulator.add_obstacle(_inside(scenario.workspace.radius))
         self._simulator.process_obstacles()
@@ -59,8 +65,9 @@ class OrcaLaw:
         if place is None:
             return
         if peer not in self._agents:
-            self._agents[peer] = self._simulator.add_agent(place)
-            self._simulator.set_agent_radius(self._agents[peer], self._radii[peer])
+            agent = self._agents[peer] = self._simulator.add_agent(place)
+            self._simulator.set_agent_radius(agent, self._radii[peer])
+            self._simulator.set_agent_max_neighbors(agent, 0)  # what a peer will do is not asked
         vx, vy = 0.0, 0.0
         if peer not in neighbours.down:
             state = neighbours.states[peer]
