@@ -1,40 +1,49 @@
-"""`study peers`: the same scenarios, faults and speed under other laws.
+"""`study peers`: the same scenarios, starts, faults and speed limit under other laws.
 
-ORCA and the barrier-function program are tuned by scans (`agents.laws.orca`, `agents.laws.barrier`);
-the paper's law runs bare, and with separating lines.
+ORCA and the barrier-function program are scanned over their parameters in every scenario, and the best
+setting is what a law's row shows, which favours them; the paper's law runs bare, and with separating lines.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 from agents.laws.choice import require
 from deploy.library.goal_sets import figure_3
-from deploy.library.random_instances import random_instance
+from deploy.library.random_instances import PAPER_DENSITY, random_instance
 from deploy.library.swaps import swap
 from deploy.load import resolved
-from deploy.studies.statistics import arrived, collided, mean
-from deploy.studies.study import Build, Cell, Result, Row, Study
-from protocol.scenario import Control, Link, Scenario
+from deploy.studies.contest import Contest, row, sound, summary
+from deploy.studies.study import Build, Cell
+from protocol.scenario import Link, Scenario
 
 RUNS = 5
-LIMIT = 120.0  # s of simulated time
+LIMIT = 60.0  # s of simulated time
+DEADLOCK = 10.0  # s without anybody moving
 DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3)  # s, one way
-DENSITIES = (0.1, 0.2, 0.3)
-JITTER = 0.005  # m: no law is asked to leave an exact saddle
+DENSITIES = (0.05, PAPER_DENSITY, 0.2)
+JITTER = 0.01  # m: no law is asked to leave an exact saddle
+
 LAWS: dict[str, dict[str, Any]] = {
     "gradient + lines": {"law": "gradient", "filter": "separating-lines"},
     "gradient": {"law": "gradient", "filter": "none"},
     "orca": {"law": "orca", "filter": "none"},
     "barrier": {"law": "barrier", "filter": "none"},
 }
+# What wins somewhere, of horizons of 1, 2, 4 s, gains of 1, 3, 10 1/s and noises from 0 to 0.6.
+SCANS: dict[str, dict[str, tuple[float, ...]]] = {
+    "orca": {"horizon": (1.0, 2.0), "symmetry_noise": (0.1, 0.3)},
+    "barrier": {"barrier_gain": (10.0, 20.0), "symmetry_noise": (0.6,)},
+}
+LATE_MARGINS = {"orca": (0.001, 0.005), "barrier": (0.0005, 0.005)}  # m; tried where states are delayed
 COLUMNS = {
     "scenario": "",
-    "delay": "g",
     "law": "",
+    "setting": "",
     "runs": "d",
     "arrived": "d",
     "collisions": "d",
@@ -44,14 +53,43 @@ COLUMNS = {
 }
 
 
-def instances() -> dict[str, Build]:
-    """Tight goal sets, swaps and crowds; each a function of the seed."""
-    found: dict[str, Build] = {"tight 3.30": partial(figure_3, "d"), "tight 3.45": partial(figure_3, "e")}
-    found |= {f"swap {count}": partial(swap, count, JITTER) for count in (8, 12, 24)}
-    for count in (12, 24):
-        for density in DENSITIES:
-            found[f"random {count}, density {density:g}"] = partial(random_instance, count, density=density)
-    return found
+@dataclass(frozen=True)
+class Place:
+    """Where laws meet: a scenario of a seed, and the one-way delay of states in it, s."""
+
+    name: str
+    build: Build
+    delay: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """The name, with the delay if there is one."""
+        return f"{self.name}, {1e3 * self.delay:g} ms late" if self.delay else self.name
+
+
+def places() -> list[Place]:
+    """Tight goal sets and swaps, also with delays; crowds; the largest last."""
+    tight, ten = partial(figure_3, "d"), partial(swap, 10, JITTER)
+    late = [Place(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
+    return [
+        Place("tight 3.30", tight),
+        Place("tight 3.45", partial(figure_3, "e")),
+        Place("swap 8", partial(swap, 8, JITTER)),
+        Place("swap 10", ten),
+        *late,
+        Place("swap 12", partial(swap, 12, JITTER)),
+        *(_crowd(12, density) for density in DENSITIES),
+        Place("swap 24", partial(swap, 24, JITTER)),
+        *(_crowd(24, density) for density in DENSITIES),
+    ]
+
+
+def _crowd(count: int, density: float) -> Place:
+    return Place(f"random {count}, density {density:.2f}", partial(_random, count, density))
+
+
+def _random(count: int, density: float, seed: int) -> Scenario:
+    return random_instance(count, seed, density=density)
 
 
 def peers(
@@ -59,57 +97,49 @@ def peers(
     seed: int = 0,
     scenarios: Mapping[str, Build] | None = None,
     delays: Sequence[float] = DELAYS,
-) -> Study:
-    """`runs` runs of every scenario at every delay under every law.
+) -> Contest:
+    """`runs` runs of every law and setting in all `places`, or in `scenarios` at every delay.
 
     Raises:
         UsageError: a law's library is not installed.
     """
     for control in LAWS.values():
         require(control["law"])
+    if scenarios is None:
+        where = places()
+    else:
+        where = [Place(name, build, delay) for name, build in scenarios.items() for delay in delays]
     cells = [
-        Cell({"scenario": name, "delay": delay, "law": law}, partial(contest, build, delay, law), seeds)
-        for name, build in (instances() if scenarios is None else scenarios).items()
-        for delay in delays
+        Cell(
+            {"scenario": place.label, "delay": place.delay, "law": law, **setting},
+            partial(contest, place, LAWS[law] | setting),
+            range(seed, seed + runs),
+        )
+        for place in where
         for law in LAWS
-        for seeds in [range(seed, seed + runs)]
+        for setting in settings(law, late=place.delay > 0.0)
     ]
-    return Study("peers", cells, _row, COLUMNS, _summary, _sound)
+    return Contest("peers", cells, row, COLUMNS, summary, sound)
 
 
-def contest(build: Build, delay: float, law: str, seed: int) -> Scenario:
-    """One scenario under one law and delay."""
-    scenario = resolved(build(seed))
-    control: Control = replace(scenario.control, **LAWS[law])
-    return replace(
-        scenario, control=control, link=Link(delay=delay), time=replace(scenario.time, limit=LIMIT)
+def settings(law: str, *, late: bool) -> Iterator[dict[str, float]]:
+    """Everything that is tried with a law, as fields of `protocol.scenario.Control`."""
+    scan = SCANS.get(law, {})
+    if late and law in LATE_MARGINS:
+        # Delay disturbs enough by itself; what may help is distance.
+        scan = scan | {"symmetry_noise": scan["symmetry_noise"][-1:], "margin": LATE_MARGINS[law]}
+    for values in product(*scan.values()):
+        yield dict(zip(scan, values, strict=True))
+
+
+def contest(place: Place, control: Mapping[str, Any], seed: int) -> Scenario:
+    """The scenario of `seed` with these fields of its control table; k and speed stay."""
+    scenario = place.build(seed)
+    return resolved(
+        replace(
+            scenario,
+            control=replace(scenario.control, **control),
+            link=Link(delay=place.delay),
+            time=replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK),
+        )
     )
-
-
-def _row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """step: CPU of a robot and tick, its share of world and messages included."""
-    came = arrived(results)
-    return {
-        **labels,
-        "runs": len(results),
-        "arrived": len(came),
-        "collisions": collided(results),
-        "nrl_mean": mean([result["nrl"] for result in came]),
-        "time_mean": mean([result["sim_time"] for result in came]),
-        "step_us": mean(
-            [1e6 * r["cpu_s"] / r["ticks"] / len(r["robots"]) for r in results if "cpu_s" in r and r["ticks"]]
-        ),
-    }
-
-
-def _summary(rows: Sequence[Row]) -> list[str]:
-    lines = []
-    for law in LAWS:
-        own = [row for row in rows if row["law"] == law]
-        runs, came, touched = (sum(row[name] for row in own) for name in ("runs", "arrived", "collisions"))
-        lines.append(f"{law}: {came} of {runs} arrived, {touched} collided")
-    return lines
-
-
-def _sound(rows: Sequence[Row]) -> bool:
-    return not any(row["collisions"] for row in rows if row["law"] == "gradient + lines")
