@@ -22,6 +22,8 @@ from deploy.studies.study import Study, StudyName
 from deploy.studies.table import table
 from protocol.errors import UsageError
 
+_PAPER = 160  # columns where there is no terminal
+
 
 @dataclass(frozen=True)
 class Request:
@@ -74,7 +76,7 @@ def perform(request: Request) -> int:
 
         draw_study(study.name, outcome.rows, request.plot)
     if not quiet:
-        Console().print(table(study, outcome.rows))
+        Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
     return _status(study, outcome, request.file)
 
 
