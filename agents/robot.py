@@ -99,7 +99,7 @@ class Robot:
     def hear(self, state: State) -> bool:
         """A peer's State has arrived; False if it is no peer of this run."""
         robot, tick = state.robot, state.tick
-        if robot not in self._radii:
+        if not self._neighbours.knows(robot):
             return False
         self._link.put(state)
         if tick > self._arrived.get(robot, -1):
