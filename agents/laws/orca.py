@@ -18,6 +18,7 @@ Vector = tuple[float, float]
 HORIZON = 2.0  # s, ahead of which encounters count
 NOISE = 0.1  # of the speed limit
 MARGIN = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
+_WALL = 2.0  # periods ahead of which the boundary counts: more only slows the way to goals beside it
 _SIDES = 48  # of the polygon that stands for the workspace's circle
 
 
@@ -38,7 +39,7 @@ class OrcaLaw:
         self._agents: dict[int, int] = {}
         everyone, far = len(scenario.robots), 2.0 * scenario.workspace.radius
         self._simulator = RVOSimulator(
-            self._period, far, everyone, horizon, horizon, self._radii[robot], self._speed
+            self._period, far, everyone, horizon, _WALL * self._period, self._radii[robot], self._speed
         )
         self._simulator.add_obstacle(_inside(scenario.workspace.radius))
         self._simulator.process_obstacles()
