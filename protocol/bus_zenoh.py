@@ -33,6 +33,8 @@ _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in shor
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
 _LONGEST = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s a peer waits for its links before it announces itself
+# With one thread to receive, a router whose link to another is cut may cease to relay for good.
+_LINKED = "(rx:(worker_threads:4))"
 _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
 _CAPACITY = 1 << 16  # events that may wait; of more, the older half is dropped and counted
 
@@ -53,7 +55,7 @@ class ZenohBus:
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
         self._connection = connection
         if connection.mode == "router":
-            zenoh.init_log_from_env_or(_ROUTER_LOG)
+            _prepare_router(connection)
         self._session = _open(connection)
         self.dropped = 0  # events lost to a full queue
 
@@ -161,6 +163,13 @@ def _request(query: zenoh.Query) -> Request:
 def _reply(query: zenoh.Query, payload: bytes) -> None:
     with query:  # leaving it tells the asker that nothing more will come
         query.reply(query.key_expr, payload)
+
+
+def _prepare_router(connection: Connection) -> None:
+    """What has to be settled before the first session of a process."""
+    zenoh.init_log_from_env_or(_ROUTER_LOG)
+    if connection.linked:
+        os.environ["ZENOH_RUNTIME"] = _LINKED
 
 
 def _open(connection: Connection) -> zenoh.Session:

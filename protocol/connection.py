@@ -30,6 +30,12 @@ class Connection:
     credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
     access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
 
+    @property
+    def linked(self) -> bool:
+        """Whether, as a router, it may have links to other hosts, which do not reach the loopback."""
+        loopback = ("/127.", "/[::1]", "/localhost:")
+        return bool(self.connect) or not all(any(each in e for each in loopback) for e in self.listen)
+
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
     """zenoh's configuration for `connection`: what differs from its defaults, and why.
