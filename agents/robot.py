@@ -124,7 +124,7 @@ class Robot:
             self._desired = STILL
         else:
             self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
-            velocity = self._allowed(position, self._desired)
+            velocity = self._allowed(position, self._lines.make_room(self._desired))
         return Command(self.robot, self.incarnation, self.tick, velocity)
 
     def _take_over(self, tick: int) -> None:

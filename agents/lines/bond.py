@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from agents.lines.fixed_disk import FixedDisk
-from agents.lines.line import HalfPlane, Line
+from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from protocol.messages import State
+
+_ROOM = 100.0 * ROUNDING  # m, beyond both error bounds
 
 
 class Bond:
@@ -50,6 +54,25 @@ class Bond:
         if self.disk is None or self.disk.half_plane is None:
             return self.sides
         return (*self.sides, self.disk.half_plane)
+
+    def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
+        """How far to back off, m, so that a line fits between this robot and a peer's new life.
+
+        A line needs room for both error bounds. A life that has just begun may know its place less well
+        than the one before it, and cannot move until it has a line with everybody.
+
+        Args:
+            x, y, bound: own position, m, and its error bound, m.
+        """
+        state = self.state
+        if self.end.linked or state is None or state.position is None:
+            return 0.0, 0.0
+        dx, dy = x - state.position[0], y - state.position[1]
+        distance = math.hypot(dx, dy)
+        lacking = self.own_radius + self.radius + bound + state.bound + _ROOM - distance
+        if lacking <= 0.0 or distance == 0.0:
+            return 0.0, 0.0
+        return lacking * dx / distance, lacking * dy / distance
 
     def meet(self, state: State) -> bool:
         """Take over a peer's State if it is newer; False when it is of an old life, to be ignored."""

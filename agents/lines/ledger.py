@@ -11,6 +11,7 @@ that halves the age of the lines, and the arrival times with it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from agents.lines.bond import Bond
@@ -103,6 +104,20 @@ class Ledger:
     def ready(self) -> bool:
         """Whether there is a line with every live peer; a robot that is not ready must stand still."""
         return all(bond.end.agreed or bond.ready for bond in self._bonds.values())
+
+    def make_room(self, desired: tuple[float, float]) -> tuple[float, float]:
+        """The desired velocity (m/s), turned away from peers whose new life is too close for a line."""
+        vx, vy = desired
+        for bond in self._bonds.values():
+            if bond.end.linked:
+                continue
+            dx, dy = bond.crowding(self._x, self._y, self._bound)
+            lacking = math.hypot(dx, dy)
+            if lacking > 0.0:
+                nx, ny = dx / lacking, dy / lacking
+                more = max(0.0, lacking / self._period - nx * vx - ny * vy)
+                vx, vy = vx + more * nx, vy + more * ny
+        return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay; radius and error bound are subtracted.

@@ -48,6 +48,11 @@ class Owner:
         return (*self._inherited, *held, *self.proposed.values())
 
     @property
+    def linked(self) -> bool:
+        """Whether a line was adopted by the follower's present life."""
+        return self.held is not None
+
+    @property
     def newest(self) -> Line | None:
         """The line that the follower will hold if it adopts all it is offered."""
         return next(reversed(self.proposed.values())) if self.proposed else self.held
@@ -107,6 +112,11 @@ class Follower:
     def obeyed(self) -> tuple[Line, ...]:
         """The line that this robot must obey, if any."""
         return () if self._held is None else (self._held,)
+
+    @property
+    def linked(self) -> bool:
+        """Whether it has adopted a line of the owner's present life."""
+        return self.held_number > 0
 
     @property
     def agreed(self) -> bool:
