@@ -37,8 +37,8 @@ def new(
     """Make an authority and one certificate each for router, world, monitor and every robot.
 
     With [b]--secure DIR[/b] other commands use them: every link is TLS, both ends prove who they are, and
-    the router lets each robot write under its own id only. A host needs ca.pem and the two files of each
-    role that runs there; a router and those who start a world or a monitor need roster.json too.
+    the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
+    the two files of each role that runs there.
 
     Example: disknav keys new keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
     """

@@ -1,0 +1,65 @@
+"""The commands that take keys, as a user meets them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from protocol.connection import Connection
+
+
+def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "deploy.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+@pytest.mark.process
+def test_keys_then_a_run_with_them(tmp_path: Path) -> None:
+    keys = tmp_path / "keys"
+    made = disknav("keys", "new", keys, "--scenario", "figure-2", "--run", "yard")
+    assert made.returncode == 0
+    assert "for the run yard, valid until" in made.stdout
+    done = disknav("run", "figure-2", "--secure", keys, "--json", "-")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["run"] == "yard"
+
+
+@pytest.mark.slow
+def test_mistakes_are_named_before_anything_starts(tmp_path: Path) -> None:
+    keys = tmp_path / "keys"
+    assert disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard").returncode == 0
+    mistakes = {
+        ("run", "figure-1", "--secure", keys): "no certificate for robot-4",
+        ("run", "figure-2", "--secure", keys, "--run", "other"): "are for the run yard, not other",
+        ("run", "figure-2", "--secure", keys, "--transport", "mesh"): "needs --transport routed",
+        ("run", "figure-2", "--secure", tmp_path): "no directory of keys",
+        ("robot", "9", "--secure", keys): "no certificate for robot-9",
+        ("robot", "1", "--secure", keys, "--router", "tcp/127.0.0.1:7447"): "use tls/",
+        ("keys", "new", keys, "-s", "figure-2"): "--force",
+    }
+    for command, text in mistakes.items():
+        done = disknav(*command)
+        assert done.returncode == 2, command
+        assert text in done.stderr, command
+
+
+@pytest.mark.slow
+def test_print_config_is_the_whole_of_the_rules(tmp_path: Path) -> None:
+    keys = tmp_path / "keys"
+    disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard")
+    printed = disknav("router", "--secure", keys, "--print-config")
+    config = json.loads(printed.stdout.partition("\n")[2])
+    assert config["listen"]["endpoints"] == ["tls/127.0.0.1:7447"]
+    assert config["access_control"]["default_permission"] == "deny"
+    assert config["transport"]["link"]["tls"]["enable_mtls"] is True
+
+
+def test_only_routers_that_other_hosts_reach_are_linked() -> None:
+    assert not Connection("router").linked
+    assert not Connection("router", listen=("tls/127.0.0.1:7447", "tcp/[::1]:7447")).linked
+    assert Connection("router", listen=("tls/10.0.0.1:7447",)).linked
+    assert Connection("router", connect=("tls/10.0.0.1:7447",)).linked
