@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from agents.lines.fixed_disk import FixedDisk
-from agents.lines.line import ROUNDING, HalfPlane, Line
+from agents.lines.line import HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from protocol.messages import State
 
-_ROOM = 100.0 * ROUNDING  # m, beyond both error bounds
+_ROOM = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
 
 
 class Bond:
@@ -27,9 +27,10 @@ class Bond:
         disk: the peer's, while it is fenced.
         sides: where the own centre must stay because of the lines obeyed.
         answers_left: States that still have to carry the answer.
+        anew: whether the peer is not in the first life that was known of it.
     """
 
-    __slots__ = ("answers_left", "disk", "end", "own_radius", "owns", "radius", "sides", "state")
+    __slots__ = ("anew", "answers_left", "disk", "end", "own_radius", "owns", "radius", "sides", "state")
 
     def __init__(
         self, life: int, *, owns: bool, own_radius: float, radius: float, initial: Line | None
@@ -41,6 +42,7 @@ class Bond:
         self.disk: FixedDisk | None = None
         self.sides: tuple[HalfPlane, ...] = ()
         self.answers_left = 0
+        self.anew = False
         self.renew()
 
     @property
@@ -65,11 +67,12 @@ class Bond:
             x, y, bound: own position, m, and its error bound, m.
         """
         state = self.state
-        if self.end.linked or state is None or state.position is None:
+        if not self.anew or self.end.linked or state is None or state.position is None:
             return 0.0, 0.0
         dx, dy = x - state.position[0], y - state.position[1]
         distance = math.hypot(dx, dy)
-        lacking = self.own_radius + self.radius + bound + state.bound + _ROOM - distance
+        lacking = self.own_radius + self.radius + bound + state.bound - distance
+        lacking += _ROOM * min(self.own_radius, self.radius)
         if lacking <= 0.0 or distance == 0.0:
             return 0.0, 0.0
         return lacking * dx / distance, lacking * dy / distance
@@ -80,6 +83,7 @@ class Bond:
         if known is None or state.incarnation != known.incarnation:
             if not self.end.meet(state.incarnation):
                 return False
+            self.anew = self.anew or known is not None
             self.state = state
         elif state.tick > known.tick:
             self.state = state
@@ -98,4 +102,5 @@ class Bond:
         self.disk = FixedDisk(*place, self.radius, self.own_radius, self.half_planes)
         self.end.bury(life)
         self.state = None
+        self.anew = True
         self.renew()

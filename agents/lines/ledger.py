@@ -143,13 +143,14 @@ class Ledger:
 
     def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
-        me = Disk(self._x, self._y, self._radius + self._bound, *desired)
+        standing = not self.ready
+        me = Disk(self._x, self._y, self._radius + self._bound, *((0.0, 0.0) if standing else desired))
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         for peer, bond in self._bonds.items():
             end = bond.end
             if isinstance(end, Owner):
-                self._consider(bond, end, me)
+                self._consider(bond, end, me, standing)
                 for number, (nx, ny, offset) in end.proposed.items():
                     proposals.append(Proposal(peer, end.peer_life, number, nx, ny, offset))
             elif bond.answers_left:
@@ -182,8 +183,8 @@ class Ledger:
         side = line.side(self._radius, owner)
         return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
 
-    def _consider(self, bond: Bond, end: Owner, me: Disk) -> None:
-        """Propose a new line if the pair needs one."""
+    def _consider(self, bond: Bond, end: Owner, me: Disk, standing: bool) -> None:
+        """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap."""
         state = bond.state
         if state is None or state.position is None or not end.met or len(end.proposed) >= OUTSTANDING:
             return
@@ -197,8 +198,9 @@ class Ledger:
             and -newest.gap(px, py) > apart + bond.radius + state.bound
         ):
             return  # neither comes near the line before a new one could be agreed
-        peer = Disk(px, py, bond.radius + state.bound, *state.desired)
-        line = place(me, peer, ticks * self._period)
+        halted = bond.disk is not None
+        peer = Disk(px, py, bond.radius + state.bound, *((0.0, 0.0) if halted else state.desired))
+        line = place(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
         if line is None or not self._fits(line, owner=True):
             return
         if newest is None or not is_same(line, newest, UNCHANGED * self._reach):

@@ -33,12 +33,12 @@ def is_same(one: Line, other: Line, tolerance: float) -> bool:
     return all(abs(a - b) < tolerance for a, b in zip(one, other, strict=True))
 
 
-def place(owner: Disk, follower: Disk, ahead: float = 0.0) -> Line | None:
+def place(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -> Line | None:
     """The line that lets both do what they want for the longest time, up to `ahead` seconds.
 
-    Each disk sweeps along its desired velocity; the line separates the two swept areas, halfway across
-    the gap between them. If they meet, both sweep the same largest fraction of the time, so two that
-    drive at each other share the gap in proportion to what each wants of it.
+    Each disk sweeps along its desired velocity; the line separates the two swept areas, and leaves the
+    owner `share` of the gap between them. If they meet, both sweep the same largest fraction of the time,
+    so two that drive at each other share the gap in proportion to what each wants of it.
 
     None when the disks are not known to be apart.
     """
@@ -60,7 +60,7 @@ def place(owner: Disk, follower: Disk, ahead: float = 0.0) -> Line | None:
     length = _length(span)
     nx, ny = (bx - ax) / length, (by - ay) / length
     edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED
-    return Line(nx, ny, edge + 0.5 * (length - need))
+    return Line(nx, ny, edge + share * (length - need))
 
 
 def _length(span: Span) -> float:

@@ -20,7 +20,8 @@ def said(identity: int, life: int, tick: int, x: float, bound: float, *proposals
 def test_no_room_is_asked_of_a_peer_that_is_far_enough() -> None:
     ledger = robot(1)
     ledger.locate(0, (0.0, 0.0), 0.001)
-    ledger.hear(said(2, 1, 0, 0.09, 0.003))
+    ledger.hear(said(2, 1, 0, 0.1, 0.003))
+    ledger.hear(said(2, 2, 1, 0.1, 0.003))
     assert ledger.make_room((0.02, 0.01)) == (0.02, 0.01)
 
 
@@ -28,26 +29,32 @@ def test_a_neighbour_backs_off_until_a_line_fits() -> None:
     ledger, position = robot(1), 0.0
     ledger.locate(0, (position, 0.0), 0.001)
     ledger.peer_down(Down(2, 1, (0.082, 0.0)))
-    for tick in range(1, 20):
+    for tick in range(1, 9):
         ledger.hear(said(2, 2, tick, 0.082, 0.003))
         vx, vy = ledger.make_room(STILL)
         assert vx <= 0.0
         assert vy == 0.0
         position += 0.05 * max(vx, -0.1)
         ledger.locate(tick, (position, 0.0), 0.001)
-        if ledger.speak(STILL)[0]:
-            break
-    assert math.isclose(position, -0.002, abs_tol=1e-6)
+    assert math.isclose(position, -0.012, abs_tol=1e-6)  # both bounds and a quarter of the radius
     assert ledger.speak(STILL)[0]
 
 
 def test_a_follower_backs_off_as_well() -> None:
     ledger = robot(2)
     ledger.locate(0, (0.082, 0.0), 0.003)
-    ledger.hear(said(1, 2, 0, 0.0, 0.001))
+    ledger.hear(said(1, 1, 0, 0.0, 0.001))
+    ledger.hear(said(1, 2, 1, 0.0, 0.001))
     vx, vy = ledger.make_room((-0.05, 0.03))
     assert vx > 0.0
     assert vy == 0.03
+
+
+def test_the_first_life_of_a_peer_needs_no_more_room() -> None:
+    ledger = robot(1)
+    ledger.locate(0, (0.0, 0.0), 0.001)
+    ledger.hear(said(2, 1, 0, 0.081, 0.003))
+    assert ledger.make_room((0.02, 0.01)) == (0.02, 0.01)
 
 
 def test_a_peer_with_a_line_is_left_to_the_line() -> None:
