@@ -115,6 +115,9 @@ class Hosts:
 
     def _remove(self) -> None:
         for host in (0, *self._numbers):
+            left = ["ip", "netns", "pids", self._name(host)]  # whatever its parent did not take along
+            for pid in subprocess.run(left, capture_output=True, text=True, check=False).stdout.split():
+                os.kill(int(pid), signal.SIGKILL)
             subprocess.run(["ip", "netns", "del", self._name(host)], capture_output=True, check=False)
 
 
