@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Self
 
@@ -117,7 +118,8 @@ class Hosts:
         for host in (0, *self._numbers):
             left = ["ip", "netns", "pids", self._name(host)]  # whatever its parent did not take along
             for pid in subprocess.run(left, capture_output=True, text=True, check=False).stdout.split():
-                os.kill(int(pid), signal.SIGKILL)
+                with suppress(ProcessLookupError):
+                    os.kill(int(pid), signal.SIGKILL)
             subprocess.run(["ip", "netns", "del", self._name(host)], capture_output=True, check=False)
 
 
