@@ -10,6 +10,8 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
+from collections.abc import Callable
+from math import inf
 
 from agents.robot import Robot
 from protocol import joining
@@ -20,7 +22,7 @@ from protocol.keys import every_robot, robot_key, world_key
 from protocol.messages import Health, Measurement, State
 from protocol.streams import STREAMS
 
-PATIENCE = 10.0  # s without a word from the world before it is asked for a sign of life
+PATIENCE = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD = 0.5  # s between health messages
 _ASK_TIMEOUT = 5.0
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
@@ -29,17 +31,33 @@ _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 class RobotNode:
     """One robot id, one life after another, on one bus.
 
+    Args:
+        bus: a connection of its own.
+        run: name of the run.
+        robot: own id.
+        patience: s, see PATIENCE.
+        say: takes what a person should know.
+
     Raises:
         JoinError: the world refuses this id.
         BusError: the world is gone, or was never there.
     """
 
-    def __init__(self, bus: Bus, run: str, robot: int, *, patience: float = PATIENCE) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        run: str,
+        robot: int,
+        *,
+        patience: float = PATIENCE,
+        say: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._patience = patience
+        self._patience, self._say = patience, say
+        self._alone_since = inf  # s, monotonic: since when the world's token is missing
         self._session = os.urandom(8).hex()
         self._lockstep = True
         self._declared = self._over = False
@@ -57,9 +75,7 @@ class RobotNode:
         try:
             reply = joining.decode_reply(self._ask(request))
         except BusError:
-            if not self._over:
-                raise
-            self.finished = True  # the world left first
+            self._on_silence()
             return
         now = time.monotonic()
         self._heard_world = now
@@ -74,6 +90,16 @@ class RobotNode:
             if self._refused >= _REFUSALS:
                 raise JoinError(reply.text)
             self.deadline = now + 0.2
+
+    def _on_silence(self) -> None:
+        """Nobody answers a request to join."""
+        now = time.monotonic()
+        if self._over:
+            self.finished = True  # the world left first
+        elif self._alone_since <= now <= self._alone_since + self._patience:
+            self.deadline = now + REPORT_PERIOD  # cut off, perhaps for a moment only
+        else:
+            raise BusError(f"run {self._run!r}: no world answers; is it running, under this name?")
 
     def _ask(self, request: bytes) -> bytes:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
@@ -107,11 +133,20 @@ class RobotNode:
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):
             self._on_sample(event.key, event.payload)
-        elif isinstance(event, Presence) and not event.alive and not self.finished:
-            if self._over:
-                self.finished = True
-                return
-            raise BusError(f"run {self._run!r}: the world is gone; robot {self._robot} stops")
+        elif isinstance(event, Presence):
+            self._on_presence(event.alive)
+
+    def _on_presence(self, alive: bool) -> None:
+        """The world's token came or went. While it is missing nothing is executed: the robot stands still."""
+        if alive:
+            if self._alone_since < inf:
+                self._say(f"the world of run {self._run!r} is back")
+            self._alone_since = inf
+        elif self._over:
+            self.finished = True
+        else:
+            self._alone_since = time.monotonic()
+            self._say(f"the world of run {self._run!r} is gone; stands still")
 
     def _on_sample(self, key: str, payload: bytes) -> None:
         try:
@@ -177,7 +212,9 @@ class RobotNode:
         self.deadline = now + REPORT_PERIOD
         if now >= self._reported + REPORT_PERIOD:
             self._report()
-        if now > self._heard_world + self._patience:
+        if now > self._alone_since + self._patience:
+            raise BusError(f"run {self._run!r}: the world has been gone for {self._patience:g} s; gives up")
+        if now > self._heard_world + self._patience and self._alone_since == inf:
             self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
             self._heard_world = time.monotonic()
 

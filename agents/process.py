@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 
 from agents.node import RobotNode
@@ -25,19 +26,20 @@ def main(connection: Connection, run: str, robot: int) -> int:
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            drive(RobotNode(bus, checked_run(run), robot), bus)
+            drive(RobotNode(bus, checked_run(run), robot, say=partial(_say, robot)), bus)
     except Stop:
         return SUCCESS
     except JoinError as error:
-        return _say(robot, error, REFUSED)
+        _say(robot, error)
+        return REFUSED
     except DisknavError as error:
-        return _say(robot, error, FAULT)
+        _say(robot, error)
+        return FAULT
     return SUCCESS
 
 
-def _say(robot: int, error: DisknavError, status: int) -> int:
-    print(f"robot {robot}: {error}", file=sys.stderr, flush=True)
-    return status
+def _say(robot: int, what: object) -> None:
+    print(f"robot {robot}: {what}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":
