@@ -116,11 +116,18 @@ def _practice(found: CheckReport) -> list[str]:
         f"{seen.random_arrived} of {seen.random_starts} random starts arrive."
     ]
     if seen.searched:
-        kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(seen.equilibria.items()))
+        kinds = ", ".join(_counted(count, kind) for kind, count in sorted(seen.equilibria.items()))
         lines.append(f"Equilibria found besides the goal: {kinds or 'none'}; more may exist.")
     if seen.other_minima:
         lines.append(f"{seen.other_minima} of them attract: the fleet can come to rest there. Raise k.")
     return lines
+
+
+def _counted(count: int, kind: str) -> str:
+    """`3 saddles of index 1`."""
+    noun, _, rest = kind.partition(" ")
+    plural = {"minimum": "minima"}.get(noun, f"{noun}s")
+    return " ".join(filter(None, (str(count), noun if count == 1 else plural, rest)))
 
 
 def _rest(kind: str | None) -> str:

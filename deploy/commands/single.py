@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -56,9 +57,9 @@ def world(
     ] = None,
     secure: Secure = None,
 ) -> None:
-    """Run the world of a scenario: it waits for the robots, drives the clock and judges.
+    """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
 
-    Example: disknav world figure-1 --run demo
+    Example: disknav world figure-1 --run demo > report.json
     """
     from deploy.load import load
     from world.process import main
@@ -66,7 +67,8 @@ def world(
     membership = Membership(secure)
     loaded = load(scenario, setting or [], seed)
     connection = membership.client(WORLD, (router or membership.default_router,))
-    raise typer.Exit(main(connection, _run(membership, run), [loaded], mode == "lockstep"))
+    run_name = _run(membership, run)
+    raise typer.Exit(main(connection, run_name, [loaded], mode == "lockstep", tell=_print_report))
 
 
 def router(
@@ -94,6 +96,10 @@ def router(
         sys.stdout.write(router_config(connection, membership.default_router))
         return
     raise typer.Exit(main(connection, ready=_say))
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(report, indent=2) + "\n")
 
 
 def _say(endpoint: str) -> None:
