@@ -38,8 +38,12 @@ test: check  ## lint, types, import contracts and the whole suite
 bench: $(READY)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
 
-figures: $(READY)  ## regenerate every figure and table of the README
-	$(BIN)/disknav study figures
+figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
+	@mkdir -p out
+	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
+	$(BIN)/disknav check figure-2 > out/figure-2.txt
+	for study in tightness tuning robustness scale peers; do \
+	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 
 clean:  ## remove what can be built again
 	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
