@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from world.clearance import Disks, Plane, Reals
 
+_STILL = 1e-280  # m^2, a motion too short for its square to be exact: none
 TOUCH = 1e-9  # m
 _SAME = 1e-6  # ticks; an interval that ends at a tick and one that begins there are one
 
@@ -70,7 +71,7 @@ def within(start: complex, end: complex, radius: float) -> Interval | None:
     squared = abs(motion) ** 2
     excess = abs(start) ** 2 - radius**2
     along = (start.conjugate() * motion).real
-    if squared == 0.0:
+    if squared < _STILL:
         return (0.0, 1.0) if excess <= 0.0 else None
     discriminant = along**2 - squared * excess
     if discriminant < 0.0:
