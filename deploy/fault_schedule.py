@@ -9,28 +9,30 @@ from protocol.scenario import ProcessFault, Scenario
 
 
 class FaultSchedule:
-    """Process faults of one or more runs that follow each other on the same processes."""
+    """Process faults of one or more runs that follow each other on the same processes.
+
+    Whoever a run leaves killed or paused is restarted for the next one.
+    """
 
     def __init__(self, scenarios: Sequence[Scenario]) -> None:
-        self._scenarios = iter(scenarios)
-        self._ended = True
+        self._scenarios = scenarios
+        self._turn = -1
         self._due: list[tuple[int, int, ProcessFault]] = []
+        self._out: set[int] = set()  # robots that are killed or paused
 
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their ticks; each is returned once."""
-        if clock.verdict:
-            self._ended = True
+        if clock.verdict or clock.turn < self._turn:
             return []
-        if self._ended:
-            self._ended = False
-            self._load(next(self._scenarios, None))
-        faults = []
+        faults = self._begin(clock.turn) if clock.turn > self._turn else []
         while self._due and self._due[0][0] <= clock.tick:
             faults.append(self._due.pop(0)[-1])
+        for fault in faults:
+            (self._out.add if fault.event in ("kill", "pause") else self._out.discard)(fault.robot)
         return faults
 
-    def _load(self, scenario: Scenario | None) -> None:
-        if scenario is not None:
-            self._due = sorted(
-                (scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process)
-            )
+    def _begin(self, turn: int) -> list[ProcessFault]:
+        scenario = self._scenarios[turn]
+        self._turn = turn
+        self._due = sorted((scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process))
+        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out)]

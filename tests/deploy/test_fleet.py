@@ -117,6 +117,17 @@ def test_one_fleet_runs_many_scenarios_on_the_same_processes() -> None:
     assert all(process["restarts"] == 0 for process in processes)
 
 
+def test_whoever_a_run_leaves_dead_or_frozen_is_back_for_the_next() -> None:
+    faults = (ProcessFault(2, 0.3, "kill"), ProcessFault(3, 0.3, "pause"))
+    quick = ["time.fence=0.2", "time.limit=2.0"]
+    scenarios = [replace(load("figure-3a", quick, 1), process=faults), load("figure-3a", [], 2)]
+    with Fleet(scenarios, RunOptions()) as fleet:
+        reports = fleet.execute()
+    local = LocalFleet(scenarios).execute()
+    assert reports[1]["verdict"] == "arrived"
+    assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in local]
+
+
 def test_a_killed_robot_is_flowed_around_and_the_run_ends() -> None:
     killed = []
 
