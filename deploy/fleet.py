@@ -77,8 +77,8 @@ class Fleet:
             self._supervisor = stack.enter_context(Supervisor())
             self.topology = self._begin(stack)
             self._start_world()
+            self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
-            self._listen(stack)
             self._stack = stack.pop_all()
         return self
 
