@@ -36,7 +36,7 @@ _STREAMS = (
         True,
         64 * 1024,
     ),
-    Stream("truth", Truth, "world", "once a tick", False, True, 64 * 1024),
+    Stream("truth", Truth, "world", "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024),
     Stream("health", Health, "robot", "every 0.5 s, and at the end", False, True, 128 * 1024),
     Stream("result", Result, "world", "once, at the end", True, False, 4 * 1024 * 1024),
 )

@@ -1,6 +1,7 @@
 """Clearance: the gap between any two disks, and between a disk and the boundary, over continuous time.
 
-Positions are complex numbers x + iy, shape (p,), in the order of robot ids; pairs are i < j, shape (q,).
+Positions are complex numbers x + iy, shape (..., p), in the order of robot ids; pairs are i < j,
+shape (..., q): any number of ticks may be measured at once.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ class Disks:
         self.wall: Reals = scenario.workspace.radius - radii
 
     def relative(self, positions: Plane) -> Plane:
-        """Relative position d_ij = b_i - b_j of each pair, shape (q,)."""
-        relative: Plane = positions[self.first] - positions[self.second]
+        """Relative position d_ij = b_i - b_j of each pair, shape (..., q)."""
+        relative: Plane = positions[..., self.first] - positions[..., self.second]
         return relative
 
     def names(self, index: int) -> tuple[int, int]:
@@ -49,7 +50,7 @@ class Disks:
 
 def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
     """Smallest gap of each pair, then of each robot to the boundary, during straight motion at
-    constant speed from `before` to `after`; negative is overlap. Shape (q + p,), m.
+    constant speed from `before` to `after`; negative is overlap. Shape (..., q + p), m.
 
     The distance of a pair is smallest where its relative motion, a straight line, comes nearest to
     the origin. The distance from the workspace centre is a convex function of time: it is largest at an end.
@@ -61,4 +62,4 @@ def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
     nearest = np.clip(-along / np.maximum(squared, _TINY), 0.0, 1.0)
     to_others = np.abs(start + nearest * motion) - disks.contact
     to_wall = disks.wall - np.maximum(np.abs(before), np.abs(after))
-    return np.concatenate((to_others, to_wall))
+    return np.concatenate((to_others, to_wall), axis=-1)

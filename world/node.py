@@ -193,15 +193,20 @@ class WorldNode:
                 return False
             measurements = self._open_without()
         if self._is_held():
+            self._inform(due=False)
             return False
         turn.opened = True
         if turn.world.tick == 0:
             turn.began = time.monotonic()
-            self._outlet.truth(turn.world.truth)
         self._schedule()
-        self._outlet.clock(turn.clock(), due=turn.is_marked())
-        self._outlet.measurements(measurements)
+        self._outlet.measurements(measurements)  # first: the robots compute while this process judges
+        self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
         return True
+
+    def _inform(self, *, due: bool) -> None:
+        """Tell those who watch, if it is `due` for its own sake or again."""
+        if due or self._outlet.is_due:
+            self._outlet.watched(self._turn.clock(), self._turn.world.news())
 
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
@@ -242,9 +247,8 @@ class WorldNode:
 
     def _close(self) -> None:
         turn = self._turn
-        truth = turn.world.close_tick()
+        turn.world.close_tick()
         turn.opened = False
-        self._outlet.truth(truth)
         if turn.world.verdict:
             self._end()
 
@@ -253,7 +257,7 @@ class WorldNode:
     def _keep_waiting(self, now: float) -> None:
         """Say that it goes on, and give up in time."""
         turn = self._turn
-        self._outlet.clock(turn.clock(), due=True)
+        self._inform(due=True)
         if turn.opened:
             if now > self._since + self._patience:
                 self._give_up(turn.world.waiting)
@@ -299,7 +303,7 @@ class WorldNode:
 
     def _say_farewell(self) -> None:
         """Whoever has not heard that the run is over hears it (again)."""
-        self._outlet.clock(self._turn.clock(), due=True)
+        self._inform(due=True)
         deaf = self._roster.owing_health() if self._phase is Phase.FAREWELL else self._roster.untold()
         self._outlet.measurements(self._turn.last_words(deaf))
 

@@ -1,4 +1,4 @@
-"""What the world publishes: declared once, counted, and the clock thinned to what a watcher can use."""
+"""What the world publishes: declared once, counted, and for watchers collected for a moment."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Measurement, Result, Truth
 from protocol.streams import STREAMS
 
-CLOCK_PERIOD = 0.05  # s between clocks, unless one is due for its own sake
+CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
 
 
 class Outlet:
@@ -42,16 +42,17 @@ class Outlet:
             self._measurement[robot](encode(measurement))
         self.published += len(told)
 
-    def clock(self, clock: Clock, *, due: bool) -> None:
-        """Tell the time, if it is `due` or the last time was told long enough ago."""
-        now = time.monotonic()
-        if due or now >= self._told + CLOCK_PERIOD:
-            self._told = now
-            self._clock(encode(clock))
+    @property
+    def is_due(self) -> bool:
+        """Whether those who watch were told the time long enough ago to be told again."""
+        return time.monotonic() >= self._told + CLOCK_PERIOD
 
-    def truth(self, truth: Truth) -> None:
-        """Tell where everybody is."""
-        self._truth(encode(truth))
+    def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
+        """Tell the time, and where everybody was and is."""
+        self._told = time.monotonic()
+        for truth in truths:
+            self._truth(encode(truth))
+        self._clock(encode(clock))
 
     def result(self, report: Mapping[str, Any]) -> None:
         """Tell what came of the run."""

@@ -14,6 +14,8 @@ import numpy as np
 from protocol.scenario import Scenario
 from world.clearance import Disks, Plane
 
+_TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
+
 
 class NavigationFunction:
     """phi of whole configurations of one scenario."""
@@ -24,20 +26,24 @@ class NavigationFunction:
         self._disks = disks
         self._gain = scenario.gain
 
-    def __call__(self, positions: Plane) -> float:
-        """phi at `positions` (shape (p,), complex, m); finite for any k and any number of robots."""
+    def __call__(self, positions: Plane) -> list[float]:
+        """phi of each of n configurations, shape (n, p), complex, m; finite for any k, any number of robots."""
         offset = positions - self._goals
         relative = self._disks.relative(positions)
         contact, wall = self._disks.contact, self._disks.wall
         beta_pairs = relative.real**2 + relative.imag**2 - contact**2
         beta_wall = wall**2 - positions.real**2 - positions.imag**2
-        beta = np.concatenate((beta_pairs, beta_wall))
-        gamma = float((offset.real**2 + offset.imag**2).sum())
-        if not float(beta.min()) > 0.0:
-            return 1.0
-        if gamma == 0.0:
-            return 0.0
-        return phi(math.log(gamma), float(np.log(beta).sum()), self._gain)
+        beta = np.concatenate((beta_pairs, beta_wall), axis=-1)
+        gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
+        free = (beta.min(axis=-1) > 0.0).tolist()
+        log_beta = np.log(np.maximum(beta, _TINY)).sum(axis=-1).tolist()
+        return [
+            self._value(each_gamma, each_log) if each_free else 1.0
+            for each_free, each_gamma, each_log in zip(free, gamma, log_beta, strict=True)
+        ]
+
+    def _value(self, gamma: float, log_beta: float) -> float:
+        return phi(math.log(gamma), log_beta, self._gain) if gamma > 0.0 else 0.0
 
 
 def phi(log_gamma: float, log_beta: float, gain: float) -> float:

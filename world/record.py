@@ -1,4 +1,8 @@
-"""The record of a run: everything that is measured of the truth, tick by tick."""
+"""The record of a run: everything that is measured of the truth, tick by tick.
+
+What happened is put aside and measured some ticks at a time: one pass of numpy over thirty ticks
+costs little more than over one, and nobody has to wait for it.
+"""
 
 from __future__ import annotations
 
@@ -14,51 +18,93 @@ from world.phi import NavigationFunction
 from world.trajectory import TrajectoryDigest
 
 _RISE = 1e-12  # an increase of phi below this is rounding
+_BATCH = 32  # ticks put aside at most
+_LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
 
 
 class Record:
-    """Clearance, contacts, phi and digest of a trajectory.
-
-    Attributes:
-        truth: the newest configuration.
-        plane: its positions as complex numbers, shape (p,), m.
-        clearance: smallest gap so far, over continuous time, m.
-        first_phi: phi at tick 0.
-        increases: number of ticks in which phi rose.
-        contacts: overlaps so far.
-    """
+    """Clearance, contacts, phi and digest of a trajectory."""
 
     def __init__(self, scenario: Scenario, positions: Sequence[Vector]) -> None:
-        self._disks = Disks(scenario)
-        self._phi = NavigationFunction(scenario, self._disks)
-        self._digest = TrajectoryDigest(self._disks.ids)
-        self.contacts = Contacts(self._disks)
-        self.plane = as_plane(positions)
-        self.clearance = float(gaps(self._disks, self.plane, self.plane).min())
-        self.first_phi = self._phi(self.plane)
-        self.increases = 0
-        self.truth = self._note(0, positions, self.clearance, self.first_phi)
+        disks = self._disks = Disks(scenario)
+        self._phi = NavigationFunction(scenario, disks)
+        self._digest = TrajectoryDigest(disks.ids)
+        self._contacts = Contacts(disks)
+        self._aside: list[tuple[Vector, ...]] = []
+        self._batch = max(1, min(_BATCH, _LARGEST // (len(disks.contact) + len(disks.wall))))
+        self._tick = 0  # of the newest configuration that is measured
+        self._plane = as_plane([positions])
+        self._increases = 0
+        clearance, phi = float(gaps(disks, self._plane, self._plane).min()), self._phi(self._plane)[0]
+        self._clearance, self.first_phi = clearance, phi
+        self._digest.add([0], [positions])
+        self._truth = Truth(0, disks.ids, tuple(positions), clearance, phi)
+        self._news = [self._truth]
 
-    def add(self, tick: int, positions: Sequence[Vector]) -> Truth:
-        """The configuration at the start of `tick`, reached by straight motion since the one before."""
-        before, self.plane = self.plane, as_plane(positions)
-        during = gaps(self._disks, before, self.plane)
-        self.contacts.add(tick - 1, during, before, self.plane)
-        clearance, phi = float(during.min()), self._phi(self.plane)
-        self.clearance = min(self.clearance, clearance)
-        self.increases += phi > self.truth.phi + _RISE
-        self.truth = self._note(tick, positions, clearance, phi)
-        return self.truth
+    def add(self, positions: Sequence[Vector]) -> None:
+        """The configuration one tick later, reached by straight motion since the one before."""
+        self._aside.append(tuple(positions))
+        if len(self._aside) >= self._batch:
+            self._measure()
 
-    def _note(self, tick: int, positions: Sequence[Vector], clearance: float, phi: float) -> Truth:
-        self._digest.add(tick, positions)
-        return Truth(tick, self._disks.ids, tuple(positions), clearance, phi)
+    @property
+    def truth(self) -> Truth:
+        """The newest configuration."""
+        self._measure()
+        return self._truth
+
+    @property
+    def contacts(self) -> Contacts:
+        """Overlaps so far."""
+        self._measure()
+        return self._contacts
+
+    @property
+    def clearance(self) -> float:
+        """Smallest gap so far, over continuous time, m."""
+        self._measure()
+        return self._clearance
+
+    @property
+    def increases(self) -> int:
+        """Number of ticks in which phi rose."""
+        self._measure()
+        return self._increases
 
     def sha256(self) -> str:
         """Digest of the trajectory so far."""
+        self._measure()
         return self._digest.hexdigest()
 
+    def news(self) -> list[Truth]:
+        """Every configuration, in order, that was not handed out yet; for once."""
+        self._measure()
+        news, self._news = self._news, []
+        return news
 
-def as_plane(positions: Sequence[Vector]) -> Plane:
-    """Positions as complex numbers x + iy."""
-    return np.array([complex(x, y) for x, y in positions])
+    def _measure(self) -> None:
+        """Measure what was put aside."""
+        aside, self._aside = self._aside, []
+        if not aside:
+            return
+        plane = as_plane(aside)
+        before = np.concatenate((self._plane, plane[:-1]))
+        during = gaps(self._disks, before, plane)
+        smallest = during.min(axis=1).tolist()
+        for row, (positions, clearance, phi) in enumerate(
+            zip(aside, smallest, self._phi(plane), strict=True)
+        ):
+            self._contacts.add(self._tick + row, during[row], before[row], plane[row])
+            self._increases += phi > self._truth.phi + _RISE
+            self._truth = Truth(self._tick + row + 1, self._disks.ids, positions, clearance, phi)
+            self._news.append(self._truth)
+        self._digest.add(range(self._tick + 1, self._tick + 1 + len(aside)), aside)
+        self._clearance = min(self._clearance, *smallest)
+        self._tick += len(aside)
+        self._plane = plane[-1:]
+
+
+def as_plane(positions: Sequence[Sequence[Vector]]) -> Plane:
+    """Configurations as complex numbers x + iy, shape (n, p)."""
+    plane: Plane = np.array(positions).view(np.complex128)[..., 0]
+    return plane

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-import struct
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from protocol.messages import Vector
+
+Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
 
 
 class TrajectoryDigest:
@@ -14,19 +18,16 @@ class TrajectoryDigest:
     tick, robot id, x, y (m); begins with tick 0, before any motion."""
 
     def __init__(self, ids: Sequence[int]) -> None:
-        self._ids = [float(robot) for robot in ids]
-        self._pack = struct.Struct(f"<{4 * len(ids)}d").pack
+        self._ids = np.array(ids, dtype="<f8")
         self._sha = hashlib.sha256()
 
-    def add(self, tick: int, positions: Sequence[Vector]) -> None:
-        """Append the truth at the start of `tick`, in the order of ids."""
-        time = float(tick)
-        numbers = [
-            number
-            for robot, (x, y) in zip(self._ids, positions, strict=True)
-            for number in (time, robot, x, y)
-        ]
-        self._sha.update(self._pack(*numbers))
+    def add(self, ticks: Sequence[int] | NDArray[np.int64], configurations: Configurations) -> None:
+        """Append the truth at the start of each of `ticks`, in the order of ids."""
+        rows = np.empty((len(ticks), len(self._ids), 4), dtype="<f8")
+        rows[..., 0] = np.asarray(ticks)[:, None]
+        rows[..., 1] = self._ids
+        rows[..., 2:] = configurations
+        self._sha.update(rows.tobytes())
 
     def hexdigest(self) -> str:
         """Digest of all that was added."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
+from protocol.messages import Vector
 from protocol.scenario import Scenario
-from world.clearance import Plane
 
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
 
@@ -23,8 +23,8 @@ class Judge:
     def __init__(self, scenario: Scenario, ids: tuple[int, ...]) -> None:
         time = scenario.time
         self._ids = ids
-        self._goals: Plane = np.array([complex(*scenario.spec(robot).goal) for robot in ids])
-        self._anchor: Plane = np.array([complex(*scenario.spec(robot).start) for robot in ids])
+        self._goals = [complex(*scenario.spec(robot).goal) for robot in ids]
+        self._anchors = [complex(*scenario.spec(robot).start) for robot in ids]
         self._tolerance = time.tolerance
         self._limit = scenario.ticks(time.limit)
         self._patience = scenario.ticks(time.deadlock)
@@ -32,16 +32,21 @@ class Judge:
         changes = [fault.at for fault in scenario.process] + [part.until for part in scenario.link.partition]
         self._moved = max((scenario.ticks(at) for at in changes), default=0)
 
-    def arrived(self, positions: Plane) -> list[int]:
-        """Ids of robots within the tolerance of their goal."""
-        near = np.abs(positions - self._goals) <= self._tolerance
-        return [robot for robot, here in zip(self._ids, near.tolist(), strict=True) if here]
+    def arrived(self, positions: Sequence[Vector]) -> list[int]:
+        """Ids of robots within the tolerance of their goal; `positions` in the order of ids, m."""
+        return [
+            robot
+            for robot, (x, y), goal in zip(self._ids, positions, self._goals, strict=True)
+            if abs(complex(x, y) - goal) <= self._tolerance
+        ]
 
-    def judge(self, tick: int, positions: Plane, up: tuple[int, ...], gone_for_good: bool) -> tuple[str, str]:
+    def judge(
+        self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], gone_for_good: bool
+    ) -> tuple[str, str]:
         """Verdict and reason at the start of `tick`, `("", "")` while the run goes on.
 
         Args:
-            positions: shape (p,), complex, m.
+            positions: in the order of ids, m.
             up: ids of robots that take part.
             gone_for_good: whether those that are not up will not come back.
         """
@@ -57,12 +62,13 @@ class Judge:
             return "timeout", f"{self._texts[1]} are over; {_not_there(self._ids, arrived)}"
         return "", ""
 
-    def _follow(self, tick: int, positions: Plane) -> None:
+    def _follow(self, tick: int, positions: Sequence[Vector]) -> None:
         """Take note of robots that got away from where they were last noted."""
-        away = np.abs(positions - self._anchor) > self._tolerance
-        if away.any():
-            self._anchor[away] = positions[away]
-            self._moved = max(self._moved, tick)
+        for index, (x, y) in enumerate(positions):
+            place = complex(x, y)
+            if abs(place - self._anchors[index]) > self._tolerance:
+                self._anchors[index] = place
+                self._moved = max(self._moved, tick)
 
 
 def _aborted(ids: tuple[int, ...], up: tuple[int, ...]) -> str:

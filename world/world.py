@@ -56,6 +56,10 @@ class World:
         """Where every disk is at the start of `tick`."""
         return self._record.truth
 
+    def news(self) -> list[Truth]:
+        """The truth of every tick up to `tick` that was not handed out yet; each is handed out once."""
+        return self._record.news()
+
     @property
     def incarnations(self) -> dict[int, int]:
         """Newest incarnation of every robot; a following run counts on from there."""
@@ -150,7 +154,7 @@ class World:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         return self._commands.accept(command)
 
-    def close_tick(self) -> Truth:
+    def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
         if self._measurements is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
@@ -159,9 +163,8 @@ class World:
         self._fence()
         self._measurements = None
         self.tick += 1
-        truth = self._record.add(self.tick, self._bodies.positions)
+        self._record.add(self._bodies.positions)
         self._decide()
-        return truth
 
     def _fence(self) -> None:
         for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
@@ -172,7 +175,7 @@ class World:
         if not self.verdict:
             up = self._lives.up
             alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
-            verdict, reason = self._judge.judge(self.tick, self._record.plane, up, alone)
+            verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
             if verdict:
                 self.finish(verdict, reason)
 
@@ -190,7 +193,7 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._record.plane),
+            arrived=self._judge.arrived(self._bodies.positions),
             record=self._record,
             lengths=self._bodies.lengths,
             commands=self._commands,

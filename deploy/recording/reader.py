@@ -167,6 +167,5 @@ def trajectory_hash(recording: Recording) -> str:
     """The trajectory's SHA-256 recomputed from the recorded truth, as in the result."""
     digest = TrajectoryDigest(recording.scenario.ids)
     truths = recording.truths
-    for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True):
-        digest.add(tick, positions)
+    digest.add(truths.ticks, truths.positions)
     return digest.hexdigest()

@@ -49,20 +49,23 @@ def spread(robots, seed, k):
 @pytest.mark.parametrize("seed", range(3))
 def test_phi_equals_the_formula_in_many_digits(robots, k, seed):
     setting, positions = spread(robots, seed, k)
-    phi = NavigationFunction(setting, Disks(setting))(positions)
+    (phi,) = NavigationFunction(setting, Disks(setting))(positions[None])
     assert phi == pytest.approx(exact(setting, positions), rel=1e-10)
 
 
 def test_phi_is_finite_for_many_robots_and_a_large_gain():
     setting, positions = spread(200, 0, 1e4)
-    assert 0.0 < NavigationFunction(setting, Disks(setting))(positions) <= 1.0
+    (phi,) = NavigationFunction(setting, Disks(setting))(positions[None])
+    assert 0.0 < phi <= 1.0
 
 
 def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
     setting = scenario(((0.0, 0.0), (0.1, 0.0)), ((0.0, 0.0), (-0.1, 0.0)))
     phi = NavigationFunction(setting, Disks(setting))
-    assert phi(np.array([0.1 + 0j, -0.1 + 0j])) == 0.0
-    assert phi(np.array([0.04 + 0j, -0.04 + 0j])) == 1.0
-    assert phi(np.array([0.01 + 0j, -0.01 + 0j])) == 1.0
-    assert phi(np.array([0.5 + 0j, -0.1 + 0j])) == 1.0
-    assert phi(np.array([0.5 + 0j, -0.5 + 0j])) == 1.0
+    configurations = np.array(
+        [[0.1, -0.1], [0.04, -0.04], [0.01, -0.01], [0.5, -0.1], [0.5, -0.5], [0.06, -0.06]], dtype=complex
+    )
+    *values, free = phi(configurations)
+    assert values == [0.0, 1.0, 1.0, 1.0, 1.0]
+    assert 0.0 < free < 1.0
+    assert phi(configurations[-1:]) == [free]

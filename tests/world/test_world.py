@@ -72,7 +72,8 @@ def test_missing_commands_mean_standing_still_and_are_counted():
     told = world.open_tick()
     world.accept(Command(2, told[2].incarnation, 0, (0.1, 0.0)))
     assert world.waiting == {1}
-    truth = world.close_tick()
+    world.close_tick()
+    truth = world.truth
     assert truth.positions[0] == (-0.1, 0.1)
     assert truth.positions[1] == (-0.1 + 0.1 * STEP, -0.1)
     assert world.report()["missed_commands"] == 1
