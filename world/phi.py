@@ -27,7 +27,7 @@ class NavigationFunction:
         self._gain = scenario.gain
 
     def __call__(self, positions: Plane) -> list[float]:
-        """phi of each of n configurations, shape (n, p), complex, m; finite for any k, any number of robots."""
+        """phi of each of n configurations (n, p), complex, m; finite for any k and number of robots."""
         offset = positions - self._goals
         relative = self._disks.relative(positions)
         contact, wall = self._disks.contact, self._disks.wall
