@@ -59,8 +59,19 @@ def _check(extras: Extras) -> None:
     """Find out before the run what would fail after it."""
     if extras.record is not None and not extras.record.parent.is_dir():
         raise UsageError(f"{extras.record}: the folder {extras.record.parent} does not exist")
+    if extras.record is not None:
+        _create(extras.record)
     if extras.plot is not None:
         check(extras.plot)
+
+
+def _create(record: Path) -> None:
+    try:
+        record.open("ab").close()
+    except OSError as error:
+        raise UsageError(
+            f"cannot record to {record}: {error.strerror}; name a file that can be written"
+        ) from error
 
 
 def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:

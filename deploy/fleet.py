@@ -47,7 +47,7 @@ class Fleet:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
         watch: is told every Clock that is heard.
-        record: file that a recorder process writes.
+        record: file to record to.
         on_report: is told every report as soon as its run has ended.
 
     Raises:
@@ -94,16 +94,18 @@ class Fleet:
         membership.run(options.run)  # or the router would turn everybody away
         if options.router is not None:
             return Routed(options.router, membership)
-        self._supervisor.start([table.router(membership.router())])
+        record = None if self._record is None else (options.run, self._record)
+        self._supervisor.start([table.router(membership.router(), record)])
         return Routed(self._supervisor.report("router", _START), membership)
 
     def _start_world(self) -> None:
-        """The world, and before anything can happen the recorder."""
+        """The world, and before anything can happen the recorder, unless the router is it."""
         run, topology = self._options.run, self.topology
         options, scenarios = self._options, self._scenarios
         world = table.world(topology.world(), run, scenarios, options.lockstep, speed=options.speed)
         self._supervisor.start([world])
-        if self._record is not None:
+        own_router = options.transport == "routed" and options.router is None
+        if self._record is not None and not own_router:
             self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
             self._supervisor.report(table.RECORDER, _START)
 

@@ -8,11 +8,12 @@ from typing import Any
 
 from agents.node import RobotNode
 from deploy.fault_schedule import FaultSchedule
+from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
 from protocol.bus import Event, Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import decode
-from protocol.keys import world_key
+from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.scenario import ProcessFault, Scenario
 from world.node import WorldNode
@@ -76,7 +77,8 @@ class LocalFleet:
 
     def _record(self, path: Path) -> Recorder:
         bus = self.network.connect()
-        recorder = bus.node = Recorder(bus, self.run, path, beside=True)
+        bus.subscribe(everything(self.run))
+        recorder = bus.node = Recorder(bus, self.run, FileBeside(path))
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:

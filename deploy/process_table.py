@@ -26,9 +26,9 @@ class Process:
     reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
 
 
-def router(connection: Connection) -> Process:
-    """The router; it reports the endpoint that it listens on."""
-    return Process("router", "deploy.router:main", (connection,), vital=True, reports=True)
+def router(connection: Connection, record: tuple[str, Path] | None = None) -> Process:
+    """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
+    return Process("router", "deploy.router:main", (connection, record), vital=True, reports=True)
 
 
 def world(
@@ -50,7 +50,7 @@ def robot(connection: Connection, run: str, identity: int) -> Process:
 
 
 def recorder(connection: Connection, run: str, path: Path) -> Process:
-    """The recorder; it reports once it cannot miss anything."""
+    """A recorder where there is no router of our own; it reports once it cannot miss anything."""
     return Process(RECORDER, "deploy.recording.process:main", (connection, run, path), reports=True)
 
 

@@ -11,37 +11,59 @@ import signal
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.drive import Stop, stop_on_signal
 from protocol.errors import CertificateError, EndpointTakenError
 
+if TYPE_CHECKING:
+    from deploy.recording.process import Aboard
+
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
 
 
-def main(connection: Connection, ready: Callable[[str], None] | None = None) -> int:
+def main(
+    connection: Connection,
+    record: tuple[str, Path] | None = None,
+    ready: Callable[[str], None] | None = None,
+) -> int:
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
-    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken.
+    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
+    name and the file to record it to; nothing published by whoever connects is missed.
 
     Raises:
+        UsageError: the file cannot be created.
         EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
         CertificateError: another router does not accept this one's certificate, or the reverse.
         BusError: the endpoint cannot be listened on for another reason.
     """
     try:
         with stop_on_signal():
+            recording = None if record is None else _recording(*record)
             bus, endpoint = listening(connection)
             with closing(bus):
                 _check_links(connection)
+                if recording is not None:
+                    recording.begin(bus)
                 if ready is not None:
                     ready(endpoint)
+                if recording is not None:
+                    recording.follow()
                 while True:
                     signal.pause()
     except Stop:
         return 0
+
+
+def _recording(run: str, path: Path) -> Aboard:
+    from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
+
+    return Aboard(run, path)
 
 
 def listening(connection: Connection) -> tuple[ZenohBus, str]:

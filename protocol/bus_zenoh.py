@@ -75,15 +75,16 @@ class ZenohBus:
         handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
-    def channel(self, key_expression: str) -> Callable[[], Sample | None]:
-        """Subscribe for bursts: the next sample that waits, or None; of too many the oldest are dropped.
+    def bursts(self, key_expression: str) -> Callable[[], list[Sample]]:
+        """Subscribe for somebody in no hurry: the function returned gives all that came since its last call.
 
-        They wait outside Python, which costs a fifth of what `receive` does at a thousand ticks a second.
+        It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
+        costs. Of too many the oldest are dropped.
         """
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(_CAPACITY)
         subscriber = self._session.declare_subscriber(key_expression, ring)
         self._declared.append(subscriber)
-        return lambda: None if (found := subscriber.try_recv()) is None else _sample(found)
+        return lambda: [_sample(arrived) for arrived in iter(subscriber.try_recv, None)]
 
     def watch(self, key_expression: str) -> None:
         handler = zenoh.handlers.Callback(self._presence, indirect=False)

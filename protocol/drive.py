@@ -50,17 +50,22 @@ def drive(node: Node, bus: Bus, *, on_stop: Callable[[], None] | None = None) ->
     """
     with stop_on_signal():
         try:
-            while not node.finished:
-                now = time.monotonic()
-                if now >= node.deadline:
-                    node.wake(now)
-                    continue
-                event = bus.receive(node.deadline - now)
-                if event is not None:
-                    node.handle(event)
+            follow(node, bus)
         except Stop:
             if on_stop is not None:
                 on_stop()
             raise
         finally:
             bus.close()
+
+
+def follow(node: Node, bus: Bus) -> None:
+    """Feed `node` with the events of `bus` until it is finished, and no more."""
+    while not node.finished:
+        now = time.monotonic()
+        if now >= node.deadline:
+            node.wake(now)
+            continue
+        event = bus.receive(node.deadline - now)
+        if event is not None:
+            node.handle(event)

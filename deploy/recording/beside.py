@@ -1,8 +1,9 @@
-"""A recording that is written by a process beside this one, for runs that take place in a single thread."""
+"""A recording that is written by a process beside this one, which has better things to do."""
 
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 from collections.abc import Sequence
 from multiprocessing.connection import Connection as Pipe
@@ -15,11 +16,14 @@ from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.scenario import Scenario
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
+_NICENESS = 5  # the fleet first
 _FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
 
 class FileBeside:
     """What `RecordingFile` does, done elsewhere: this process only hands messages over.
+
+    If this process dies, all that it handed over is still written.
 
     Raises:
         UsageError: the file cannot be created.
@@ -76,6 +80,7 @@ class FileBeside:
 def _write(inherited: Pipe, pipe: Pipe, path: Path) -> None:
     """Do as told until the file is finished, or whoever tells is gone."""
     inherited.close()
+    os.nice(_NICENESS)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # the other process ends this one, by finishing
     try:

@@ -1,4 +1,9 @@
-"""The process of the recorder: its own session, one node, one file."""
+"""The recorder on zenoh: within the router, which hears everything anyway, or as a process of its own.
+
+A fleet's own router is the place of choice: there nothing has to be sent once more, and nobody has to
+wake for it, which is most of what recording costs. It puts aside what it relays and hands it ten times
+a second to a process beside it that writes the file.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +13,14 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from deploy.recording.bursts import BurstBus
+from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
+from deploy.recording.writer import RecordingFile
+from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
-from protocol.drive import Stop, drive, stop_on_signal
+from protocol.drive import Stop, drive, follow, stop_on_signal
 from protocol.errors import DisknavError, UsageError
-from protocol.keys import checked_run
+from protocol.keys import checked_run, everything, world_key
 
 SUCCESS, INVALID, FAULT = 0, 2, 3
 _NICENESS = 5
@@ -29,14 +36,54 @@ def main(connection: Connection, run: str, path: Path, ready: Callable[[str], No
     """
     try:
         with stop_on_signal():
-            bus = BurstBus(connection)
+            bus = ZenohBus(connection)
             # The fleet first. On Linux this is about this thread alone: those that hear stay as quick.
             os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
-            recorder = Recorder(bus, checked_run(run), path, on_ready=ready and partial(ready, str(path)))
+            recorder = _recorder(
+                bus, checked_run(run), RecordingFile(path), ready and partial(ready, str(path))
+            )
             drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
     except Stop:
         return SUCCESS
     except DisknavError as error:
-        print(f"recorder: {error}", file=sys.stderr, flush=True)
+        _tell(error)
         return INVALID if isinstance(error, UsageError) else FAULT
     return SUCCESS
+
+
+class Aboard:
+    """A recording within a router's process. To be made before its session: it forks.
+
+    Raises:
+        UsageError: the file cannot be created.
+    """
+
+    def __init__(self, run: str, path: Path) -> None:
+        self._run, self._file = checked_run(run), FileBeside(path)
+
+    def begin(self, bus: ZenohBus) -> None:
+        """Hear the run from now on, before anybody can connect."""
+        self._bus, self._recorder = bus, _recorder(bus, self._run, self._file)
+
+    def follow(self) -> None:
+        """Record until the result is there, or `Stop`; if that fails, say so and let the router go on."""
+        try:
+            try:
+                follow(self._recorder, self._bus)
+            except Stop:
+                self._recorder.wind_up(_LAST_WORDS)
+                raise
+        except DisknavError as error:
+            _tell(error)
+
+
+def _recorder(
+    bus: ZenohBus, run: str, file: RecordingFile | FileBeside, on_ready: Callable[[], None] | None = None
+) -> Recorder:
+    heard = bus.bursts(everything(run))  # one subscription, so that the order of arrival is kept
+    bus.subscribe(world_key(run, "result"))
+    return Recorder(bus, run, file, on_ready=on_ready, heard=heard)
+
+
+def _tell(error: DisknavError) -> None:
+    print(f"recorder: {error}", file=sys.stderr, flush=True)

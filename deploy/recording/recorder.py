@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from math import inf
-from pathlib import Path
 
 from deploy.recording.beside import FileBeside
 from deploy.recording.writer import RecordingFile
@@ -17,7 +16,7 @@ from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
-from protocol.keys import everything, world_key
+from protocol.keys import world_key
 from protocol.messages import Result
 
 PATIENCE = 30.0  # s that the world may take to appear
@@ -31,11 +30,15 @@ _ASK_TIMEOUT = 5.0
 class Recorder:
     """Records one run, from now to its result; a node on any bus.
 
-    `on_ready` is called once the scenario is known and everything is subscribed: nothing that is
-    published from then on can be missed. `beside`: another process writes the file (`FileBeside`).
+    Args:
+        bus: it has subscribed to all that is to be recorded, or to the result alone if there is `heard`.
+        run: name of the run.
+        file: what is written; nothing else writes it.
+        on_ready: called once the scenario is known; nothing that is published from then on can be missed.
+        heard: gives the samples that have arrived since it was called last.
+        patience: s that the world may take to appear.
 
     Raises:
-        UsageError: the file cannot be created.
         BusError: no world within `patience` s.
     """
 
@@ -43,22 +46,21 @@ class Recorder:
         self,
         bus: Bus,
         run: str,
-        path: Path,
+        file: RecordingFile | FileBeside,
         *,
         on_ready: Callable[[], None] | None = None,
-        beside: bool = False,
+        heard: Callable[[], list[Sample]] | None = None,
         patience: float = PATIENCE,
     ) -> None:
         self.finished = False
         self._bus, self._run, self._patience = bus, run, patience
         self._on_ready, self._ready = on_ready, False
-        self._file = FileBeside(path) if beside else RecordingFile(path)
+        self._file, self._heard = file, heard
         self._aside: list[Sample] = []
         self._result: str | None = None
         self._result_key = world_key(run, "result")
         self._flushed = time.monotonic()
         self.deadline = self._flushed + patience
-        bus.subscribe(everything(run))  # one subscription, so that the order of arrival is kept
         bus.watch(world_key(run, "alive"))
 
     def handle(self, event: Event) -> None:
@@ -66,7 +68,8 @@ class Recorder:
             if event.key == self._result_key:
                 self._on_result(event)
                 return
-            self._aside.append(event)
+            if self._heard is None:
+                self._aside.append(event)
             if len(self._aside) >= _BATCH and self._ready:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
@@ -115,14 +118,15 @@ class Recorder:
         try:
             message = decode(sample.key, sample.payload)
         except MessageError:
-            self._aside.append(sample)  # to be counted with the others
+            if self._heard is None:
+                self._aside.append(sample)  # to be counted with the others
             return
         if isinstance(message, Result) and self._result is None:
             self._result = message.report
             self.deadline = time.monotonic() + _LAST_WORDS
 
     def _write(self, now: float) -> None:
-        batch, self._aside = self._aside, []
+        batch, self._aside = self._aside if self._heard is None else self._heard(), []
         if batch and self._ready:
             self._file.write(batch)
         if now >= self._flushed + _FLUSH_PERIOD:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import msgspec
-from mcap.writer import Writer
 
 from deploy.recording.form import schema, to_object
+from deploy.recording.mcap_file import McapFile
 from protocol.codec import decode_stream
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse
@@ -20,7 +21,6 @@ from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
 LIBRARY = "disknav"
-_CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
 _encode = msgspec.json.encode
 
 
@@ -46,77 +46,81 @@ class RecordingFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.rejected: Counter[str] = Counter()
-        self._channels: dict[str, Channel] = {}
+        self._channels: dict[str, Channel | None] = {}
         self._schemas: dict[str, int] = {}
         self._robots: frozenset[int] = frozenset()
         self._run = ""
         self._step = 0.0
         self._count = 0
         try:
-            self._file: BinaryIO = path.open("wb")
+            self._file = McapFile(path, LIBRARY)
         except OSError as error:
             raise UsageError(
                 f"cannot record to {path}: {error.strerror}; name a file that can be written"
             ) from error
-        self._writer: Any = Writer(self._file, chunk_size=_CHUNK)
-        self._writer.start(library=LIBRARY)
 
     def begin(self, run: str, scenario: Scenario) -> None:
         """Say what is recorded; comes before every message."""
         self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
-        self._writer.add_metadata("run", {"name": run, "protocol": str(VERSION)})
-        self._writer.add_metadata("scenario", {"json": _encode(scenario).decode()})
-        self.flush()
+        with self._writing():
+            self._file.metadata("run", {"name": run, "protocol": str(VERSION)})
+            self._file.metadata("scenario", {"json": _encode(scenario).decode()})
+            self._file.flush()
 
     def write(self, batch: Iterable[tuple[str, bytes]]) -> None:
-        """Record what was published, at the simulated time of its tick."""
-        for key, payload in batch:
-            try:
-                self._add(key, payload)
-            except MessageError as error:
-                self.rejected[error.reason] += 1
-            except KeyGrammarError:
-                self.rejected["key"] += 1
+        """Record what was published, at the simulated time of its tick; the result waits for `finish`."""
+        with self._writing():
+            for key, payload in batch:
+                try:
+                    self._add(key, payload)
+                except MessageError as error:
+                    self.rejected[error.reason] += 1
+                except KeyGrammarError:
+                    self.rejected["key"] += 1
 
     def _add(self, key: str, payload: bytes) -> None:
-        channel = self._channels.get(key) or self._open(key)
+        channel = self._channels[key] if key in self._channels else self._open(key)
+        if channel is None:
+            return
         message: Any = decode_stream(channel.stream, channel.robot, payload)
         data = _encode(channel.form(message))
-        time = round(message.tick * self._step * 1e9)
-        self._writer.add_message(channel.number, time, data, time, self._count & 0xFFFFFFFF)
+        self._file.message(channel.number, round(message.tick * self._step * 1e9), data)
         self._count += 1
 
-    def _open(self, key: str) -> Channel:
+    def _open(self, key: str) -> Channel | None:
+        """The channel of a key; None for streams that are no part of a recording."""
         address = parse(key)
         if address.run != self._run or (address.robot is not None and address.robot not in self._robots):
             raise MessageError("key", f"{key} is not a key of run {self._run!r}")
         stream = STREAMS.get(address.stream)
-        if stream is None or not stream.recorded:
-            raise MessageError("key", f"{key} is not a recorded stream")
-        if stream.name not in self._schemas:
-            text = json.dumps(schema(stream.message)).encode()
-            name = f"disknav.{stream.message.__name__}"
-            self._schemas[stream.name] = self._writer.register_schema(name, "jsonschema", text)
-        number = self._writer.register_channel(key, "json", self._schemas[stream.name], {"rate": stream.rate})
-        channel = self._channels[key] = Channel(address, number)
-        return channel
+        if stream is None:
+            raise MessageError("key", f"{key} carries no messages")
+        self._channels[key] = None
+        if stream.recorded:
+            if stream.name not in self._schemas:
+                text = json.dumps(schema(stream.message)).encode()
+                self._schemas[stream.name] = self._file.schema(f"disknav.{stream.message.__name__}", text)
+            number = self._file.channel(key, self._schemas[stream.name], {"rate": stream.rate})
+            self._channels[key] = Channel(address, number)
+        return self._channels[key]
 
     def flush(self) -> None:
         """Close the present chunk: what was added can be read whatever happens to this process."""
-        try:
-            self._writer.flush()
-        except OSError as error:
-            raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
+        with self._writing():
+            self._file.flush()
 
     def finish(self, result: str | None) -> None:
         """Write the result (a JSON object) and the index; nothing can be added afterwards."""
-        try:
+        with self._writing():
             if result is not None:
-                self._writer.flush()
-                self._writer.add_metadata("result", {"json": result})
+                self._file.metadata("result", {"json": result})
             counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
-            self._writer.add_metadata("recorder", counts)
-            self._writer.finish()
-            self._file.close()
+            self._file.metadata("recorder", counts)
+            self._file.finish()
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
         except OSError as error:
-            raise RecordingError(f"cannot finish {self.path}: {error.strerror}") from error
+            raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
