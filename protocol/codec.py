@@ -92,14 +92,20 @@ def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
 
 
 def _is_finite(message: AnyMessage) -> bool:
-    """Whether all numbers of a message are finite. A sum is finite only if all its terms are: for the
-    many States that costs a third of looking at each number, which is left to sums that overflow."""
-    if isinstance(message, State) and isfinite(_sum(message)):
-        return True
-    return all(map(isfinite, _numbers(message)))
+    """Whether all numbers of a message are finite. A sum is finite only if all its terms are: for those
+    of every tick that costs a third of looking at each number, which is left to sums that overflow."""
+    if isinstance(message, State):
+        total = _state_sum(message)
+    elif isinstance(message, Command):
+        total = sum(message.velocity)
+    elif isinstance(message, Measurement) and not message.down:
+        total = sum(message.displacement, sum(message.position or ()))
+    else:
+        return all(map(isfinite, _numbers(message)))
+    return isfinite(total) or all(map(isfinite, _numbers(message)))
 
 
-def _sum(state: State) -> float:
+def _state_sum(state: State) -> float:
     """Sum of all floating-point numbers of a State."""
     vx, vy = state.desired
     total = state.bound + state.gamma + state.slice + vx + vy

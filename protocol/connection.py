@@ -74,6 +74,9 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
                 **_tls(connection.credentials),
                 "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
                 "tx": {
+                    # Whoever keeps a sample keeps, and lets zenoh clear anew, a buffer of this size (default
+                    # 65535) for the batch that it came in; a tick's batches are some hundred bytes.
+                    "batch_size": 8192,
                     "lease": round(1000 * connection.lease),
                     "keep_alive": 4,
                     # A frozen subscriber holds up a blocking publisher this long, µs (default 5 s).

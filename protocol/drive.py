@@ -40,6 +40,16 @@ def _stop(number: int, _frame: FrameType | None) -> NoReturn:
     raise Stop(number)
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Inside, SIGTERM and SIGINT wait: for what must not be left half done, and does not take long."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def drive(node: Node, bus: Bus, *, on_stop: Callable[[], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished; the bus is closed in any case.
 

@@ -106,6 +106,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     turn: Count = 0  # which of the scenarios that this world judges one after another
     clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap
     phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
+    reason: str = ""  # for the verdict, for people
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

@@ -47,6 +47,7 @@ class Turn:
             self.number,
             truth.clearance,
             truth.phi,
+            world.reason,
         )
 
     def is_marked(self) -> bool:

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from deploy.bar import bar
+from protocol.errors import RecordingError
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
     from deploy.recording.reader import Recording
@@ -51,15 +52,16 @@ def _summary(recording: Recording) -> Table:
 
 
 def _check(recording: Recording) -> str:
-    from deploy.recording.reader import trajectory_hash
+    from deploy.recording.trajectory import trajectory
 
-    if recording.truths.missing:
-        return f"cannot be checked: {recording.truths.missing} ticks were not recorded"
-    found = trajectory_hash(recording)
+    try:
+        found = trajectory(recording)
+    except RecordingError as error:
+        return f"cannot be checked: {error}"
     if recording.result is None:
-        return f"{found}, nothing to compare it with"
-    same = found == recording.result.get("trajectory_sha256")
-    return f"{found}, {'as in the result' if same else 'NOT the one in the result'}"
+        return f"{found.sha256}, nothing to compare it with{found.remark}"
+    same = found.sha256 == recording.result.get("trajectory_sha256")
+    return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 
 
 def _streams(recording: Recording) -> Table:

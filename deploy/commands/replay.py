@@ -45,9 +45,9 @@ def replay(
 
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
-    digest = verify(found)
-    if digest:
-        typer.echo(f"trajectory {digest}, as in the result")
+    trajectory = verify(found)
+    if trajectory is not None:
+        typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
         typer.echo("no result was recorded, so there is no trajectory hash to compare with")
     if zenoh or router is not None:

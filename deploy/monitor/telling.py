@@ -50,6 +50,7 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
         "time": round(view.tick * step, 6),
         "pace": view.ticks_per_second(now),
         "verdict": view.verdict,
+        "reason": view.reason,
         "steering": {"paused": view.steering.paused, "speed": view.steering.speed},
         "smallest": view.smallest,
         "router": None if view.router is None else view.router.told(),

@@ -38,13 +38,13 @@ class View:
         self.steering = Steering()
         self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
-        self.tick, self.verdict = 0, ""
+        self.tick, self.verdict, self.reason = 0, "", ""
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
         self._clear()
 
     def _clear(self) -> None:
-        self.tick, self.verdict = 0, ""
+        self.tick, self.verdict, self.reason = 0, "", ""
         self.smallest: float | None = None
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
@@ -91,7 +91,7 @@ class View:
             self._on_health(message, now)
 
     def _on_clock(self, clock: Clock) -> None:
-        self.tick, self.verdict = max(self.tick, clock.tick), clock.verdict
+        self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
         down = {each.robot for each in clock.down}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active

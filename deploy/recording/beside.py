@@ -12,11 +12,12 @@ from typing import Any
 
 from deploy.recording.writer import RecordingFile
 from protocol.bus import Sample
+from protocol.drive import uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.scenario import Scenario
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
-_NICENESS = 5  # the fleet first
+_NICENESS = 10  # the fleet first, and yet a share of a busy machine
 _FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
 
@@ -54,15 +55,17 @@ class FileBeside:
 
     def finish(self, result: str | None) -> None:
         """See `RecordingFile.finish`."""
-        self._ask("finish", result)
-        failed = self._answer()
-        self._process.join(_PATIENCE)
+        with uninterrupted():
+            self._ask("finish", result)
+            failed = self._answer()
+            self._process.join(_PATIENCE)
         if failed:
             raise RecordingError(failed)
 
     def _ask(self, method: str, *arguments: Any) -> None:
         try:
-            self._pipe.send((method, arguments))
+            with uninterrupted():
+                self._pipe.send((method, arguments))
         except OSError as error:
             reason = self._answer() or "the process that writes it is gone"
             raise RecordingError(f"cannot go on recording to {self.path}: {reason}") from error

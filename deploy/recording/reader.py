@@ -20,7 +20,6 @@ from protocol.keys import Address, parse
 from protocol.messages import Clock, Command, Health, Measurement, Message, State, Truth
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
-from world.trajectory import TrajectoryDigest
 from world.world import World
 
 _M = TypeVar("_M", bound=Message)
@@ -161,11 +160,3 @@ def _truths(scenario: Scenario, entries: list[Entry]) -> Truths:
         np.array([truth.clearance for truth in told]),
         np.array([truth.phi for truth in told]),
     )
-
-
-def trajectory_hash(recording: Recording) -> str:
-    """The trajectory's SHA-256 recomputed from the recorded truth, as in the result."""
-    digest = TrajectoryDigest(recording.scenario.ids)
-    truths = recording.truths
-    digest.add(truths.ticks, truths.positions)
-    return digest.hexdigest()

@@ -15,6 +15,7 @@ from deploy.recording.writer import RecordingFile
 from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
+from protocol.drive import uninterrupted
 from protocol.errors import BusError, MessageError
 from protocol.keys import world_key
 from protocol.messages import Result
@@ -22,6 +23,7 @@ from protocol.messages import Result
 PATIENCE = 30.0  # s that the world may take to appear
 _BATCH = 512  # messages put aside at most
 _WRITE_PERIOD = 0.1  # s between batches
+_HEARING_PERIOD = 0.01  # s; what waits longer keeps the network from using its buffers again
 _FLUSH_PERIOD = 0.4  # s between chunks
 _LAST_WORDS = 0.2  # s for what robots said before the result to arrive after it
 _ASK_TIMEOUT = 5.0
@@ -59,8 +61,9 @@ class Recorder:
         self._aside: list[Sample] = []
         self._result: str | None = None
         self._result_key = world_key(run, "result")
-        self._flushed = time.monotonic()
-        self.deadline = self._flushed + patience
+        self._result_due = inf
+        self._written = self._flushed = time.monotonic()
+        self.deadline = self._written + patience
         bus.watch(world_key(run, "alive"))
 
     def handle(self, event: Event) -> None:
@@ -78,19 +81,24 @@ class Recorder:
     def wake(self, now: float) -> None:
         if not self._ready:
             raise BusError(f"run {self._run!r}: no world to record within {self._patience:g} s")
-        if self._result is not None:
+        if self._result is not None and now >= self._result_due:
             self.close()
-        else:
+            return
+        self._listen()
+        if now >= self._written + _WRITE_PERIOD:
             self._write(now)
+        self.deadline = now + (_WRITE_PERIOD if self._heard is None else _HEARING_PERIOD)
 
     def close(self) -> None:
         """Write what is there and finish the file; what happens later is not recorded."""
         while not self.finished and (event := self._bus.receive(0.0)) is not None:
             self.handle(event)
-        if not self.finished:
-            self.finished, self.deadline = True, inf
-            self._write(time.monotonic())
-            self._file.finish(self._result)
+        with uninterrupted():
+            if not self.finished:
+                self.finished, self.deadline = True, inf
+                self._listen()
+                self._write(time.monotonic())
+                self._file.finish(self._result)
 
     def wind_up(self, patience: float) -> None:
         """Go on until the result is there, `patience` (s) at most, and finish: for a process told to stop."""
@@ -110,7 +118,7 @@ class Recorder:
                 raise BusError(f"run {self._run!r}: the world does not say which scenario it runs")
             self._file.begin(self._run, reply.scenario)
             self._ready = True
-            self.deadline = time.monotonic() + _WRITE_PERIOD
+            self.deadline = time.monotonic()
             if self._on_ready is not None:
                 self._on_ready()
 
@@ -122,15 +130,19 @@ class Recorder:
                 self._aside.append(sample)  # to be counted with the others
             return
         if isinstance(message, Result) and self._result is None:
-            self._result = message.report
-            self.deadline = time.monotonic() + _LAST_WORDS
+            self._result, self._result_due = message.report, time.monotonic() + _LAST_WORDS
+
+    def _listen(self) -> None:
+        if self._heard is not None:
+            self._aside += self._heard()
 
     def _write(self, now: float) -> None:
-        batch, self._aside = self._aside if self._heard is None else self._heard(), []
-        if batch and self._ready:
+        if not self._ready:
+            return
+        self._written = now
+        if self._aside:
+            batch, self._aside = self._aside, []
             self._file.write(batch)
         if now >= self._flushed + _FLUSH_PERIOD:
             self._flushed = now
             self._file.flush()
-        if self._result is None:
-            self.deadline = now + _WRITE_PERIOD

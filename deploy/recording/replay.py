@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from deploy.recording.reader import Recording, trajectory_hash
+from deploy.recording.reader import Recording
+from deploy.recording.trajectory import Trajectory, trajectory
 from protocol.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
@@ -37,23 +38,18 @@ def published(recording: Recording, run: str | None = None) -> Iterator[Publishe
         yield Published(last, world_key(run, "result"), encode(Result(json.dumps(recording.result))))
 
 
-def verify(recording: Recording) -> str:
-    """The recomputed trajectory hash; empty when the recording has no result to compare it with.
+def verify(recording: Recording) -> Trajectory | None:
+    """The recomputed trajectory; None when the recording has no result to compare it with.
 
     Raises:
-        RecordingError: it is not the result's.
+        RecordingError: it is not the result's, or it cannot be recomputed.
     """
     if recording.result is None:
-        return ""
-    found, said = trajectory_hash(recording), recording.result.get("trajectory_sha256")
-    if recording.truths.missing:
+        return None
+    found, said = trajectory(recording), recording.result.get("trajectory_sha256")
+    if found.sha256 != said:
         raise RecordingError(
-            f"{recording.path}: {recording.truths.missing} ticks of the truth were not recorded, so its "
-            f"trajectory cannot be checked; record on a machine with less load"
-        )
-    if found != said:
-        raise RecordingError(
-            f"{recording.path}: the recorded trajectory has hash {found}, its result says {said}: "
+            f"{recording.path}: the recorded trajectory has hash {found.sha256}, its result says {said}: "
             f"the file was changed, or recorded from another run; record the run again"
         )
     return found

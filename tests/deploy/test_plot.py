@@ -1,6 +1,7 @@
 """Pictures: every format, what they show, and what is refused before a run is wasted on it."""
 
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -163,3 +164,22 @@ def test_without_ffmpeg_a_film_is_a_gif(monkeypatch, recording, tmp_path: Path):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(UsageError, match=r"needs ffmpeg.*or name a \.gif"):
         draw(recording, tmp_path / "a.mp4")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="needs ffmpeg, from the package of that name")
+def test_a_film_for_players_everywhere(recording, tmp_path):
+    """Every player wants H.264 in yuv420p; the disks of the last picture are in their colours."""
+    draw(recording, tmp_path / "a.mp4")
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
+    frame = tmp_path / "last.png"
+    subprocess.run(
+        ["ffmpeg", "-v", "error", "-sseof", "-0.5", "-i", tmp_path / "a.mp4", "-frames:v", "1", frame],
+        check=True,
+        timeout=30,
+    )
+    pixels = (image.imread(frame)[:, :, :3] * 255).round().astype(int).reshape(-1, 3)
+    assert (pixels.min(axis=1) > 240).mean() > 0.5, "the background is not white"
+    for index, _ in enumerate(recording.scenario.ids):
+        tint = [round(0.6 * int(colour(index)[place : place + 2], 16) + 0.4 * 255) for place in (1, 3, 5)]
+        assert (np.abs(pixels - tint).max(axis=1) < 24).sum() > 50, f"no disk in {colour(index)}"

@@ -17,41 +17,8 @@ from protocol.bus_zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.connection import Connection
 from protocol.keys import ROBOT_STREAMS, robot_key, world_key
-from protocol.messages import (
-    Answer,
-    Clock,
-    Command,
-    Down,
-    Health,
-    Measurement,
-    Proposal,
-    Result,
-    State,
-    Truth,
-)
 from protocol.streams import STREAMS
-
-DOWN = (Down(2, 1, (0.3, 0.4)),)
-MESSAGES = {
-    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), DOWN),
-    "state": State(
-        1,
-        2,
-        3,
-        (0.5, 0.25),
-        0.1,
-        0.2,
-        0.3,
-        (0.1, 0.2),
-        (Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
-        (Answer(3, 1, 4, 5),),
-    ),
-    "command": Command(1, 2, 3, (0.1, 0.2)),
-    "clock": Clock(3, 0.15, (1, 3), DOWN, ""),
-    "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
-    "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
-    "result": Result("{}"),
-}
+from tests.sample_messages import ONE
 
 
 def test_page_is_current():
@@ -62,7 +29,7 @@ def test_page_is_current():
 def test_page_lists_the_fields_in_the_order_of_the_wire(name):
     section = page().split(f"## `{name}`\n")[1].split("\n## ")[0]
     rows = [re.split(r" *\| *", line) for line in section.splitlines() if re.match(r"\| \d", line)]
-    wire = msgpack.unpackb(encode(MESSAGES[name]))
+    wire = msgpack.unpackb(encode(ONE[name]))
     assert [int(row[1]) for row in rows] == list(range(len(wire)))
     assert tuple(row[2] for row in rows[1:]) == STREAMS[name].message.__struct_fields__
     assert wire[0] in rows[0][5]
@@ -91,7 +58,7 @@ def test_a_stock_subscriber_reads_every_stream(tmp_path: Path):
 def _payloads() -> dict[str, bytes]:
     return {
         robot_key("page", 1, name) if name in ROBOT_STREAMS else world_key("page", name): encode(message)
-        for name, message in MESSAGES.items()
+        for name, message in ONE.items()
     }
 
 

@@ -13,62 +13,11 @@ from hypothesis import strategies as st
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import MessageError
 from protocol.keys import ROBOT_STREAMS
-from protocol.messages import (
-    Answer,
-    AnyMessage,
-    Clock,
-    Command,
-    Down,
-    Health,
-    Measurement,
-    Proposal,
-    Result,
-    State,
-    Truth,
-)
+from protocol.messages import AnyMessage
 from protocol.streams import STREAMS
+from tests.sample_messages import ANY, ids
 
-numbers = st.floats(allow_nan=False, allow_infinity=False)
-sizes = st.floats(0, 1e300)
-ids = st.integers(1, 999_999_999)
-counts = st.integers(0, 2**53)
-vectors = st.tuples(numbers, numbers)
-positions = st.none() | vectors
-
-
-def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    return st.lists(one, max_size=4).map(tuple)
-
-
-downs = several(st.builds(Down, ids, counts, vectors))
-proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
-answers = several(st.builds(Answer, ids, counts, counts, counts))
-MESSAGES: dict[str, st.SearchStrategy[Any]] = {
-    "measurement": st.builds(
-        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), downs
-    ),
-    "state": st.builds(
-        State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
-    ),
-    "command": st.builds(Command, ids, counts, counts, vectors),
-    "clock": st.builds(Clock, counts, sizes, several(ids), downs, st.text(max_size=20)),
-    "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
-    "health": st.builds(
-        Health,
-        ids,
-        counts,
-        counts,
-        sizes,
-        counts,
-        counts,
-        st.dictionaries(st.sampled_from(REASONS), counts),
-        several(st.tuples(ids, counts)),
-        several(st.tuples(ids, numbers, numbers, numbers)),
-        st.text(max_size=20),
-    ),
-    "result": st.builds(Result, st.text(max_size=50)),
-}
-messages = st.sampled_from(sorted(MESSAGES)).flatmap(lambda name: MESSAGES[name])
+messages = st.sampled_from(sorted(ANY)).flatmap(lambda name: ANY[name])
 
 
 def key_of(message: AnyMessage) -> str:
@@ -101,7 +50,7 @@ def floats_of(value: Any) -> list[float]:
 
 
 def test_every_stream_is_covered() -> None:
-    assert MESSAGES.keys() == STREAMS.keys()
+    assert ANY.keys() == STREAMS.keys()
 
 
 @given(messages)

@@ -26,6 +26,7 @@ export function showFigures(frame, model) {
     return;
   }
   banner(frame.verdict ? VERDICTS[frame.verdict] ?? [frame.verdict, "warn"] : PHASES[frame.phase]);
+  write("reason", frame.reason);
   showNetwork(frame.router);
   write("time", frame.time.toFixed(2));
   write("tick", String(frame.tick));

@@ -7,13 +7,14 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mcap.writer import Writer
 
 from deploy.commands.info import info
 from deploy.commands.replay import replay
 from deploy.recording.contents import contents
-from deploy.recording.reader import Recording, read
+from deploy.recording.reader import Recording, Truths, read
 from deploy.recording.replay import publish, published, verify
 from deploy.router import listening
 from protocol.bus import Sample
@@ -23,7 +24,7 @@ from protocol.codec import decode, encode
 from protocol.connection import Connection
 from protocol.errors import RecordingError
 from protocol.keys import everything, parse
-from protocol.messages import Result
+from protocol.messages import Measurement, Message, Result
 from tests.deploy.recorded import record
 
 
@@ -61,7 +62,7 @@ def _altered(path: Path, target: Path, old: bytes, new: bytes) -> Path:
 
 
 def test_the_trajectory_is_the_results(recording):
-    assert verify(recording) == recording.result["trajectory_sha256"]
+    assert verify(recording) == (recording.result["trajectory_sha256"], 0)
 
 
 def test_one_changed_digit_is_an_error(path, recording, tmp_path):
@@ -72,22 +73,34 @@ def test_one_changed_digit_is_an_error(path, recording, tmp_path):
         verify(altered)
 
 
-def test_a_missing_tick_is_an_error_of_its_own(recording):
+def _without_truths(recording: Recording, lost: set[int]) -> Recording:
     truths = recording.truths
-    keep = [index for index in range(len(truths.ticks)) if index != 5]
-    fewer = replace(
-        truths,
-        ticks=truths.ticks[keep],
-        positions=truths.positions[keep],
-        clearance=truths.clearance[keep],
-        phi=truths.phi[keep],
-    )
-    with pytest.raises(RecordingError, match="1 ticks of the truth were not recorded"):
-        verify(replace(recording, truths=fewer))
+    keep = ~np.isin(truths.ticks, list(lost))
+    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi)
+    return replace(recording, truths=Truths(*(column[keep] for column in columns)))
+
+
+def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording):
+    last = int(recording.truths.ticks[-1])
+    found = verify(_without_truths(recording, {5, 6, 20, last}))
+    assert found == (recording.result["trajectory_sha256"], 3)
+    assert found.remark == " (3 ticks worked out from the measurements)"
+    every = _without_truths(recording, set(range(1, last + 1)))
+    assert verify(every) == (recording.result["trajectory_sha256"], last - 1)
+
+
+def test_a_tick_that_nobody_knows_is_an_error_of_its_own(recording):
+    known = [entry for entry in recording.entries if not _is_measurement(entry.message, 2, 5)]
+    with pytest.raises(RecordingError, match="the truth of tick 5 was not recorded, nor what robot 2 did"):
+        verify(_without_truths(replace(recording, entries=known), {5}))
+
+
+def _is_measurement(message: Message, robot: int, tick: int) -> bool:
+    return isinstance(message, Measurement) and (message.robot, message.tick) == (robot, tick)
 
 
 def test_without_a_result_there_is_nothing_to_compare(recording):
-    assert verify(replace(recording, result=None)) == ""
+    assert verify(replace(recording, result=None)) is None
 
 
 def test_everything_is_published_again_in_order(recording):

@@ -1,0 +1,108 @@
+"""The recorder: what it writes, what it refuses, and when it ends."""
+
+import json
+import multiprocessing
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+from mcap.reader import make_reader
+
+from deploy.recording.beside import FileBeside
+from deploy.recording.reader import read
+from deploy.recording.recorder import Recorder
+from deploy.recording.writer import RecordingFile
+from protocol.bus import Sample
+from protocol.bus_local import LocalBus, LocalNetwork
+from protocol.codec import encode
+from protocol.errors import BusError, RecordingError, UsageError
+from protocol.keys import everything, robot_key, world_key
+from protocol.messages import Command, Result
+from tests.deploy.recorded import scenario
+from tests.deploy.recording.fake_world import FakeWorld
+
+
+def _recorder(bus: LocalBus, run: str, folder: Path) -> Recorder:
+    bus.subscribe(everything(run))
+    recorder = bus.node = Recorder(bus, run, RecordingFile(folder / f"{run}.mcap"))
+    return recorder
+
+
+def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
+    network = LocalNetwork()
+    world = FakeWorld(network.connect(), "fake")
+    recorder = _recorder(network.connect(), "fake", tmp_path)
+    command = Command(1, 1, 0, (0.1, 0.2))
+    good, foreign = robot_key("fake", 1, "command"), robot_key("fake", 5, "command")
+    for key, payload in (
+        (good, encode(command)),
+        (good, b"\x93"),
+        (good, encode(msgspec.structs.replace(command, velocity=(float("nan"), 0.0)))),
+        (good, encode(msgspec.structs.replace(command, robot=2))),
+        (foreign, encode(msgspec.structs.replace(command, robot=5))),
+        (good, bytes(2000)),
+    ):
+        world.say(key, payload)
+    world.say(world_key("fake", "result"), encode(Result('{"verdict": "arrived"}')))
+    network.run(lambda: recorder.finished)
+    found = read(tmp_path / "fake.mcap")
+    assert [entry.message for entry in found.entries] == [command]
+    assert found.result == {"verdict": "arrived"}
+    with (tmp_path / "fake.mcap").open("rb") as file:
+        metadata = {each.name: each.metadata for each in make_reader(file).iter_metadata()}
+    assert json.loads(metadata["recorder"]["rejected"]) == {
+        "shape": 1,
+        "not-finite": 1,
+        "identity": 1,
+        "key": 1,
+        "oversize": 1,
+    }
+
+
+def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
+    with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
+        RecordingFile(tmp_path / "no" / "x.mcap")
+
+
+def test_the_same_when_another_process_writes(tmp_path):
+    with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
+        FileBeside(tmp_path / "no" / "x.mcap")
+    here, beside = RecordingFile(tmp_path / "here.mcap"), FileBeside(tmp_path / "beside.mcap")
+    for file in (here, beside):
+        file.begin("r", scenario())
+        file.write([Sample(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
+        file.flush()
+        file.finish('{"verdict": "arrived"}')
+    assert (tmp_path / "here.mcap").read_bytes() == (tmp_path / "beside.mcap").read_bytes()
+
+
+def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
+    file = FileBeside(tmp_path / "x.mcap")
+    (child,) = multiprocessing.active_children()
+    child.kill()
+    child.join(10)
+    with pytest.raises(RecordingError, match=r"cannot go on recording to .*x\.mcap"):
+        file.begin("r", scenario())
+
+
+def test_a_world_that_never_appears_ends_the_wait(tmp_path):
+    bus = LocalNetwork().connect()
+    recorder = Recorder(bus, "r", RecordingFile(tmp_path / "x.mcap"), patience=0.01)
+    assert recorder.deadline < time.monotonic() + 0.02
+    with pytest.raises(BusError, match="no world to record within"):
+        recorder.wake(recorder.deadline)
+
+
+def test_the_end_of_the_world_ends_the_recording(tmp_path):
+    network = LocalNetwork()
+    bus = network.connect()
+    world = FakeWorld(bus, "gone")
+    listener = network.connect()
+    recorder = _recorder(listener, "gone", tmp_path)
+    recorder.handle(listener.receive(0.0))
+    world.say(robot_key("gone", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))
+    bus.close()
+    network.run(lambda: recorder.finished)
+    found = read(tmp_path / "gone.mcap")
+    assert (len(found.entries), found.result, found.cut) == (1, None, False)

@@ -1,0 +1,103 @@
+"""Recordings: what is written is what was said, and any MCAP reader reads it."""
+
+import json
+
+import numpy as np
+from mcap.reader import make_reader
+
+from deploy.local import LocalFleet
+from deploy.recording.reader import read
+from deploy.recording.result import attach
+from deploy.recording.trajectory import trajectory
+from protocol.bus import Sample
+from protocol.codec import encode
+from protocol.keys import everything, parse
+from protocol.streams import STREAMS
+from tests.deploy.recorded import ROBOTS, scenario
+
+
+class Spy:
+    """Hears everything of a run."""
+
+    finished, deadline = False, float("inf")
+
+    def __init__(self, bus, run: str) -> None:
+        self.heard: list[Sample] = []
+        bus.subscribe(everything(run))
+        bus.node = self
+
+    def handle(self, event) -> None:
+        self.heard.append(event)
+
+
+def test_any_mcap_reader_reads_it(recorded):
+    path, report = recorded
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        topics = [channel.topic for channel in summary.channels.values()]
+        assert len(topics) == len(set(topics)) == 2 + 4 * len(ROBOTS)
+        assert {each.encoding for each in summary.schemas.values()} == {"jsonschema"}
+        assert {channel.message_encoding for channel in summary.channels.values()} == {"json"}
+        for _, channel, message in reader.iter_messages():
+            content = json.loads(message.data)
+            assert message.log_time == round(content["tick"] * 0.05 * 1e9)
+            assert content.get("robot") == parse(channel.topic).robot
+        metadata = {each.name: each.metadata for each in reader.iter_metadata()}
+    assert json.loads(metadata["scenario"]["json"])["name"] == "three"
+    assert json.loads(metadata["result"]["json"])["trajectory_sha256"] == report["trajectory_sha256"]
+    assert metadata["run"]["name"] == "three"
+
+
+def test_what_is_read_is_what_was_run(recorded):
+    path, report = recorded
+    found = read(path)
+    assert found.scenario == scenario()
+    assert found.result == report
+    assert not found.cut
+    assert trajectory(found).sha256 == report["trajectory_sha256"]
+    assert found.truths.ticks.tolist() == list(range(report["ticks"] + 1))
+    assert found.truths.missing == 0
+    assert found.truths.clearance.min() == report["min_clearance"]
+    assert np.array_equal(found.truths.positions[0], [spec.start for spec in ROBOTS])
+    for spec in ROBOTS:
+        told = [measurement.tick for measurement in found.measurements[spec.id] if not measurement.over]
+        assert told == [command.tick for command in found.commands[spec.id]] == list(range(report["ticks"]))
+        assert [state.tick for state in found.states[spec.id]] == list(range(report["ticks"]))
+        assert found.health[spec.id]
+    assert found.clocks[-1].verdict == report["verdict"]
+
+
+def test_everything_that_was_said_is_recorded_in_order(tmp_path):
+    fleet = LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap")
+    spy = Spy(fleet.network.connect(), "three")
+    fleet.execute()
+    found = read(tmp_path / "spied.mcap")
+    said: dict[str, list[bytes]] = {}
+    for sample in spy.heard:
+        if STREAMS[parse(sample.key).stream].recorded:
+            said.setdefault(sample.key, []).append(sample.payload)
+    for key, payloads in said.items():
+        kept = [encode(entry.message) for entry in found.entries if entry.key == key]
+        assert kept[: len(payloads)] == payloads
+    assert found.counts().keys() == said.keys()
+    assert [entry.time for entry in found.entries] == sorted(entry.time for entry in found.entries)
+
+
+def test_recording_does_not_change_the_run(recorded):
+    (report,) = LocalFleet([scenario()], "three").execute()
+    assert report["trajectory_sha256"] == recorded[1]["trajectory_sha256"]
+
+
+def test_the_launchers_result_is_added(recorded, tmp_path):
+    path = tmp_path / "attached.mcap"
+    path.write_bytes(recorded[0].read_bytes())
+    for transport in ("mesh", "routed"):
+        attach(path, recorded[1] | {"transport": transport})
+    found = read(path)
+    assert found.result["transport"] == "routed"
+    assert not found.cut
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert sum(1 for _ in reader.iter_messages()) == len(found.entries)
+        assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 6

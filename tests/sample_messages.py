@@ -1,0 +1,95 @@
+"""Messages of every stream: `ANY` that may be sent, for hypothesis, and `ONE` of each as an example."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from protocol.messages import (
+    Answer,
+    Clock,
+    Command,
+    Down,
+    Health,
+    Measurement,
+    Message,
+    Proposal,
+    Result,
+    State,
+    Truth,
+)
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+sizes = st.floats(0, 1e300)
+ids = st.integers(1, 999_999_999)
+counts = st.integers(0, 2**53)
+vectors = st.tuples(numbers, numbers)
+positions = st.none() | vectors
+
+
+def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    return st.lists(one, max_size=3).map(tuple)
+
+
+downs = several(st.builds(Down, ids, counts, vectors))
+proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
+answers = several(st.builds(Answer, ids, counts, counts, counts))
+ANY: dict[str, st.SearchStrategy[Any]] = {
+    "measurement": st.builds(
+        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), downs, st.booleans()
+    ),
+    "state": st.builds(
+        State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
+    ),
+    "command": st.builds(Command, ids, counts, counts, vectors),
+    "clock": st.builds(
+        Clock,
+        counts,
+        sizes,
+        several(ids),
+        downs,
+        st.text(max_size=9),
+        counts,
+        numbers,
+        numbers,
+        st.text(max_size=9),
+    ),
+    "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
+    "health": st.builds(
+        Health,
+        ids,
+        counts,
+        counts,
+        sizes,
+        counts,
+        counts,
+        st.dictionaries(st.text(max_size=9), counts, max_size=2),
+        several(st.tuples(ids, counts)),
+        several(st.tuples(ids, numbers, numbers, numbers)),
+        st.text(max_size=9),
+    ),
+    "result": st.builds(Result, st.text(max_size=50)),
+}
+
+_DOWN = (Down(2, 1, (0.3, 0.4)),)
+ONE: dict[str, Message] = {
+    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), _DOWN),
+    "state": State(
+        1,
+        2,
+        3,
+        (0.5, 0.25),
+        0.1,
+        0.2,
+        0.3,
+        (0.1, 0.2),
+        (Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
+        (Answer(3, 1, 4, 5),),
+    ),
+    "command": Command(1, 2, 3, (0.1, 0.2)),
+    "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why"),
+    "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
+    "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
+    "result": Result("{}"),
+}
