@@ -7,8 +7,9 @@ an array of arrays. So a vector becomes `{"x": .., "y": ..}`, and what is None i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import msgspec
@@ -25,6 +26,7 @@ _SCALARS: dict[type, str] = {
     inspect.StrType: "string",
 }
 _VECTOR = ("x", "y")
+_NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Form(NamedTuple):
@@ -68,7 +70,10 @@ def from_object(message: type[Message], content: Content) -> Message:
 def _form(message: type[msgspec.Struct]) -> Form:
     described = inspect.type_info(message)
     assert isinstance(described, inspect.StructType)
-    return _record({field.name: _of(field.type) for field in described.fields}, "{value}.{name}")
+    fields = {field.name: _of(field.type) for field in described.fields}
+    # A recording from before a field was added is still read.
+    defaults = {field.name: field.default for field in described.fields if not field.required}
+    return _record(fields, "{value}.{name}", defaults)
 
 
 def _of(described: inspect.Type) -> Form:
@@ -119,7 +124,7 @@ def _array(item: Form) -> Form:
     )
 
 
-def _record(fields: dict[str, Form], access: str) -> Form:
+def _record(fields: dict[str, Form], access: str, defaults: Mapping[str, Any] = _NONE) -> Form:
     """An object with one property a field; `access` says how a field is reached from its owner."""
 
     def to_json(value: str) -> str:
@@ -132,10 +137,11 @@ def _record(fields: dict[str, Form], access: str) -> Form:
 
     def from_json(content: Content) -> list[Any]:
         return [
-            None if field.optional and name not in content else field.from_json(content[name])
+            absent[name] if name in absent and name not in content else field.from_json(content[name])
             for name, field in fields.items()
         ]
 
+    absent = {name: None for name, field in fields.items() if field.optional} | dict(defaults)
     properties = {name: field.schema for name, field in fields.items()}
     required = [name for name, field in fields.items() if not field.optional]
     return Form({"type": "object", "properties": properties, "required": required}, to_json, from_json)
