@@ -75,8 +75,8 @@ class ZenohBus:
         handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
-    def bursts(self, key_expression: str) -> Callable[[], list[Sample]]:
-        """Subscribe for somebody in no hurry: the function returned gives all that came since its last call.
+    def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
+        """Subscribe for somebody in no hurry: the function returned gives keys and payloads so far.
 
         It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
         costs. Of too many the oldest are dropped.
@@ -84,7 +84,9 @@ class ZenohBus:
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(_CAPACITY)
         subscriber = self._session.declare_subscriber(key_expression, ring)
         self._declared.append(subscriber)
-        return lambda: [_sample(arrived) for arrived in iter(subscriber.try_recv, None)]
+        return lambda: [
+            (str(arrived.key_expr), arrived.payload.to_bytes()) for arrived in iter(subscriber.try_recv, None)
+        ]
 
     def watch(self, key_expression: str) -> None:
         handler = zenoh.handlers.Callback(self._presence, indirect=False)

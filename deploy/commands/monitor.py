@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from contextlib import closing
 from pathlib import Path
@@ -16,6 +17,7 @@ from protocol.connection import Connection
 from protocol.errors import UsageError
 
 _TIMEOUT = 5.0  # s to reach somebody
+_NICENESS = 10  # a fleet on the same machine first
 
 
 def monitor(
@@ -49,6 +51,7 @@ def monitor(
     """
     from deploy.monitor.attachment import attach
 
+    os.nice(_NICENESS)
     membership = Membership(secure)
     name = membership.run(run)
     if name is None:

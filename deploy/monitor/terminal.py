@@ -12,7 +12,7 @@ from rich.text import Text
 
 from deploy.monitor.source import Source
 
-REFRESH = 0.2  # s
+REFRESH = 0.5  # s; drawing takes some milliseconds
 _COLUMNS = ("robot", "status", "goal, mm", "age, s", "behind", "1/s", "error, mm", "rejected", "restarts")
 _PHASES = {
     "searching": "looking for the run",

@@ -31,6 +31,7 @@ from mcap.records import (
 from mcap.writer import MCAP0_MAGIC
 
 _CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
+_LEVEL = 1  # of compression, the fastest: for messages so much alike as small as the default
 _MESSAGE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log time, publish time
 _LENGTH = _MESSAGE.size - 9  # of a message without its data and without opcode and length
 _INDEX = struct.Struct("<BQHI")  # opcode, length, channel, bytes of the entries
@@ -123,7 +124,7 @@ class McapFile:
             return
         data = b"".join(self._parts)
         times = [time for entries in self._entries.values() for time in entries[::2]] or [0]
-        compressed = zstandard.compress(data)
+        compressed = zstandard.compress(data, _LEVEL)
         record = packed(Chunk("zstd", compressed, max(times), min(times), zlib.crc32(data), len(data)))
         chunk = self._place
         self._put(record)

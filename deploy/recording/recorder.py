@@ -37,7 +37,7 @@ class Recorder:
         run: name of the run.
         file: what is written; nothing else writes it.
         on_ready: called once the scenario is known; nothing that is published from then on can be missed.
-        heard: gives the samples that have arrived since it was called last.
+        heard: gives the keys and payloads that have arrived since it was called last.
         patience: s that the world may take to appear.
 
     Raises:
@@ -51,14 +51,14 @@ class Recorder:
         file: RecordingFile | FileBeside,
         *,
         on_ready: Callable[[], None] | None = None,
-        heard: Callable[[], list[Sample]] | None = None,
+        heard: Callable[[], list[tuple[str, bytes]]] | None = None,
         patience: float = PATIENCE,
     ) -> None:
         self.finished = False
         self._bus, self._run, self._patience = bus, run, patience
         self._on_ready, self._ready = on_ready, False
         self._file, self._heard = file, heard
-        self._aside: list[Sample] = []
+        self._aside: list[tuple[str, bytes]] = []
         self._result: str | None = None
         self._result_key = world_key(run, "result")
         self._result_due = inf

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from deploy.load import load
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import cores, floors
+from tests.benchmarks import cores, floors, recording
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -39,3 +40,19 @@ def test_all_cores_are_measured() -> None:
     found = cores.costs(3, repeat=1, number=2)
     assert list(found) == ["slice", "filter", "codec", "robot", "world"]
     assert all(cost.core > 0.0 and cost.floor > 0.0 for cost in found.values())
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("variant", recording.VARIANTS)
+def test_who_records_or_watches_is_measured(variant: str) -> None:
+    found = recording.cost(load("figure-1", ["time.limit=0.5"]), variant)
+    assert found.ticks_per_second > 0.0
+    assert found.cpu_ms > 0.0
+
+
+def test_the_ratio_is_to_the_same_round() -> None:
+    plain = [recording.Cost(400.0, 2.0), recording.Cost(100.0, 8.0)]
+    recorded = [recording.Cost(360.0, 2.2), recording.Cost(90.0, 8.8)]
+    _, line = recording.lines({"plain": plain, "recorded": recorded})
+    assert line.split() == ["recorded", "225", "0.900", "5.50", "1.100"]

@@ -8,8 +8,10 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.console import Console, RenderableType
 
 from deploy.monitor import telling
+from deploy.monitor.terminal import table
 from deploy.monitor.thinned import Thinned
 from deploy.monitor.view import HISTORY, View
 from protocol.messages import Clock, Down, Health, Message, Truth
@@ -126,6 +128,23 @@ def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
     frame = telling.snapshot(it, 5.0)
     assert (frame["phase"], frame["verdict"]) == ("ended", "arrived")
     assert statuses(it, 5.0) == ["at goal"] * 3
+
+
+def test_the_reason_of_the_verdict_is_told_until_another_scenario_begins() -> None:
+    it = view()
+    it.hear(msgspec.structs.replace(clock(7, verdict="deadlock"), reason="nobody moved for 10 s"), 0.0)
+    frame = telling.snapshot(it, 0.0)
+    assert frame["reason"] == "nobody moved for 10 s"
+    assert "nobody moved for 10 s" in _printed(table(frame))
+    it.begin(SCENARIO, True)
+    assert telling.snapshot(it, 0.0)["reason"] == ""
+
+
+def _printed(what: RenderableType) -> str:
+    console = Console(width=200)
+    with console.capture() as capture:
+        console.print(what)
+    return capture.get()
 
 
 def test_a_world_that_goes_without_a_verdict_is_lost() -> None:
