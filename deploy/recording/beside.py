@@ -19,7 +19,7 @@ from protocol.scenario import Scenario
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
 _NICENESS = 10  # the fleet first, and yet a share of a busy machine
-_pack = msgspec.msgpack.encode  # a fifth of what pickling costs
+_pack = msgspec.msgpack.encode  # cheaper than pickling each pair
 _UNPACK = msgspec.msgpack.Decoder(list[tuple[str, bytes]])
 _FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
@@ -70,8 +70,7 @@ class FileBeside:
             with uninterrupted():
                 self._pipe.send((method, arguments))
         except OSError as error:
-            reason = self._answer() or "the process that writes it is gone"
-            raise RecordingError(f"cannot go on recording to {self.path}: {reason}") from error
+            raise RecordingError(self._answer() or self._silence) from error
 
     def _answer(self) -> str:
         """What went wrong over there; empty if nothing did."""
@@ -80,7 +79,13 @@ class FileBeside:
                 return str(self._pipe.recv())
         except (EOFError, OSError):
             pass  # told below: who writes is gone without a word
-        return f"the process that writes {self.path} does not answer"
+        return self._silence
+
+    @property
+    def _silence(self) -> str:
+        return (
+            f"cannot go on recording to {self.path}: the process that writes it is gone, or does not answer"
+        )
 
 
 def _write(inherited: Pipe, pipe: Pipe, path: Path) -> None:
