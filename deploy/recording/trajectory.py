@@ -37,16 +37,14 @@ def trajectory(recording: Recording) -> Trajectory:
         RecordingError: a tick is missing that cannot be worked out either.
     """
     known = _known(recording)
-    digest, restored = TrajectoryDigest(recording.scenario.ids), 0
-    moves = _Moves(recording) if len(known) <= max(known) else None
-    positions: _Plane = []
-    for tick in range(max(known) + 1):
-        if tick in known:
-            positions = known[tick]
-        elif moves is not None:
-            positions, restored = moves.follow(positions, tick), restored + 1
-        digest.add(tick, positions)
-    return Trajectory(digest.hexdigest(), restored)
+    ticks = range(max(known) + 1)
+    moves = _Moves(recording) if len(known) < len(ticks) else None
+    path: list[_Plane] = []
+    for tick in ticks:
+        path.append(moves.follow(path[-1], tick) if moves and tick not in known else known[tick])
+    digest = TrajectoryDigest(recording.scenario.ids)
+    digest.add(ticks, path)
+    return Trajectory(digest.hexdigest(), len(ticks) - len(known))
 
 
 def _known(recording: Recording) -> dict[int, _Plane]:
