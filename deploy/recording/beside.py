@@ -91,10 +91,7 @@ class FileBeside:
 def _write(inherited: Pipe, pipe: Pipe, path: Path) -> None:
     """Do as told until the file is finished, or whoever tells is gone."""
     inherited.close()
-    if os.environ.get("POL") == "idle":
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    else:
-        os.nice(_NICENESS)
+    os.nice(_NICENESS)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # the other process ends this one, by finishing
     try:
