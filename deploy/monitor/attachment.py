@@ -8,10 +8,11 @@ from math import inf
 
 from deploy.monitor.admin_space import ROUTERS, router
 from deploy.monitor.watcher import Watcher
+from protocol.bus import Bus
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.errors import BusError
-from protocol.keys import checked_run, world_key
+from protocol.keys import checked_run
 
 _LONGEST_WAIT = 0.05  # s; how soon `close` is noticed
 _ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
@@ -20,9 +21,8 @@ _ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
 class Attachment(Watcher):
     """A watcher that drives itself until `close`."""
 
-    def __init__(self, bus: ZenohBus, run: str, *, speed: float | None = None) -> None:
-        # There is one a tick: nobody wakes for each.
-        super().__init__(bus, run, speed=speed, truths=bus.bursts(world_key(run, "truth")))
+    def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
+        super().__init__(bus, run, speed=speed)
         self._look_at = self.deadline
         self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
         self._thread.start()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -28,18 +27,10 @@ _ASK_TIMEOUT = 2.0
 class Watcher(SharedView):
     """Implements `protocol.bus.Node` for the thread that owns `bus`, and `Source` for all others."""
 
-    def __init__(
-        self,
-        bus: Bus,
-        run: str,
-        *,
-        speed: float | None = None,
-        truths: Callable[[], list[tuple[str, bytes]]] | None = None,
-    ) -> None:
+    def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
         """Args:
         bus: a connection of its own.
         run: name of the run.
-        truths: gives the truths that have arrived since it was called last; None: the bus brings them.
         speed: simulated seconds per second to ask for as soon as the run is there; None: leave it.
         """
         super().__init__(run)
@@ -51,8 +42,7 @@ class Watcher(SharedView):
         self._ask_at = self.deadline
         if speed is not None:
             self.steer(Steer(speed=speed))
-        self._truths = truths
-        for stream in ("clock",) if truths else ("clock", "truth"):
+        for stream in ("clock", "truth"):
             bus.subscribe(world_key(run, stream))
         bus.subscribe(every_robot(run, "health"))
         bus.watch(every_robot(run, "alive"))
@@ -66,7 +56,6 @@ class Watcher(SharedView):
 
     def handle(self, event: Event) -> None:
         """Take over what was published, or who came and went."""
-        self._catch_up()
         if isinstance(event, Presence):
             self._on_presence(event)
         elif isinstance(event, Sample):
@@ -77,18 +66,11 @@ class Watcher(SharedView):
     def wake(self, now: float) -> None:
         """Learn the scenario if it is unknown, and pass on what viewers asked for."""
         self.deadline = now + PERIOD
-        self._catch_up()
         if self._there and not self._known and now >= self._ask_at:
             self._learn()
             self._ask_at = time.monotonic() + RETRY
         if self._known:
             self._pass_on()
-
-    def _catch_up(self) -> None:
-        """The truths so far, before anything that was published after them."""
-        if self._truths is not None:
-            for key, payload in self._truths():
-                self._on_sample(Sample(key, payload))
 
     def _on_presence(self, event: Presence) -> None:
         try:
