@@ -28,7 +28,8 @@ class Process:
 
 def router(connection: Connection, record: tuple[str, Path] | None = None) -> Process:
     """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
-    return Process("router", "deploy.router:main", (connection, record), vital=True, reports=True)
+    entry, arguments = ("main", ()) if record is None else ("recording", record)
+    return Process("router", f"deploy.router:{entry}", (connection, *arguments), vital=True, reports=True)
 
 
 def world(

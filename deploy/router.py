@@ -28,8 +28,9 @@ PORTS = range(7447, 7547)  # zenoh's own port and those after it
 
 def main(
     connection: Connection,
-    record: tuple[str, Path] | None = None,
     ready: Callable[[str], None] | None = None,
+    *,
+    record: tuple[str, Path] | None = None,
 ) -> int:
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
@@ -44,23 +45,30 @@ def main(
     """
     try:
         with stop_on_signal():
-            recording = None if record is None else _recording(*record)
+            aboard = None if record is None else _begun(*record)
             bus, endpoint = listening(connection)
             with closing(bus):
                 _check_links(connection)
-                if recording is not None:
-                    recording.begin(bus)
+                if aboard is not None:
+                    aboard.begin(bus)
                 if ready is not None:
                     ready(endpoint)
-                if recording is not None:
-                    recording.follow()
+                if aboard is not None:
+                    aboard.follow()
                 while True:
                     signal.pause()
     except Stop:
         return 0
 
 
-def _recording(run: str, path: Path) -> Aboard:
+def recording(
+    connection: Connection, run: str, path: Path, ready: Callable[[str], None] | None = None
+) -> int:
+    """Route and record; see `main`."""
+    return main(connection, ready, record=(run, path))
+
+
+def _begun(run: str, path: Path) -> Aboard:
     from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
 
     return Aboard(run, path)
