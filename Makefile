@@ -42,7 +42,7 @@ figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes 
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
-	for study in tightness tuning robustness scale peers; do \
+	for study in tightness tuning robustness delay scale peers; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 
 clean:  ## remove what can be built again
