@@ -30,7 +30,7 @@ JITTER = 0.01  # m: no law is asked to leave an exact saddle
 
 LAWS: dict[str, dict[str, Any]] = {
     "gradient + lines": {"law": "gradient", "filter": "separating-lines"},
-    "gradient": {"law": "gradient", "filter": "none"},
+    "gradient": {"law": "gradient", "filter": "none", "escape": False},
     "orca": {"law": "orca", "filter": "none"},
     "barrier": {"law": "barrier", "filter": "none"},
 }
