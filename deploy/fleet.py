@@ -101,15 +101,22 @@ class Fleet:
         """The world, and before anything can happen the recorder."""
         run, topology = self._options.run, self.topology
         options, scenarios = self._options, self._scenarios
-        world = table.world(topology.world(), run, scenarios, options.lockstep, speed=options.speed)
+        world = table.world(
+            topology.world(),
+            run,
+            scenarios,
+            options.lockstep,
+            speed=options.speed,
+            restarts=options.restarts,
+        )
         self._supervisor.start([world])
         if self._record is not None:
             self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
             self._supervisor.report(table.RECORDER, _START)
 
     def _robots(self) -> list[table.Process]:
-        run, topology = self._options.run, self.topology
-        return [table.robot(topology.robot(robot), run, robot) for robot in self._scenarios[0].ids]
+        run, restarts, topology = self._options.run, self._options.restarts, self.topology
+        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in self._scenarios[0].ids]
 
     def _listen(self, stack: ExitStack) -> None:
         self._bus = ZenohBus(self.topology.observer())
@@ -178,7 +185,8 @@ class Fleet:
         for exit_ in exits:
             if exit_.process.vital:
                 self._listen_on()
-            if (exit_.process.vital and not self._complete) or not (exit_.expected or self._has_begun):
+            tolerable = exit_.expected or exit_.again or self._has_begun
+            if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
 
     @property
