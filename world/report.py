@@ -52,9 +52,7 @@ def report(
         "min_clearance": record.clearance,
         "nrl": normalised_length(scenario, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
-        "excursions": {
-            str(robot): away for robot, away in zip(scenario.ids, record.excursions, strict=True)
-        },
+        "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.excursions, strict=True)},
         "tight": tight(scenario),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
