@@ -154,7 +154,7 @@ def test_by_policy_a_killed_robot_comes_back_and_the_run_succeeds(mode: Mode) ->
             killed.append(message.tick)
             fleet.signal("robot-2", signal.SIGKILL)
 
-    options = RunOptions(mode=mode, restarts=2)
+    options = RunOptions(mode=mode, restarts=2, speed=1.0)  # slow enough to be watched on a busy machine
     report = run_fleet(load("figure-3b", ["control.speed=0.3"], 2), options, act)
     assert len(killed) == 2
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
@@ -171,7 +171,7 @@ def test_a_robot_that_fails_more_often_than_the_policy_allows_stays_down() -> No
             killed.append(message.tick)
             fleet.signal("robot-2", signal.SIGKILL)
 
-    report = run_fleet(load("random-4", ["time.fence=0.3"], 3), RunOptions(restarts=1), act)
+    report = run_fleet(load("random-4", ["time.fence=0.3"], 3), RunOptions(restarts=1, speed=2.0), act)
     assert report["verdict"] == "aborted"
     assert report["down"] == [2]
 
