@@ -41,8 +41,11 @@ bench: $(READY)  ## rates and costs, as ratios against floors measured in the sa
 figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
+	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
+	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
-	for study in tightness tuning robustness scale peers; do \
+	$(BIN)/python -m deploy.studies.sampled > out/sampled.md
+	for study in tightness tuning robustness delay scale peers; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 
 clean:  ## remove what can be built again

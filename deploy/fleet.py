@@ -102,7 +102,14 @@ class Fleet:
         """The world, and before anything can happen the recorder, unless the router is it."""
         run, topology = self._options.run, self.topology
         options, scenarios = self._options, self._scenarios
-        world = table.world(topology.world(), run, scenarios, options.lockstep, speed=options.speed)
+        world = table.world(
+            topology.world(),
+            run,
+            scenarios,
+            options.lockstep,
+            speed=options.speed,
+            restarts=options.restarts,
+        )
         self._supervisor.start([world])
         own_router = options.transport == "routed" and options.router is None
         if self._record is not None and not own_router:
@@ -110,8 +117,8 @@ class Fleet:
             self._supervisor.report(table.RECORDER, _START)
 
     def _robots(self) -> list[table.Process]:
-        run, topology = self._options.run, self.topology
-        return [table.robot(topology.robot(robot), run, robot) for robot in self._scenarios[0].ids]
+        run, restarts, topology = self._options.run, self._options.restarts, self.topology
+        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in self._scenarios[0].ids]
 
     def _listen(self, stack: ExitStack) -> None:
         self._bus = ZenohBus(self.topology.observer())
@@ -180,7 +187,8 @@ class Fleet:
         for exit_ in exits:
             if exit_.process.vital:
                 self._listen_on()
-            if (exit_.process.vital and not self._complete) or not (exit_.expected or self._has_begun):
+            tolerable = exit_.expected or exit_.again or self._has_begun
+            if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -11,11 +12,27 @@ from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
 Mode = Literal["lockstep", "realtime"]
+RESTARTS = 3  # of a robot that is started again on failure, unless the policy says how many
+_POLICY = re.compile(r"never|on-failure(?::([1-9][0-9]{0,3}))?")
 
 
 def fresh_run_name() -> str:
     """A run name that no other fleet on this network has."""
     return f"run-{os.urandom(4).hex()}"
+
+
+def restarts(policy: str) -> int:
+    """How many times a robot is started again by the policy `never` or `on-failure[:N]`.
+
+    Raises:
+        UsageError: it is neither.
+    """
+    found = _POLICY.fullmatch(policy)
+    if found is None:
+        raise UsageError(f"--restart {policy}: give never, on-failure, or on-failure:N with N from 1 on")
+    if policy == "never":
+        return 0
+    return int(found[1]) if found[1] else RESTARTS
 
 
 @dataclass(frozen=True)
@@ -28,10 +45,13 @@ class RunOptions:
     run: str = field(default_factory=fresh_run_name)
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
+    restarts: int = 0  # how many times a robot that fails is started again
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+        if self.restarts and self.transport == "local":
+            raise UsageError("--restart needs processes to start again; --transport local has one for all")
 
     @property
     def lockstep(self) -> bool:

@@ -12,11 +12,15 @@ from deploy.process_table import Process
 
 
 class Exit(NamedTuple):
-    """A process ended; `expected`: it was told to, or finished with status 0."""
+    """A process ended.
+
+    expected: it was told to, or finished with status 0; again: it is started anew by itself.
+    """
 
     process: Process
     code: int
     expected: bool
+    again: bool = False
 
     def __str__(self) -> str:
         how = f"exit status {self.code}" if self.code >= 0 else f"killed by {signal.Signals(-self.code).name}"

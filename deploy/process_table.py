@@ -39,15 +39,17 @@ def world(
     lockstep: bool,
     gathering: float = GATHERING,
     speed: float = 0.0,
+    restarts: int = 0,
 ) -> Process:
-    """The world of a run."""
-    arguments = (connection, run, scenarios, lockstep, gathering, speed)
+    """The world of a run; `restarts` as its robots' rows have it."""
+    arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts)
     return Process("world", "world.process:main", arguments, vital=True)
 
 
-def robot(connection: Connection, run: str, identity: int) -> Process:
+def robot(connection: Connection, run: str, identity: int, restarts: int = 0) -> Process:
     """One robot; the fleet goes on without it."""
-    return Process(robot_name(identity), "agents.process:main", (connection, run, identity))
+    arguments = (connection, run, identity)
+    return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
 
 
 def recorder(connection: Connection, run: str, path: Path) -> Process:

@@ -42,7 +42,7 @@ def exit_status(result: Mapping[str, Any]) -> int:
 
 
 def table(result: Mapping[str, Any]) -> RenderableType:
-    """What a person wants to know of a run."""
+    """What a person wants to know of a run; aside: how far a robot was from its straight way."""
     verdict = result["verdict"]
     headline = Text.assemble(
         (f"{result['scenario']}: ", "bold"),
@@ -77,17 +77,27 @@ def _figures(result: Mapping[str, Any]) -> Table:
 
 def _robots(result: Mapping[str, Any]) -> Table:
     listing = Table(box=None, padding=(0, 1), header_style="dim")
-    for column in ("robot", "arrived", "path, m", "pid", "restarts", "cpu, s", "memory, MB", "exit"):
+    for column in (
+        "robot",
+        "arrived",
+        "path, m",
+        "aside, m",
+        "pid",
+        "restarts",
+        "cpu, s",
+        "memory, MB",
+        "exit",
+    ):
         listing.add_column(column, justify="right", no_wrap=True)
     processes = {process["name"]: process for process in result["processes"]}
     for robot in result["robots"]:
         row = processes.get(f"robot-{robot}", {})
         arrived = "yes" if robot in result["arrived"] else "no"
-        length = result["path_lengths"].get(str(robot), 0.0)
-        listing.add_row(str(robot), arrived, f"{length:.3f}", *_process_cells(row))
+        ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "excursions")]
+        listing.add_row(str(robot), arrived, *ways, *_process_cells(row))
     for name in ("world", "router"):
         if name in processes:
-            listing.add_row(name, "", "", *_process_cells(processes[name]))
+            listing.add_row(name, "", "", "", *_process_cells(processes[name]))
     return listing
 
 

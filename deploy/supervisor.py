@@ -163,7 +163,8 @@ class Supervisor:
         life.cpu_s += exited.cpu_s
         life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)
         failed = exited.code != 0 and not life.told_to_end
-        self._exits.append(Exit(life.process, exited.code, not failed))
         life.failures += failed
-        if life.again or (failed and life.failures <= life.process.restarts):
+        again = life.again or (failed and life.failures <= life.process.restarts)
+        self._exits.append(Exit(life.process, exited.code, not failed, again))
+        if again:
             self._again(life)

@@ -9,6 +9,7 @@ from protocol.scenario import Scenario
 from world.world import World
 
 _UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
+_PER_ROBOT = ("path_lengths", "excursions")
 
 
 def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[str, Any]:
@@ -21,9 +22,8 @@ def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[s
     """
     report = World(scenario).report()
     report.update(dict.fromkeys(_UNKNOWN))
-    report.update(
-        messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time, path_lengths={}
-    )
+    report.update({name: {} for name in _PER_ROBOT})
+    report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)
     if last is not None:
         report.update(ticks=last.tick, sim_time=last.time)
         report["phi"]["last"] = last.phi

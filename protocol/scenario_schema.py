@@ -24,6 +24,7 @@ _KINDS = {
     "int_type": "a whole number",
     "int_from_float": "a whole number",
     "float_type": "a number",
+    "bool_type": "true or false",
     "string_type": "a string",
     "tuple_type": "an array",
     "dataclass_type": "a table",

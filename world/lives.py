@@ -97,6 +97,12 @@ class Lives:
         if life.status is Status.UP:
             life.status = Status.LOST
 
+    def expect(self, robot: int) -> None:
+        """A life that was lost will be followed by another: it must be there before the run goes on."""
+        life = self.of[robot]
+        if life.status is Status.LOST:
+            life.awaited = True
+
     def give_up(self, robot: int) -> None:
         """Go on without a robot that has not joined in time; it may still come later."""
         life = self.of[robot]

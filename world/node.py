@@ -53,6 +53,7 @@ class WorldNode:
         gathering: s that robots have to join.
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
+        restarts: how many times a robot whose process ends is started again; lock-step waits for it.
 
     Attributes:
         reports: one a scenario that has ended.
@@ -69,12 +70,14 @@ class WorldNode:
         gathering: float = GATHERING,
         patience: float = PATIENCE,
         speed: float = 0.0,
+        restarts: int = 0,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
         self.steering = Steering(speed=speed)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._scenarios = iter(scenarios)
+        self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
         self._roster = Roster(scenarios[0].ids)
         self._reception = Reception(run, self._roster, lockstep)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
@@ -123,6 +126,7 @@ class WorldNode:
         else:
             self._roster.leave(robot)
             self._give_up([robot])
+            self._expect(robot)
         self._advance()
 
     def _reply(self, request: Request) -> bytes:
@@ -284,6 +288,12 @@ class WorldNode:
         if self._turn.opened and self._lockstep:
             waiting = world.waiting
             self._outlet.measurements({r: m for r, m in world.open_tick().items() if r in waiting})
+
+    def _expect(self, robot: int) -> None:
+        """Wait for the next life of a robot that is started again."""
+        if self._phase is Phase.RUNNING and self._restarts[robot] > 0:
+            self._restarts[robot] -= 1
+            self._turn.world.expect(robot)
 
     # -- the end
 

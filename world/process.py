@@ -25,13 +25,14 @@ def main(
     lockstep: bool,
     gathering: float = GATHERING,
     speed: float = 0.0,
+    restarts: int = 0,
     *,
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
 ) -> int:
     """Judge `scenarios` one after another in `run`; returns the exit status.
 
-    `gathering` is how long robots may take to join, s; `speed` as in `WorldNode`; `tell` is told every
-    report at the end.
+    `gathering` is how long robots may take to join, s; `speed` and `restarts` as in `WorldNode`; `tell`
+    is told every report at the end.
 
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
     3: the network is gone.
@@ -40,7 +41,15 @@ def main(
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            node = WorldNode(bus, checked_run(run), scenarios, lockstep, gathering=gathering, speed=speed)
+            node = WorldNode(
+                bus,
+                checked_run(run),
+                scenarios,
+                lockstep,
+                gathering=gathering,
+                speed=speed,
+                restarts=restarts,
+            )
             drive(node, bus, on_stop=partial(node.interrupt, "interrupted", "the world was asked to stop"))
     except Stop:
         _tell_all(node, tell)

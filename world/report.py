@@ -28,6 +28,8 @@ def report(
 ) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
+    excursions: largest distance of each robot from the segment between its start and its goal.
+
     Args:
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
@@ -50,6 +52,7 @@ def report(
         "min_clearance": record.clearance,
         "nrl": normalised_length(scenario, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
+        "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.excursions, strict=True)},
         "tight": tight(scenario),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,

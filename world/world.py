@@ -110,6 +110,10 @@ class World:
             told = self._measurements
             self._measurements = {other: replace(told[other], active=self.active) for other in told}
 
+    def expect(self, robot: int) -> None:
+        """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
+        self._lives.expect(robot)
+
     def give_up_waiting(self, robot: int) -> None:
         """Go on without a robot of `awaiting_join`; it may still join later."""
         self._lives.give_up(robot)

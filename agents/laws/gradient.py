@@ -1,4 +1,4 @@
-"""The paper's law: u_i = -s D_i, integrated within the period; away from a deadlock if need be."""
+"""The paper's law: u_i = -s D_i, integrated within the period; away from a deadlock if need be and wanted."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class GradientLaw:
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
         self._gain = pace.gain(control.speed, scenario.time.step, scenario.time.tolerance)
-        self._progress = Progress(scenario.time.step)
+        self._progress = Progress(scenario.time.step) if control.escape else None
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
 
@@ -86,6 +86,8 @@ class GradientLaw:
         tick: int,
     ) -> float:
         """How strongly to escape from a deadlock, 0 to 1."""
+        if self._progress is None:
+            return 0.0
         oldest = min([state.tick for state in moving], default=tick)
         return self._progress.update(
             displacement=displacement,

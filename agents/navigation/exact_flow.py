@@ -1,7 +1,7 @@
 """The paper's continuous flow of the whole configuration, integrated to a tolerance: the reference for nrl.
 
 b_i' = -s_i(b) D_i(b). With a factor common to all robots only the timing changes, so "common" integrates
-b' = -D itself; "own" divides each slice by its own length, eased to a gain near the goal, which is
+b' = -D itself; "own" divides each slice by its own length, or near the goal by a constant, which is
 another path that descends too. The repulsive layer is stiff: a linearly implicit (Rosenbrock) method of
 order two with an error estimate is used (Shampine and Reichelt, The MATLAB ODE suite, 1997, ode23s).
 """
@@ -19,11 +19,16 @@ from agents.navigation.hessian import reduced_jacobian
 Pace = Literal["common", "own"]
 _D = 1.0 / (2.0 + np.sqrt(2.0))
 _E32 = 6.0 + np.sqrt(2.0)
+_HALVINGS = 20  # of the last step, to find where the flow arrives
 
 
 @dataclass(frozen=True)
 class FlowResult:
-    """Where the flow went. path: (n, p, 2) m, every accepted step; lengths: (p,) m; nrl as in section 4."""
+    """Where the flow went.
+
+    path: (n, p, 2) m, every accepted step, the last cut where all have arrived; lengths: (p,) m; nrl as
+    in section 4.
+    """
 
     arrived: bool
     path: Array
@@ -51,13 +56,14 @@ class Field:
         if self.pace == "common":
             return -outer
         reduced = reduced_gradient(self.problem, b)
-        unit = reduced / (length := self._length(reduced))
+        length = self._length(reduced)
+        unit = np.where(length > self.ease, reduced / length, 0.0)
         rows = outer.reshape(self.problem.p, 2, -1)
         along = unit[:, :, None] * np.einsum("ia,iaj->ij", unit, rows)[:, None, :]
         return np.asarray((-(rows - along) / length[:, :, None]).reshape(outer.shape))
 
     def _length(self, reduced: Array) -> Array:
-        return np.asarray(np.sqrt((reduced**2).sum(axis=1, keepdims=True) + self.ease**2))
+        return np.asarray(np.maximum(np.linalg.norm(reduced, axis=1, keepdims=True), self.ease))
 
 
 def _step(field: Field, b: Array, velocity: Array, jacobian: Array, h: float) -> tuple[Array, Array, Array]:
@@ -83,17 +89,19 @@ def integrate(
     pace: Pace = "common",
     *,
     tolerance: float | None = None,
+    ease: float | None = None,
     accuracy: float = 1e-3,
     max_steps: int = 20_000,
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
-    tolerance: a hundredth of the smallest radius unless given; accuracy: local error per step in units of
-    the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
+    tolerance: a hundredth of the smallest radius unless given; ease: |D_i| (m) below which "own" slows
+    down, the smallest radius unless given; accuracy: local error per step in units of the smallest radius.
+    Ends without arrival at another equilibrium or after `max_steps`.
     """
     unit = float(problem.radii.min())
     near = 0.01 * unit if tolerance is None else tolerance
-    field = Field(problem, pace, ease=unit)
+    field = Field(problem, pace, unit if ease is None else ease)
     b, path, h = start, [start], 1e-3
     velocity, jacobian = field.velocity(b), field.jacobian(b)
     for _ in range(max_steps):
@@ -108,7 +116,19 @@ def integrate(
             h *= min(4.0, 0.8 * max(ratio, 1e-6) ** (-1.0 / 3.0))
         else:
             h *= max(0.2, 0.8 * ratio ** (-1.0 / 3.0)) if np.isfinite(ratio) else 0.25
+    path[-1] = _cut(problem, path, near)
     return _summary(problem, np.array(path), near)
+
+
+def _cut(problem: Problem, path: list[Array], near: float) -> Array:
+    """The first place of the last step, taken as straight, at which every robot is near; or its end."""
+    if len(path) < 2 or _far(problem, path[-1]) > near:
+        return path[-1]
+    begin, way, low, high = path[-2], path[-1] - path[-2], 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if _far(problem, begin + middle * way) <= near else (middle, high)
+    return np.asarray(begin + high * way)
 
 
 def _far(problem: Problem, b: Array) -> float:

@@ -20,15 +20,23 @@ def plot(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="File to write: .png, .svg, .pdf, or a film: .gif, .mp4.")
     ],
+    until: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Draw only so many simulated seconds: disks as they stand then."),
+    ] = None,
 ) -> None:
     """Draw recordings: paths with disks, clearance and phi over time, and how late information was.
 
-    Example: disknav plot figure-1.mcap -o figure-1.pdf
+    Examples: disknav plot figure-1.mcap -o figure-1.pdf;
+    disknav plot figure-2.mcap --until 2.5 -o blocked.png
     """
+    from deploy.plot import excerpt
     from deploy.plot.draw import check, draw
 
     check(out, len(recordings))
     found = [_read(path) for path in recordings]
+    if until is not None:
+        found = [excerpt.until(each, until) for each in found]
     with bar(f"drawing {out.name}") as progress:
         draw(found, out, progress)
 

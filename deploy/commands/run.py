@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from deploy.options import Mode, RunOptions, Transport, fresh_run_name
-from deploy.result import Result, exit_status, table
+from deploy.json_output import is_standard_output, write_json
+from deploy.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
+from deploy.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 
@@ -49,6 +48,13 @@ def run(
             min=0.0, help="Simulated seconds per second in lock-step, 0 for no limit; 1 with --web."
         ),
     ] = None,
+    restart: Annotated[
+        str,
+        typer.Option(
+            metavar="POLICY",
+            help=f"A robot whose process fails: never, or on-failure[:N] times ({RESTARTS} unless given).",
+        ),
+    ] = "never",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
 ) -> None:
     """Run a scenario: a router, a world and one process per robot; prints what came of it.
@@ -63,10 +69,10 @@ def run(
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
-    options = RunOptions(transport, mode, router, run_name, secure, pace)
-    silent = quiet or str(json_file) == "-"
+    options = RunOptions(transport, mode, router, run_name, secure, pace, restarts(restart))
+    silent = quiet or is_standard_output(json_file)
     result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
-    _write(result, json_file)
+    write_json(result, json_file)
     if not silent:
         from rich.console import Console
 
@@ -76,13 +82,3 @@ def run(
             if target is not None:
                 console.print(f"{what}: {target}", highlight=False)
     raise typer.Exit(exit_status(result))
-
-
-def _write(result: Result, target: Path | None) -> None:
-    if target is None:
-        return
-    text = json.dumps(result, indent=2) + "\n"
-    if str(target) == "-":
-        sys.stdout.write(text)
-    else:
-        target.write_text(text)

@@ -42,7 +42,7 @@ def study(
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
 ) -> None:
-    """Measure a table: the paper's experiments, faults, peers, numbers of robots.
+    """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.

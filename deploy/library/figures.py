@@ -32,9 +32,10 @@ def figure_1(seed: int = 0) -> Scenario:
 
 
 def figure_2(seed: int = 0) -> Scenario:
-    """Goals 5 mm apart, each robot on the far side from its own: whoever arrives first blocks the others.
+    """Goals 5 mm apart, each robot on the far side from its own: they meet in each other's way.
 
-    Violates Assumption 1, so the theory promises nothing.
+    Violates Assumption 1, so the theory promises nothing. At this k the blockade is a saddle, which the
+    flow leaves by circling; below k = 3 some starts stay blocked.
     """
     goals = [(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)]
     starts = [(0.01, -0.22), (0.19, 0.11), (-0.19, 0.12)]

@@ -5,19 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from deploy.manifests.plan import (
-    CONFIG_INSIDE,
-    KEYS,
-    KEYS_INSIDE,
-    PORT,
-    ROUTER_CONFIG,
-    SCENARIO,
-    ZENOH_IMAGE,
-    Plan,
-    join,
-    probe,
-    zenohd_config,
-)
+from deploy.manifests import container
+from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, ROUTER_CONFIG, SCENARIO, Plan, zenohd_config
 from deploy.manifests.yaml_text import yaml_text
 from deploy.security.roster import ROUTER, WORLD
 
@@ -68,12 +57,11 @@ def compose(plan: Plan) -> dict[str, str]:
 
 
 def _router(plan: Plan) -> dict[str, Any]:
-    config = f"{CONFIG_INSIDE}/{ROUTER_CONFIG}"
     return {
         **_service(plan, ROUTER),
-        "image": ZENOH_IMAGE,
-        "entrypoint": ["/zenohd", "-c", config],
-        "configs": [{"source": "router", "target": config}],
+        "image": container.ZENOH_IMAGE,
+        "entrypoint": container.ROUTER_COMMAND,
+        "configs": [{"source": "router", "target": container.ROUTER_CONFIG_INSIDE}],
         "healthcheck": {
             "test": ["CMD-SHELL", f"nc -z 127.0.0.1 {PORT}"],
             "interval": "5s",
@@ -84,14 +72,13 @@ def _router(plan: Plan) -> dict[str, Any]:
 
 
 def _member(plan: Plan, role: str) -> dict[str, Any]:
-    scenario = f"{CONFIG_INSIDE}/{SCENARIO}"
     service = {
         **_service(plan, role),
         "image": plan.image,
-        "command": join(role, _ENDPOINT, KEYS_INSIDE, plan.mode, scenario),
+        "command": container.join(plan, role, _ENDPOINT),
         "depends_on": {ROUTER: {"condition": "service_started"}},
         "healthcheck": {
-            "test": ["CMD", "disknav", *probe(role, _ENDPOINT, KEYS_INSIDE)],
+            "test": ["CMD", "disknav", *container.probe(role, _ENDPOINT)],
             "interval": "15s",
             "timeout": "10s",
             "retries": 3,
@@ -99,7 +86,7 @@ def _member(plan: Plan, role: str) -> dict[str, Any]:
         },
     }
     if role == WORLD:
-        return {**service, "configs": [{"source": "scenario", "target": scenario}]}
+        return {**service, "configs": [{"source": "scenario", "target": container.SCENARIO_INSIDE}]}
     return {**service, "restart": "on-failure"}
 
 

@@ -6,19 +6,9 @@ from base64 import b64encode
 from collections.abc import Mapping
 from typing import Any
 
-from deploy.manifests import pods
-from deploy.manifests.plan import (
-    CONFIG_INSIDE,
-    KEYS_INSIDE,
-    PORT,
-    ROUTER_CONFIG,
-    SCENARIO,
-    ZENOH_IMAGE,
-    Plan,
-    join,
-    probe,
-    zenohd_config,
-)
+from deploy.manifests import container, pods
+from deploy.manifests.container import CONFIG_INSIDE
+from deploy.manifests.plan import KEYS_INSIDE, PORT, ROUTER_CONFIG, SCENARIO, Plan, zenohd_config
 from deploy.manifests.yaml_text import yaml_text
 from deploy.security.roster import ROUTER, WORLD
 
@@ -74,10 +64,10 @@ def _router_service(plan: Plan) -> dict[str, Any]:
 
 def _router(plan: Plan) -> dict[str, Any]:
     listening = {"tcpSocket": {"port": "zenoh"}, "periodSeconds": 5}
-    container = {
+    running = {
         "name": ROUTER,
-        "image": ZENOH_IMAGE,
-        "command": ["/zenohd", "-c", f"{CONFIG_INSIDE}/{ROUTER_CONFIG}"],
+        "image": container.ZENOH_IMAGE,
+        "command": container.ROUTER_COMMAND,
         "ports": [{"name": "zenoh", "containerPort": PORT}],
         "readinessProbe": listening,
         "livenessProbe": listening,
@@ -90,29 +80,29 @@ def _router(plan: Plan) -> dict[str, Any]:
         "spec": {
             "replicas": 1,
             "selector": {"matchLabels": pods.labels(plan, ROUTER)},
-            "template": pods.pod(plan, ROUTER, container, pods.keys(plan, ROUTER), restart="Always"),
+            "template": pods.pod(plan, ROUTER, running, pods.keys(plan, ROUTER), restart="Always"),
         },
     }
 
 
 def _world(plan: Plan) -> dict[str, Any]:
-    command = join(WORLD, _endpoint(plan), KEYS_INSIDE, plan.mode, f"{CONFIG_INSIDE}/{SCENARIO}")
-    container = {
+    command = container.join(plan, WORLD, _endpoint(plan))
+    running = {
         "name": WORLD,
         "image": plan.image,
         "command": ["disknav", *command],
-        **pods.health(["disknav", *probe(WORLD, _endpoint(plan), KEYS_INSIDE)]),
+        **pods.health(["disknav", *container.probe(WORLD, _endpoint(plan))]),
         "volumeMounts": [pods.mount("config", CONFIG_INSIDE), pods.mount("keys", KEYS_INSIDE)],
     }
     # A world that has gone cannot be replaced in the middle of a run.
-    template = pods.pod(plan, WORLD, container, pods.keys(plan, WORLD), restart="Never")
+    template = pods.pod(plan, WORLD, running, pods.keys(plan, WORLD), restart="Never")
     return pods.job(plan, WORLD, {"backoffLimit": 0, "template": template})
 
 
 def _robots(plan: Plan) -> dict[str, Any]:
     ids = [str(robot) for robot in plan.roster.robots]
-    command = join("robot-$1", _endpoint(plan), KEYS_INSIDE, plan.mode, "")
-    container = {
+    command = container.join(plan, "robot-$1", _endpoint(plan))
+    running = {
         "name": "robot",
         "image": plan.image,
         "command": ["/bin/sh", "-c", _PICK + " ".join(command)],
@@ -120,7 +110,7 @@ def _robots(plan: Plan) -> dict[str, Any]:
             {"name": "ROBOTS", "value": " ".join(ids)},
             {"name": "INDEX", "valueFrom": {"fieldRef": {"fieldPath": pods.INDEX}}},
         ],
-        **pods.health(["/bin/sh", "-c", _PICK + " ".join(probe("robot-$1", _endpoint(plan), KEYS_INSIDE))]),
+        **pods.health(["/bin/sh", "-c", _PICK + " ".join(container.probe("robot-$1", _endpoint(plan)))]),
         # Each sees the folder of its own index, with its own keys alone.
         "volumeMounts": [{**pods.mount("keys", KEYS_INSIDE), "subPathExpr": "$(INDEX)"}],
     }
@@ -133,7 +123,7 @@ def _robots(plan: Plan) -> dict[str, Any]:
             "parallelism": len(ids),
             "completionMode": "Indexed",
             "backoffLimit": 3 * len(ids),
-            "template": pods.pod(plan, "robot", container, volume, restart="OnFailure"),
+            "template": pods.pod(plan, "robot", running, volume, restart="OnFailure"),
         },
     )
 

@@ -16,8 +16,6 @@ ROUTER_CONFIG = "router.json5"
 KEYS = "keys"  # the folder of keys beside the files
 PORT = 7447
 KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
-CONFIG_INSIDE = "/config"
-ZENOH_IMAGE = "eclipse/zenoh:1.10.2"
 
 
 @dataclass(frozen=True)

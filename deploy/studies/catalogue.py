@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from deploy.options import Transport
+from deploy.studies.delay import delay
 from deploy.studies.paper import tightness, tuning
 from deploy.studies.peers import peers
 from deploy.studies.random_faults import random_faults
@@ -19,6 +20,7 @@ _BUILD: dict[StudyName, Callable[..., Study]] = {
     "tightness": tightness,
     "tuning": tuning,
     "robustness": robustness,
+    "delay": delay,
     "peers": peers,
     "scale": scale,
 }

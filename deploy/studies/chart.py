@@ -88,6 +88,20 @@ def _over_delay(rows: Sequence[Row], name: str) -> Curves:
     return curves
 
 
+def _delay(rows: Sequence[Row]) -> Figure:
+    """Time over the delay, and against the same runs without, one curve for each scenario and pace."""
+    figure, panels = _panels(2)
+    words = {"time_mean": "time, s", "ratio": "time against no delay"}
+    for axes, (name, text) in zip(panels, words.items(), strict=True):
+        curves: dict[str, list[tuple[Any, float | None]]] = {}
+        for row in rows:
+            curves.setdefault(f"{row['scenario']}, {row['pace']} pace", []).append((row["delay"], row[name]))
+        _curves(axes, curves)
+        axes.set(xlabel="one-way delay, s", ylabel=text)
+    panels[0].legend()
+    return figure
+
+
 def _random_faults(rows: Sequence[Row]) -> Figure:
     figure, (axes,) = _panels(1)
     names = ("collisions", "arrived", "survivors_arrived", "barred", "not_arrived", "failed")
@@ -150,6 +164,7 @@ _CHARTS: dict[str, Callable[[Sequence[Row]], Figure]] = {
     "tightness": _tightness,
     "tuning": _tuning,
     "robustness": _robustness,
+    "delay": _delay,
     "scale": _scale,
     "peers": _peers,
 }

@@ -64,27 +64,35 @@ def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
 
 
 def summary(rows: Sequence[Row]) -> list[str]:
-    """Each law over all scenarios: with its best setting in each, and with its one setting that is best."""
+    """Each law over all scenarios, with its best setting in each; then with one setting, and with all."""
     lines = []
     for law in dict.fromkeys(each["law"] for each in rows):
         own = [each for each in rows if each["law"] == law]
-        runs, came, touched = (_sum(own, name) for name in ("runs", "arrived", "collisions"))
-        lines.append(f"{law}: {came} of {runs} arrived, {touched} collided{_single(own)}")
+        lines.append(f"{law}: {_outcome(own)}")
+        lines += _single("without delay", [each for each in own if not each["delay"]])
+        lines += _single("with delays", [each for each in own if each["delay"]])
     return lines
 
 
-def _single(own: Sequence[Row]) -> str:
-    """What the best single setting comes to, margins aside, where several were tried."""
+def _single(where: str, own: Sequence[Row]) -> list[str]:
+    """What all settings come to together, and the best single one, where several were tried."""
     tried: defaultdict[str, list[Row]] = defaultdict(list)
     for each in own:
         for setting in each["scan"]:
             tried[setting["setting"]].append(setting)
-    everywhere = {name: rows for name, rows in tried.items() if len(rows) == max(map(len, tried.values()))}
     if len(tried) < 2:
-        return ""
-    name, rows = max(everywhere.items(), key=lambda item: _sum(item[1], "arrived"))
+        return []
+    everywhere = [rows for rows in tried.values() if len(rows) == len(own)]
+    single = min(everywhere, key=lambda rows: (-_sum(rows, "arrived"), _sum(rows, "collisions")))
+    of_all = _outcome([each for rows in tried.values() for each in rows])
+    return [
+        f"  {where}: {single[0]['setting']} alone: {_outcome(single)}; all {len(tried)} settings: {of_all}"
+    ]
+
+
+def _outcome(rows: Sequence[Row]) -> str:
     runs, came, touched = (_sum(rows, each) for each in ("runs", "arrived", "collisions"))
-    return f"; with {name} wherever it was tried: {came} of {runs} arrived, {touched} collided"
+    return f"{came} of {runs} arrived, {touched} collided"
 
 
 def _sum(rows: Sequence[Row], name: str) -> int:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
+from deploy.json_output import is_standard_output, write_json
 from deploy.options import Transport
 from deploy.plot.draw import PICTURES
 from deploy.plot.draw import check as check_plot
@@ -44,7 +44,7 @@ class Request:
     @property
     def file(self) -> Path | None:
         """The file to write, if it is one."""
-        return None if self.target is None or str(self.target) == "-" else self.target
+        return None if is_standard_output(self.target) else self.target
 
 
 def perform(request: Request) -> int:
@@ -61,7 +61,7 @@ def perform(request: Request) -> int:
         find(request.name, request.runs, request.seed, request.random, request.transport), request.settings
     )
     _check(request, study)
-    quiet = request.quiet or str(request.target) == "-"
+    quiet = request.quiet or is_standard_output(request.target)
     with RunLog(_log_path(request.file), fresh=request.fresh) as log:
         outcome = execute(study, transport, log, jobs=jobs, quiet=quiet)
     document = {
@@ -70,7 +70,7 @@ def perform(request: Request) -> int:
         "provenance": provenance(request.seed, transport, jobs)
         | {"settings": list(request.settings), "complete": outcome.complete},
     }
-    _write(document, request.target)
+    write_json(document, request.target)
     if request.plot is not None and outcome.rows:
         from deploy.studies.chart import draw_study
 
@@ -94,16 +94,6 @@ def _check(request: Request, study: Study) -> None:
 
 def _log_path(file: Path | None) -> Path | None:
     return None if file is None else file.with_name(file.name + ".runs.jsonl")
-
-
-def _write(document: object, target: Path | None) -> None:
-    if target is None:
-        return
-    text = json.dumps(document, indent=2) + "\n"
-    if str(target) == "-":
-        sys.stdout.write(text)
-    else:
-        target.write_text(text, encoding="utf-8")
 
 
 def _status(study: Study, outcome: Outcome, file: Path | None) -> int:

@@ -16,6 +16,8 @@ _WORDS = {
     "time_mean": "time, s",
     "time_max": "longest, s",
     "delay": "delay, s",
+    "ratio": "against no delay",
+    "ratio_error": "± error",
     "noise": "noise, m",
     "period": "period, s",
     "min_clearance": "clearance, m",

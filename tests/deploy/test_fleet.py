@@ -21,13 +21,14 @@ from deploy import process_table as table
 from deploy.fleet import Fleet
 from deploy.load import load
 from deploy.local import LocalFleet
-from deploy.options import RunOptions, fresh_run_name
+from deploy.options import Mode, RunOptions, fresh_run_name, restarts
 from deploy.result import EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.supervisor import Supervisor
 from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
+from protocol.errors import UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
@@ -142,6 +143,46 @@ def test_a_killed_robot_is_flowed_around_and_the_run_ends() -> None:
     assert "robot 2" in report["reason"]
     assert report["collisions"] == 0
     assert report["arrived"] == [1, 3, 4]
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_by_policy_a_killed_robot_comes_back_and_the_run_succeeds(mode: Mode) -> None:
+    killed: list[int] = []
+
+    def act(fleet: Fleet, message: Clock) -> None:
+        if message.tick >= 10 * (len(killed) + 1) and len(killed) < 2:
+            killed.append(message.tick)
+            fleet.signal("robot-2", signal.SIGKILL)
+
+    options = RunOptions(mode=mode, restarts=2, speed=1.0)  # slow enough to be watched on a busy machine
+    report = run_fleet(load("figure-3b", ["control.speed=0.3"], 2), options, act)
+    assert len(killed) == 2
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    restarts = {process["name"]: process["restarts"] for process in report["processes"]}
+    assert restarts.pop("robot-2") == 2
+    assert set(restarts.values()) == {0}
+
+
+def test_a_robot_that_fails_more_often_than_the_policy_allows_stays_down() -> None:
+    killed: list[int] = []
+
+    def act(fleet: Fleet, message: Clock) -> None:
+        if message.tick >= 10 * (len(killed) + 1) and len(killed) < 2:
+            killed.append(message.tick)
+            fleet.signal("robot-2", signal.SIGKILL)
+
+    report = run_fleet(load("random-4", ["time.fence=0.3"], 3), RunOptions(restarts=1, speed=2.0), act)
+    assert report["verdict"] == "aborted"
+    assert report["down"] == [2]
+
+
+def test_policies() -> None:
+    assert [restarts(policy) for policy in ("never", "on-failure", "on-failure:7")] == [0, 3, 7]
+    for policy in ("always", "on-failure:", "on-failure:0", "on-failure:-1", "on-failure:x"):
+        with pytest.raises(UsageError, match="on-failure:N"):
+            restarts(policy)
+    with pytest.raises(UsageError, match="--transport local"):
+        RunOptions("local", restarts=1)
 
 
 def test_a_world_that_dies_leaves_a_readable_result() -> None:

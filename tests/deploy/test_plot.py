@@ -13,6 +13,7 @@ from PIL import Image
 from deploy.plot import draw
 from deploy.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
 from deploy.plot.draw import check
+from deploy.plot.excerpt import until
 from deploy.plot.style import COLOURS, colour, dash
 from deploy.recording.reader import Recording, read
 from protocol.errors import UsageError
@@ -53,6 +54,17 @@ def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
     text = (tmp_path / "a.svg").read_text()
     for word in (f"three: {recording.result['verdict']}", "clearance, mm", "φ", "start", "goal", ">7<"):
         assert word in text
+
+
+def test_an_excerpt_ends_where_it_was_cut(recording, tmp_path):
+    part = until(recording, 3.2 * STEP)
+    assert part.truths.ticks.tolist() == [0, 1, 2, 3]
+    assert len(part.truths.positions) == len(part.truths.phi) == len(part.truths.clearance) == 4
+    assert max(entry.time for entry in part.entries) <= 3.5 * STEP
+    assert len(until(recording, 0.0).truths.ticks) == 1
+    assert until(recording, 1e9) is recording
+    draw(part, tmp_path / "a.svg")
+    assert "three: not finished after" in (tmp_path / "a.svg").read_text()
 
 
 def test_the_same_recording_gives_the_same_file(recording, tmp_path):

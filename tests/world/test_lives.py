@@ -45,6 +45,31 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     assert world.report()["faults"]["fenced"] == [{"robot": 2, "incarnation": 1, "tick": 3 + FENCE}]
 
 
+def test_a_lost_robot_that_is_started_again_is_waited_for():
+    world = joined(two(time=PATIENT))
+    advance_to(world, 3)
+    world.expect(2)  # nobody has lost it
+    assert world.awaiting_join == frozenset()
+    world.lost(2)
+    world.expect(2)
+    assert world.awaiting_join == {2}
+    assert world.open_tick().keys() == {2}  # only to learn that it has to join again
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
+    world.lost(1)
+    world.expect(1)
+    world.give_up_waiting(1)
+    assert world.open_tick()[2].active == (2,)
+
+
+def test_whoever_the_scenario_kills_is_not_waited_for():
+    world = faulty((2, 3, "kill"))
+    advance_to(world, 4)
+    world.lost(2)
+    world.expect(2)
+    assert world.awaiting_join == frozenset()
+
+
 def test_losing_a_robot_in_an_open_tick_tells_the_others():
     world = joined(two(time=PATIENT))
     before = world.open_tick()

@@ -19,7 +19,17 @@ FAULTS = {
 }
 FIELDS = {
     *("scenario", "seed", "robots", "law", "filter", "k", "verdict", "reason", "arrived", "collisions"),
-    *("contacts", "min_clearance", "nrl", "path_lengths", "tight", "ticks", "sim_time", "missed_commands"),
+    *(
+        "contacts",
+        "min_clearance",
+        "nrl",
+        "path_lengths",
+        "excursions",
+        "tight",
+        "ticks",
+        "sim_time",
+        "missed_commands",
+    ),
     *("rejected_commands", "faults", "phi", "trajectory_sha256", "positions", "down"),
 }
 

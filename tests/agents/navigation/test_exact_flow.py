@@ -12,7 +12,7 @@ from agents.navigation.clusters import circulation
 from agents.navigation.critical import classify
 from agents.navigation.equilibria import find_equilibrium
 from agents.navigation.exact_flow import Field, integrate
-from agents.navigation.function import Array, Problem, log_ratio, obstacle_functions
+from agents.navigation.function import Array, Problem, log_ratio, obstacle_functions, reduced_gradient
 from agents.navigation.hessian import reduced_jacobian
 from agents.navigation.reachability import mirrored_triples
 from agents.navigation.tuning import automatic_k
@@ -34,10 +34,25 @@ def test_flow_descends_without_contact_and_arrives(pace: Literal["common", "own"
         assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
 
 
+def test_the_path_ends_where_the_last_robot_arrives() -> None:
+    problem = crowded(6, False, k=60.0)
+    flow = integrate(problem, free(problem, 1), tolerance=0.1)
+    assert np.linalg.norm(flow.path[-1] - problem.goals, axis=1).max() == pytest.approx(0.1, rel=1e-4)
+
+
+def test_own_pace_saturates_each_robot() -> None:
+    problem = crowded(3, False, k=20.0)
+    b = free(problem, 4)
+    lengths = np.linalg.norm(reduced_gradient(problem, b), axis=1)
+    speeds = np.linalg.norm(Field(problem, "own", ease=float(np.median(lengths))).velocity(b), axis=1)
+    assert np.sort(speeds) == pytest.approx([lengths.min() / np.median(lengths), 1.0, 1.0])
+
+
+@pytest.mark.parametrize("ease", [0.01, 4.0, 1000.0])
 @pytest.mark.parametrize("pace", ["common", "own"])
-def test_jacobian_of_the_field(pace: Literal["common", "own"]) -> None:
+def test_jacobian_of_the_field(pace: Literal["common", "own"], ease: float) -> None:
     problem = crowded(3, True, k=20.0)
-    field, b, h = Field(problem, pace, ease=4.0), free(problem, 4), 1e-5
+    field, b, h = Field(problem, pace, ease), free(problem, 4), 1e-5
     steps = (h * np.eye(b.size)).reshape(b.size, *b.shape)
     expected = np.array([(field.velocity(b + s) - field.velocity(b - s)).ravel() / (2 * h) for s in steps]).T
     np.testing.assert_allclose(field.jacobian(b), expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())

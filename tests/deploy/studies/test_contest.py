@@ -62,10 +62,31 @@ def test_every_setting_meets_the_same_scenarios_and_stays_in_the_row(tmp_path: P
     ]
     assert all(each["runs"] == 1 and each["step_us"] > 0.0 for each in rows)
     assert sound(rows)
-    assert len(summary(rows)) == len(LAWS)
+    lines = summary(rows)
+    assert [line.split(":")[0] for line in lines if not line.startswith(" ")] == list(LAWS)
+    assert len(lines) == len(LAWS) + 2 * len(SCANS)  # either method without and with delays
     with RunLog(tmp_path / "runs.jsonl") as log:
         again = execute(study, "local", log, jobs=1)
     assert (again.executed, again.rows) == (0, rows)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_either_method_is_tried_with_as_many_settings(late: bool) -> None:
+    counts = {law: len(list(settings(law, late=late))) for law in LAWS}
+    assert counts["orca"] == counts["barrier"] > counts["gradient"] == counts["gradient + lines"] == 1
+
+
+def test_a_summary_names_the_single_setting_that_arrives_most() -> None:
+    def tried(setting: str, arrived: int, touched: int) -> dict[str, Any]:
+        return {"setting": setting, "runs": 3, "arrived": arrived, "collisions": touched}
+
+    scans = [[tried("a", 3, 0), tried("b", 0, 3)], [tried("a", 1, 1), tried("b", 3, 0)]]
+    rows = [max(scan, key=lambda each: each["arrived"]) | {"scan": scan} for scan in scans]
+    rows = [row | {"law": "orca", "delay": 0.0} for row in rows]
+    assert summary(rows) == [
+        "orca: 6 of 6 arrived, 0 collided",
+        "  without delay: a alone: 4 of 6 arrived, 1 collided; all 2 settings: 7 of 12 arrived, 4 collided",
+    ]
 
 
 def test_a_collision_behind_separating_lines_is_not_sound() -> None:

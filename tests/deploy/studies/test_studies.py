@@ -96,6 +96,7 @@ def test_the_papers_flow_is_bare() -> None:
     scenario = paper_flow("d", 20.0, 3)
     control, time = scenario.control, scenario.time
     assert (control.law, control.k, control.pace, control.filter) == ("gradient", 20.0, "common", "none")
+    assert not control.escape
     assert (time.step, time.tolerance) == (PERIOD, TOLERANCE)
     assert [cell.labels["k"] for cell in tuning(1).cells][4:] == [20.0, 30.0, 40.0, 60.0, 100.0, 300.0]
 

@@ -1,0 +1,25 @@
+"""JSON that a command writes: to a file, or to standard output."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+_STANDARD_OUTPUT = "-"
+
+
+def is_standard_output(target: Path | None) -> bool:
+    """Whether `target` asks for standard output, which then takes nothing else."""
+    return str(target) == _STANDARD_OUTPUT
+
+
+def write_json(document: object, target: Path | None) -> None:
+    """Write `document` into the file `target`, to standard output for '-', nowhere for None."""
+    if target is None:
+        return
+    text = json.dumps(document, indent=2) + "\n"
+    if is_standard_output(target):
+        sys.stdout.write(text)
+    else:
+        target.write_text(text, encoding="utf-8")
