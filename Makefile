@@ -3,14 +3,29 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   command -v $$p >/dev/null 2>&1 && $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
 READY := .venv/.ready
+COMPILED := .venv/.compiled
+# What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
+INNER := protocol/codec.py $(addprefix agents/,slice.py flow.py pace.py deadlock.py safe_velocity.py estimate.py \
+  neighbours.py link.py robot.py node.py laws/gradient.py lines/line.py lines/placement.py lines/pair.py \
+  lines/fixed_disk.py lines/bond.py lines/ledger.py) $(addprefix world/,commands.py lives.py kinematics.py \
+  verdict.py sensing.py record.py world.py turn.py outlet.py node.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test fast check bench figures clean
+.PHONY: help setup compile demo test fast check bench figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-setup: $(READY)  ## build .venv with everything that running and testing needs
+setup: $(READY) $(COMPILED)  ## build .venv with everything that running and testing needs, and compile
+
+compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
+
+$(COMPILED): $(READY) $(INNER)
+	@mkdir -p build; rm -f *__mypyc*.so
+	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
+	else tail -3 build/compile.log; find protocol agents world -name '*.so' -delete; \
+	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at two thirds of the speed"; fi
+	@touch $@
 
 $(READY): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
@@ -18,7 +33,7 @@ $(READY): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
 	@touch $@
 
-demo: $(READY)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
+demo: $(READY) $(COMPILED)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
 
@@ -28,17 +43,17 @@ check: $(READY)  ## lint, formatting, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-fast: $(READY)  ## the part of the suite that takes less than a minute
+fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minute
 	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser'
 
-test: check  ## lint, types, import contracts and the whole suite
+test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
 	$(BIN)/python -m pytest -n 2 -m 'not process and not browser'
 	$(BIN)/python -m pytest -m 'process or browser'
 
-bench: $(READY)  ## rates and costs, as ratios against floors measured in the same run
+bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
 
-figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
+figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
@@ -49,4 +64,5 @@ figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes 
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 
 clean:  ## remove what can be built again
+	find protocol agents world . -maxdepth 2 -name '*.so' -not -path './.venv/*' -delete
 	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -7,6 +7,7 @@ import sys
 
 import typer
 
+from deploy import compiled
 from deploy.commands import keys, scenario
 from deploy.commands.check import check
 from deploy.commands.deploy import deploy
@@ -43,6 +44,7 @@ def main() -> None:
     """Entry point of the `disknav` command. SIGTERM ends it as Ctrl-C does."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        compiled.check()
         app()
     except _INVALID as error:
         _fail(error, EXIT_INVALID)
