@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from datetime import date, time
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -42,7 +42,7 @@ _OTHERS = {"finite_number": "must be a finite number of reasonable size"}
 
 
 @cache
-def _adapter(table: Hashable) -> TypeAdapter[Any]:
+def _adapter(table: type) -> TypeAdapter[Any]:
     from pydantic import TypeAdapter  # only whoever reads a scenario pays for it
 
     return TypeAdapter(table)
@@ -63,8 +63,9 @@ def typed(document: Document, table: type[_Table]) -> tuple[_Table | None, list[
     """
     from pydantic import ValidationError
 
+    root: type = table
     try:
-        found: _Table = _adapter(table).validate_json(json.dumps(_plain(document)), strict=True)
+        found: _Table = _adapter(root).validate_json(json.dumps(_plain(document)), strict=True)
         return found, []
     except ValidationError as error:
         return None, _findings(document, error.errors(include_url=False), table)
