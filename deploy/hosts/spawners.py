@@ -59,7 +59,9 @@ class HostSpawners:
         return self._there[host].folder if host in self._there else None
 
     def store(self, host: str, path: Path) -> None:
-        """Copy a file to a host's folder, for its owner's eyes only."""
+        """Copy a file to a host's folder, for its owner's eyes only; to no host that is lost."""
+        if self._there[host].gone:
+            return
         self._there[host].store(path.name, path.read_bytes())
 
     def start(
@@ -75,11 +77,11 @@ class HostSpawners:
         spawner = self._there.get(self._places.get(name, ""), self._here)
         number = next(self._numbers)
         try:
-            life = spawner.start(name, entry, arguments, reports=reports, log=log)
+            life = 0 if spawner.gone else spawner.start(name, entry, arguments, reports=reports, log=log)
         except ProcessError as error:
-            if spawner is self._here:
-                raise
-            self._own.append(Exited(number, FAULT, 0.0, 0.0, str(error)))
+            self._lose(spawner, error)
+        if spawner.gone:
+            self._own.append(Exited(number, FAULT, 0.0, 0.0, f"{self._name(spawner)} is lost"))
             return number
         self._lives[number] = spawner, life
         self._numbers_of[spawner, life] = number
@@ -121,16 +123,25 @@ class HostSpawners:
         return [self._here, *self._there.values()]
 
     def _renumbered(self, spawner: Spawner, news: News) -> News:
-        number = self._numbers_of[spawner, news.life]
+        number = self._numbers_of.get((spawner, news.life))
+        if number is None:
+            raise ProcessError(f"{self._name(spawner)} tells of a process that it was not asked for")
         if isinstance(news, Exited):
-            self._lives.pop(number, None)
+            del self._numbers_of[spawner, news.life], self._lives[number]
         return type(news)(number, *(getattr(news, name) for name in news.__struct_fields__[1:]))
+
+    def _name(self, spawner: Spawner) -> str:
+        return next((f"host {name}" for name, each in self._there.items() if each is spawner), "this host")
 
     def _lose(self, spawner: Spawner, error: ProcessError) -> None:
         """All processes of a lost host have ended, as far as this launcher can know."""
         if spawner is self._here:
             raise error
         print(f"disknav: {error}", file=sys.stderr)
-        for number in [number for number, (of, _) in self._lives.items() if of is spawner]:
-            del self._lives[number]
+        spawner.gone = True
+        spawner.hang_up()
+        for number, (of, own) in list(self._lives.items()):
+            if of is not spawner:
+                continue
+            del self._numbers_of[of, own], self._lives[number]
             self._own.append(Exited(number, FAULT, 0.0, 0.0, str(error)))

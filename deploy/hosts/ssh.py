@@ -78,8 +78,8 @@ class SshSpawner(Spawner):
             self._send(Beat())
         try:
             yield from super().news(timeout)
-        except (OSError, msgspec.DecodeError):
-            raise self._gone() from None
+        except (OSError, msgspec.DecodeError) as error:
+            raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
 
     def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
         del modules  # the host knows them

@@ -9,27 +9,35 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import psutil
 import pytest
 
+from deploy.hosts.far_end import GREETING
 from deploy.load import load
 from deploy.local import LocalFleet
 from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
+from deploy.security.keystore import create
+from deploy.security.roster import Roster
+from deploy.studies.provenance import code_digest
 from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
 from protocol.keys import world_key
 from protocol.messages import Clock
+from protocol.scenario import ProcessFault
+from protocol.scenario_file import write_toml
 from tests.deploy.hosts.ssh_server import Server, free_ports, needs_sshd, ssh_server
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
 DISKNAV = [sys.executable, "-m", "deploy.cli"]
 HOSTS = {"base": (1, 2), "left": (3, 4), "right": (5, 6)}
+SCENARIO = load("figure-1")
 LONG = ["--mode", "realtime", "--set", "control.speed=0.01", "--set", "time.limit=120"]
 
 
@@ -113,12 +121,12 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     server: Server, tmp_path: Path
 ) -> None:
     keys, record = tmp_path / "keys", tmp_path / "run.mcap"
-    assert disknav("keys", "new", keys, "-s", "figure-1", "--run", "yard").returncode == 0
+    create(keys, Roster("yard", SCENARIO.ids))
     hosts, _ = table(server, tmp_path)
     done = disknav("run", "figure-1", "--hosts", hosts, "--secure", keys, "--record", record, "--json", "-")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
-    (alone,) = LocalFleet([load("figure-1")]).execute()
+    (alone,) = LocalFleet([SCENARIO]).execute()
     assert found["trajectory_sha256"] == alone["trajectory_sha256"]
     where = {row["name"]: row.get("host") for row in found["processes"]}
     assert where.pop("recorder") is None
@@ -134,8 +142,7 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
 
 def test_scheduled_faults_reach_other_hosts(server: Server, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
-    shown = disknav("scenario", "show", "figure-1").stdout
-    scenario.write_text(shown + '\n[[process]]\nrobot = 3\nat = 0.5\nevent = "restart"\n')
+    scenario.write_text(write_toml(replace(SCENARIO, process=(ProcessFault(3, 0.5, "restart"),))))
     hosts, _ = table(server, tmp_path, ["left"])
     done = disknav("run", scenario, "--hosts", hosts, "--json", "-")
     assert done.returncode == 0, done.stderr
@@ -179,6 +186,11 @@ def test_a_host_that_is_lost_ends_the_run(server: Server, tmp_path: Path) -> Non
         ),
         ({"ssh": "nobody-at-all@127.0.0.1"}, EXIT_FAULT, "host left is gone: ssh ended with status 255"),
         ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "another version"),
+        (
+            {"command": f"echo {GREETING} {code_digest()} /tmp; yes #"},
+            EXIT_FAULT,
+            "does not talk as it should",
+        ),
         ({"name": "base"}, EXIT_INVALID, "hosts[1].name: is the name of hosts[0] already"),
     ],
 )
