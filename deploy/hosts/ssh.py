@@ -43,7 +43,6 @@ class SshSpawner(Spawner):
         self.host = host
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
-        self._heard = b""
         super().__init__()
 
     def greet(self, timeout: float) -> None:
@@ -55,7 +54,7 @@ class SshSpawner(Spawner):
         deadline = time.monotonic() + timeout
         while not self.folder:
             line = self._line(deadline)
-            words = line.split()
+            words = line.split(maxsplit=2)
             if words[:1] != [GREETING]:
                 print(f"{self.host.name}: {line}", file=sys.stderr)  # what a shell says at login
             elif len(words) != 3 or words[1] != code_digest():
@@ -84,15 +83,8 @@ class SshSpawner(Spawner):
     def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
         options = [word for option in _OPTIONS for word in ("-o", option)]
-        command = [
-            "ssh",
-            "-T",
-            *self.host.options,
-            *options,
-            "--",
-            self.host.ssh,
-            f"{self.host.command} host",
-        ]
+        there = [self.host.ssh, f"{self.host.command} host"]
+        command = ["ssh", "-T", *self.host.options, *options, "--", *there]
         end = theirs.fileno()
         try:
             return subprocess.Popen(command, stdin=end, stdout=end, start_new_session=True)
