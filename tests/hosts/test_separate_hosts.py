@@ -40,9 +40,9 @@ class Field:
         self._start(1, "world", str(folder / "scenario.toml"), "--mode", "realtime")
         observer = [sys.executable, "-m", "tests.hosts.observer", self._router(1), RUN, str(self._keys)]
         self._told = hosts.start(1, observer).stdout
-        assert next(self.told()) == {"world": "answers"}
         for robot, host in HOMES.items():
             self._start(host, "robot", str(robot))
+        assert next(self.told()) == {"world": "answers"}
 
     def told(self) -> Iterator[dict[str, Any]]:
         """What the observer tells, until the result."""
