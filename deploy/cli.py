@@ -11,6 +11,7 @@ from deploy import compiled
 from deploy.commands import keys, scenario
 from deploy.commands.check import check
 from deploy.commands.deploy import deploy
+from deploy.commands.host import host
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.plot import plot
@@ -20,7 +21,7 @@ from deploy.commands.run import run
 from deploy.commands.single import robot, router, world
 from deploy.commands.study import study
 from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
-from protocol.errors import CertificateError, DisknavError, KeyGrammarError, ScenarioError, UsageError
+from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
 
 app = typer.Typer(
     name="disknav",
@@ -34,10 +35,11 @@ app = typer.Typer(
 
 for command in (run, check, study, plot, replay, info, monitor, robot, world, router, probe, deploy):
     app.command()(command)
+app.command(hidden=True)(host)
 app.add_typer(scenario.app, name="scenario")
 app.add_typer(keys.app, name="keys")
 
-_INVALID = (ScenarioError, UsageError, KeyGrammarError, CertificateError)
+_INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 
 
 def main() -> None:

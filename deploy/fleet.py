@@ -13,8 +13,10 @@ from typing import Any
 
 from deploy import process_table as table
 from deploy.fault_schedule import FaultSchedule
+from deploy.hosts.spawners import HostSpawners
+from deploy.hosts.spread import Spread, places
 from deploy.options import RunOptions
-from deploy.process_life import Exit
+from deploy.process_life import Exit, Usage
 from deploy.security.membership import Membership
 from deploy.supervisor import Supervisor
 from deploy.topology import Mesh, Routed, Topology
@@ -74,7 +76,8 @@ class Fleet:
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._supervisor = stack.enter_context(Supervisor())
+            self._hosts = self._host_spawners()
+            self._supervisor = stack.enter_context(Supervisor(self._hosts))
             self.topology = self._begin(stack)
             self._start_world()
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
@@ -94,9 +97,23 @@ class Fleet:
         membership.run(options.run)  # or the router would turn everybody away
         if options.router is not None:
             return Routed(options.router, membership)
+        if options.hosts is not None and self._hosts is not None:
+            return self._link(Spread(options.hosts, membership, self._hosts))
         record = None if self._record is None else (options.run, self._record)
         self._supervisor.start([table.router(membership.router(), record)])
         return Routed(self._supervisor.report("router", _START), membership)
+
+    def _host_spawners(self) -> HostSpawners | None:
+        hosts = self._options.hosts
+        return None if hosts is None else HostSpawners(hosts, places(hosts))
+
+    def _link(self, spread: Spread) -> Spread:
+        """A router on every host, each linked with all before it: no message can be lost on a detour."""
+        spread.spawners.greet()
+        for host in spread.hosts.hosts:
+            self._supervisor.start([table.linked_router(spread.router(host), host.name)])
+            self._supervisor.report(table.router_name(host.name), _START)
+        return spread
 
     def _start_world(self) -> None:
         """The world, and before anything can happen the recorder, unless the router is it."""
@@ -111,7 +128,7 @@ class Fleet:
             restarts=options.restarts,
         )
         self._supervisor.start([world])
-        own_router = options.transport == "routed" and options.router is None
+        own_router = options.transport == "routed" and options.router is None and options.hosts is None
         if self._record is not None and not own_router:
             self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
             self._supervisor.report(table.RECORDER, _START)
@@ -145,10 +162,11 @@ class Fleet:
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""
         deadline = time.monotonic() + _LEAVING
-        while self._supervisor.running() not in ([], ["router"]) and time.monotonic() < deadline:
+        while not all(map(table.is_router, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
         self._supervisor.stop()
-        return [usage._asdict() for usage in self._supervisor.usage()]
+        hosts = {} if self._options.hosts is None else places(self._options.hosts)
+        return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -220,3 +238,8 @@ class Fleet:
 
     def _unjudged(self) -> Report:
         return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)
+
+
+def _row(usage: Usage, host: str | None) -> dict[str, Any]:
+    """A process's row of the result; of a fleet on several hosts, it says on which."""
+    return usage._asdict() if host is None else {**usage._asdict(), "host": host}

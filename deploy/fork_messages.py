@@ -1,9 +1,15 @@
-"""What a supervisor and its fork server say to each other: requests one way, news the other."""
+"""What a supervisor and its fork server say to each other: requests one way, news the other.
+
+Requests are pickled. News are not, because they may come from another host: whoever has taken that
+over must not be able to run anything here.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import msgspec
 
 
 class Start(NamedTuple):
@@ -27,28 +33,59 @@ class Signal(NamedTuple):
     number: int
 
 
-class Started(NamedTuple):
-    """News: the process exists."""
+class Store(NamedTuple):
+    """Request, to a fork server on another host: put a file, its owner's alone, into its folder."""
+
+    name: str
+    content: bytes
+
+
+class Beat(NamedTuple):
+    """Request: nothing; the supervisor is there."""
+
+
+class _News(msgspec.Struct, frozen=True, tag=True, array_like=True, forbid_unknown_fields=True):
+    """Base of what the fork server tells; `life` says of which process."""
 
     life: int
+
+
+class Started(_News, frozen=True):
+    """News: the process exists."""
+
     pid: int
 
 
-class Report(NamedTuple):
+class Report(_News, frozen=True):
     """News: the process says something."""
 
-    life: int
     text: str
 
 
-class Exited(NamedTuple):
+class Exited(_News, frozen=True):
     """News: the process is gone; the exit code is negative for a signal."""
 
-    life: int
     code: int
     cpu_s: float
     max_rss_mb: float
+    why: str = ""  # where the exit code does not say it
 
 
-Request = Start | Signal
+Request = Start | Signal | Store | Beat
 News = Started | Report | Exited
+
+MAX_NEWS = 1 << 20  # bytes
+
+_encoder = msgspec.msgpack.Encoder()
+_decoder = msgspec.msgpack.Decoder(News)
+
+
+def encode_news(news: News) -> bytes:
+    """News as they cross the channel."""
+    return _encoder.encode(news)
+
+
+def decode_news(payload: bytes) -> News:
+    """The reverse; raises msgspec.DecodeError."""
+    decoded: News = _decoder.decode(payload)
+    return decoded

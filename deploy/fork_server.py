@@ -13,49 +13,97 @@ import importlib
 import os
 import signal
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from math import inf
 from multiprocessing.connection import Connection as Channel
 from multiprocessing.connection import wait
+from typing import Any
 
-from deploy.fork_messages import Exited, News, Report, Request, Start, Started
+from deploy.fork_messages import (
+    Exited,
+    News,
+    Report,
+    Request,
+    Signal,
+    Start,
+    Started,
+    Store,
+    encode_news,
+)
 from deploy.forked import run_forked
+
+_ENDINGS = (signal.SIGTERM, signal.SIGHUP)
 
 
 def main(channel: int, modules: Sequence[str]) -> None:
     """Serve one supervisor, on a socket inherited from it, until the other end is closed."""
+    both: Channel[Any, Any] = Channel(channel)
+    serve(both, both, modules)
+
+
+def serve(
+    requests: Channel[Any, Request],
+    news: Channel[bytes, Any],
+    modules: Sequence[str],
+    *,
+    store: Callable[[Store], None] | None = None,
+    patience: float = inf,
+) -> None:
+    """Serve one supervisor; leave no process behind.
+
+    Args:
+        requests: ends when the supervisor does.
+        news: the way back; may be the same channel.
+        modules: imported first.
+        store: takes files.
+        patience: s without a request after which the supervisor counts as gone.
+    """
     for module in modules:
         importlib.import_module(module)
     gc.collect()
     gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
-    server = _Server(Channel(channel))
+    server = _Server(requests, news, store, patience)
     try:
-        server.serve()
+        with suppress(ConnectionError):  # nobody hears the news any more
+            server.serve()
     finally:
         server.kill_all()
 
 
 class _Server:
-    def __init__(self, channel: Channel[News, Request]) -> None:
-        self._channel = channel
+    def __init__(
+        self,
+        requests: Channel[Any, Request],
+        news: Channel[bytes, Any],
+        store: Callable[[Store], None] | None,
+        patience: float,
+    ) -> None:
+        self._requests, self._news = requests, news
+        self._store, self._patience = store, patience
+        self._heard = time.monotonic()
         self._lives: dict[int, int] = {}  # pid -> life, of those not yet waited for
         self._reports: dict[int, tuple[int, Channel[str, str]]] = {}  # descriptor -> life, its pipe
         self._lifeline, self._held = os.pipe()  # the forks' ends are at end of file when this process is gone
-        self._child_ended, written = os.pipe()  # SIGCHLD makes it readable
+        self._signalled, written = os.pipe()  # a signal makes it readable
         os.set_blocking(written, False)
-        signal.signal(signal.SIGCHLD, lambda *_: None)
+        for number in (signal.SIGCHLD, *_ENDINGS):
+            signal.signal(number, lambda *_: None)
         signal.set_wakeup_fd(written, warn_on_full_buffer=False)
 
     def serve(self) -> None:
-        requests = self._channel.fileno()
-        while True:
-            for ready in wait([requests, self._child_ended, *self._reports]):
+        requests = self._requests.fileno()
+        while (remaining := self._heard + self._patience - time.monotonic()) > 0.0:
+            for ready in wait([requests, self._signalled, *self._reports], min(remaining, 3600.0)):
                 if ready == requests:
                     try:
-                        self._obey(self._channel.recv())
+                        self._obey(self._requests.recv())
                     except (EOFError, ConnectionError):
                         return
-                elif ready == self._child_ended:
-                    os.read(self._child_ended, 4096)
+                elif ready == self._signalled:
+                    if any(number in _ENDINGS for number in os.read(self._signalled, 4096)):
+                        return
                     self._collect()
                 elif isinstance(ready, int) and ready in self._reports:  # else just collected
                     self._relay(ready)
@@ -66,29 +114,38 @@ class _Server:
         for pid in self._lives:
             os.waitpid(pid, 0)
 
+    def _tell(self, news: News) -> None:
+        self._news.send_bytes(encode_news(news))
+
     def _obey(self, request: Request) -> None:
+        self._heard = time.monotonic()
         if isinstance(request, Start):
             self._fork(request)
-            return
-        for pid, life in self._lives.items():
-            if life == request.life:
-                os.kill(pid, request.number)
+        elif isinstance(request, Store) and self._store is not None:
+            self._store(request)
+        elif isinstance(request, Signal):
+            for pid, life in self._lives.items():
+                if life == request.life:
+                    os.kill(pid, request.number)
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.reports else (None, None)
+        # A signal must not find the fork with this process's handlers.
+        signal.pthread_sigmask(signal.SIG_BLOCK, _ENDINGS)
         pid = os.fork()
         if pid == 0:
             run_forked(start, writing, self._lifeline)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDINGS)
         if reading is not None and writing is not None:
             os.close(writing)
             self._reports[reading] = (start.life, Channel(reading, writable=False))
         self._lives[pid] = start.life
-        self._channel.send(Started(start.life, pid))
+        self._tell(Started(start.life, pid))
 
     def _relay(self, descriptor: int) -> None:
         life, pipe = self._reports[descriptor]
         try:
-            self._channel.send(Report(life, pipe.recv()))
+            self._tell(Report(life, pipe.recv()))
         except EOFError:
             del self._reports[descriptor]
             pipe.close()
@@ -103,7 +160,7 @@ class _Server:
             cpu = usage.ru_utime + usage.ru_stime
             life = self._lives.pop(pid)
             self._relay_last(life)
-            self._channel.send(Exited(life, code, cpu, usage.ru_maxrss / unit))
+            self._tell(Exited(life, code, cpu, usage.ru_maxrss / unit))
 
     def _relay_last(self, life: int) -> None:
         """What a process reported before it ended is told before its end."""

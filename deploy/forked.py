@@ -19,6 +19,7 @@ from protocol.errors import DisknavError
 
 FAULT = 3  # exit status of a process that an exception ended
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+_RESET = (signal.SIGTERM, signal.SIGHUP)  # blocked around the fork, since the fork server handles them
 _LIBC = ctypes.CDLL(None)
 
 
@@ -32,7 +33,9 @@ def run_forked(start: Start, report: int | None, lifeline: int) -> NoReturn:
     code = FAULT
     try:
         signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        for number in (signal.SIGCHLD, *_RESET):
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _RESET)
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
         _redirect(start.log)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from deploy.hosts.table import HostsTable
 from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
@@ -44,6 +45,7 @@ class RunOptions:
     router: str | None = None  # endpoint of a router that is already there
     run: str = field(default_factory=fresh_run_name)
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
+    hosts: HostsTable | None = None  # where processes run; all here unless given
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a robot that fails is started again
 
@@ -52,6 +54,8 @@ class RunOptions:
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
+        if self.hosts is not None and (self.transport != "routed" or self.router is not None):
+            raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
 
     @property
     def lockstep(self) -> bool:

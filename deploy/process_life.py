@@ -21,8 +21,11 @@ class Exit(NamedTuple):
     code: int
     expected: bool
     again: bool = False
+    why: str = ""  # where the code does not say it
 
     def __str__(self) -> str:
+        if self.why:
+            return f"{self.process.name}: {self.why}"
         how = f"exit status {self.code}" if self.code >= 0 else f"killed by {signal.Signals(-self.code).name}"
         return f"{self.process.name}: {how}"
 

@@ -12,6 +12,7 @@ from protocol.scenario import Scenario
 from world.node import GATHERING
 
 RECORDER = "recorder"
+ROUTER = "router"
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,12 @@ class Process:
 def router(connection: Connection, record: tuple[str, Path] | None = None) -> Process:
     """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
     entry, arguments = ("main", ()) if record is None else ("recording", record)
-    return Process("router", f"deploy.router:{entry}", (connection, *arguments), vital=True, reports=True)
+    return Process(ROUTER, f"deploy.router:{entry}", (connection, *arguments), vital=True, reports=True)
+
+
+def linked_router(connection: Connection, host: str) -> Process:
+    """The router of one of several hosts; it reports once it is linked with those that it connects to."""
+    return Process(router_name(host), "deploy.router:linked", (connection,), vital=True, reports=True)
 
 
 def world(
@@ -55,6 +61,16 @@ def robot(connection: Connection, run: str, identity: int, restarts: int = 0) ->
 def recorder(connection: Connection, run: str, path: Path) -> Process:
     """A recorder where there is no router of our own; it reports once it cannot miss anything."""
     return Process(RECORDER, "deploy.recording.process:main", (connection, run, path), reports=True)
+
+
+def router_name(host: str) -> str:
+    """Name of the row of a host's router, `router-left`."""
+    return f"{ROUTER}-{host}"
+
+
+def is_router(name: str) -> bool:
+    """Whether this is the name of a router's row."""
+    return name == ROUTER or name.startswith(f"{ROUTER}-")
 
 
 def robot_name(identity: int) -> str:

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from deploy.options import RunOptions
+from deploy.process_table import is_router
 
 Result = dict[str, Any]
 
@@ -95,9 +96,9 @@ def _robots(result: Mapping[str, Any]) -> Table:
         arrived = "yes" if robot in result["arrived"] else "no"
         ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "excursions")]
         listing.add_row(str(robot), arrived, *ways, *_process_cells(row))
-    for name in ("world", "router"):
-        if name in processes:
-            listing.add_row(name, "", "", "", *_process_cells(processes[name]))
+    for name, row in processes.items():
+        if name == "world" or is_router(name):
+            listing.add_row(name, "", "", "", *_process_cells(row))
     return listing
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
+_LINKING = 8.0  # s
 
 
 def main(
@@ -31,11 +32,13 @@ def main(
     ready: Callable[[str], None] | None = None,
     *,
     record: tuple[str, Path] | None = None,
+    links: float = 0.0,
 ) -> int:
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
     Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
-    name and the file to record it to; nothing published by whoever connects is missed.
+    name and the file to record it to; nothing published by whoever connects is missed. `links` is for
+    how long (s) links to other routers are waited for; they come up in the background else.
 
     Raises:
         UsageError: the file cannot be created.
@@ -49,6 +52,8 @@ def main(
             bus, endpoint = listening(connection)
             with closing(bus):
                 _check_links(connection)
+                if links > 0.0:
+                    bus.await_routers(links)
                 if aboard is not None:
                     aboard.begin(bus)
                 if ready is not None:
@@ -72,6 +77,15 @@ def _begun(run: str, path: Path) -> Aboard:
     from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
 
     return Aboard(run, path)
+
+
+def linked(connection: Connection, ready: Callable[[str], None]) -> int:
+    """As `main`, but `ready` is told once this router has a link to every router that it connects to.
+
+    Raises:
+        BusError: one cannot be reached; else as `main`.
+    """
+    return main(connection, ready, links=_LINKING)
 
 
 def listening(connection: Connection) -> tuple[ZenohBus, str]:

@@ -15,13 +15,36 @@ from collections.abc import Iterator, Sequence
 from itertools import count
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from deploy.fork_messages import News, Request, Signal, Start
+from deploy.fork_messages import MAX_NEWS, News, Request, Signal, Start, decode_news
 from protocol.errors import ProcessError
 
-MODULES = ("numpy", "protocol.bus_zenoh", "agents.process", "world.process", "deploy.router")
+MODULES: Sequence[str] = ("numpy", "protocol.bus_zenoh", "agents.process", "world.process", "deploy.router")
 _CLOSING = 5.0  # s
+
+
+def environment() -> dict[str, str]:
+    """Of a fork server. Robots are one thread each: more would only cost memory, and forks dislike them."""
+    return {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+
+
+class ProcessStarter(Protocol):
+    """What a supervisor needs of whoever starts processes for it; see `Spawner`."""
+
+    @property
+    def gone(self) -> bool:
+        """Whether nothing can be asked for any more."""
+
+    def start(
+        self, name: str, entry: str, arguments: tuple[Any, ...], *, reports: bool, log: Path | None
+    ) -> int: ...
+
+    def signal(self, life: int, number: int) -> None: ...
+
+    def news(self, timeout: float) -> Iterator[News]: ...
+
+    def close(self) -> None: ...
 
 
 class Spawner:
@@ -34,23 +57,26 @@ class Spawner:
     def __init__(self, modules: Sequence[str] = MODULES) -> None:
         """Start the fork server, with `modules` imported, without waiting for it."""
         ours, theirs = socket.socketpair()
+        with theirs:
+            self._server = self._serve(theirs, modules)
+        self._channel: Channel[Request, Any] = Channel(ours.detach())
+        self._lives = count(1)
+        self.gone = False  # the fork server ended by itself, and this was said once
+
+    def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
+        """Start the fork server at the other end of the channel."""
         code = (
             f"import sys; sys.path[:] = {sys.path!r}; "
             f"from deploy.fork_server import main; main({theirs.fileno()}, {tuple(modules)!r})"
         )
-        with theirs:
-            self._server = subprocess.Popen(
-                [sys.executable, "-c", code],
-                stdin=subprocess.DEVNULL,
-                stdout=2,
-                pass_fds=[theirs.fileno()],
-                start_new_session=True,
-                # Robots are one thread each: more would only cost memory, and forks dislike threads.
-                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-            )
-        self._channel: Channel[Request, News] = Channel(ours.detach())
-        self._lives = count(1)
-        self.gone = False  # the fork server ended by itself, and this was said once
+        return subprocess.Popen(
+            [sys.executable, "-c", code],
+            stdin=subprocess.DEVNULL,
+            stdout=2,
+            pass_fds=[theirs.fileno()],
+            start_new_session=True,
+            env=environment(),
+        )
 
     def start(
         self,
@@ -74,14 +100,22 @@ class Spawner:
         """What happened; waits at most `timeout` s for the first of it."""
         try:
             while self._channel.poll(timeout):
-                yield self._channel.recv()
+                yield decode_news(self._channel.recv_bytes(MAX_NEWS))
                 timeout = 0.0
         except (EOFError, ConnectionError):
             raise self._gone() from None
 
+    def fileno(self) -> int:
+        """What is readable when there is news."""
+        return self._channel.fileno()
+
+    def hang_up(self) -> None:
+        """Have the fork server end, and with it every process, without waiting for that."""
+        self._channel.close()
+
     def close(self) -> None:
         """End the fork server, and with it every process; may be called twice."""
-        self._channel.close()
+        self.hang_up()
         try:
             self._server.wait(_CLOSING)
         except subprocess.TimeoutExpired:

@@ -11,7 +11,7 @@ from typing import Self
 from deploy.fork_messages import Exited, News, Report, Started
 from deploy.process_life import Exit, Life, Usage
 from deploy.process_table import Process
-from deploy.spawn import Spawner
+from deploy.spawn import ProcessStarter, Spawner
 from protocol.errors import ProcessError
 
 _POLL = 0.05  # s
@@ -25,9 +25,9 @@ class Supervisor:
         ProcessError: the fork server is gone, and all processes with it; or as the methods say.
     """
 
-    def __init__(self, spawner: Spawner | None = None, log: Path | None = None) -> None:
+    def __init__(self, spawner: ProcessStarter | None = None, log: Path | None = None) -> None:
         """Use `spawner` (one of its own unless given); `log` takes what the processes print."""
-        self._spawner = Spawner() if spawner is None else spawner
+        self._spawner: ProcessStarter = Spawner() if spawner is None else spawner
         self._log = log
         self._lives: dict[str, Life] = {}
         self._by_number: dict[int, Life] = {}
@@ -165,6 +165,6 @@ class Supervisor:
         failed = exited.code != 0 and not life.told_to_end
         life.failures += failed
         again = life.again or (failed and life.failures <= life.process.restarts)
-        self._exits.append(Exit(life.process, exited.code, not failed, again))
+        self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
         if again:
             self._again(life)

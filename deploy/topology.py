@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from deploy.hosts.spread import Spread
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.connection import Connection
@@ -62,4 +63,4 @@ class Mesh:
         return f"unixsock-stream/{self.folder / name}"
 
 
-Topology = Routed | Mesh
+Topology = Routed | Mesh | Spread

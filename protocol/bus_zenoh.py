@@ -135,6 +135,21 @@ class ZenohBus:
         self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
         self._declared.clear()
 
+    def await_routers(self, timeout: float) -> None:
+        """As a router, wait for a link to every router that this one connects to.
+
+        Raises:
+            BusError: some are not reached within `timeout` s.
+        """
+        wanted, deadline = len(self._connection.connect), time.monotonic() + timeout
+        while (there := len(list(self._session.info.routers_zid()))) < wanted:
+            if time.monotonic() >= deadline:
+                raise BusError(
+                    f"linked with {there} of {wanted} routers within {timeout:g} s; "
+                    f"can all of {', '.join(self._connection.connect)} be reached from this host?"
+                )
+            time.sleep(0.005)
+
     def _await_links(self) -> None:
         """Wait for the links to all of `connection.connect`, but not for ever: one may be down for good."""
         deadline = time.monotonic() + _LINKING

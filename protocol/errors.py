@@ -11,7 +11,7 @@ class DisknavError(Exception):
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong in a scenario: where (`robots[2].start`) and what."""
+    """One thing that is wrong in a file: where (`robots[2].start`) and what."""
 
     path: str
     text: str
@@ -20,8 +20,8 @@ class Problem(NamedTuple):
         return f"{self.path}: {self.text}" if self.path else self.text
 
 
-class ScenarioError(DisknavError):
-    """A scenario is malformed; carries every problem found, not just the first."""
+class DocumentError(DisknavError):
+    """A file that people write is malformed; carries every problem found, not just the first."""
 
     def __init__(self, source: str, problems: Sequence[Problem]) -> None:
         self.source = source
@@ -29,6 +29,14 @@ class ScenarioError(DisknavError):
         lines = "\n".join(f"  {problem}" for problem in self.problems)
         plural = "" if len(self.problems) == 1 else "s"
         super().__init__(f"{source}: {len(self.problems)} problem{plural}\n{lines}")
+
+
+class ScenarioError(DocumentError):
+    """A scenario is malformed."""
+
+
+class HostsError(DocumentError):
+    """A table of hosts is malformed, or does not fit the scenario."""
 
 
 class UsageError(DisknavError):

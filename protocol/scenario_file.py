@@ -9,7 +9,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from protocol.errors import Problem, ScenarioError
+from protocol.errors import DocumentError, Problem, ScenarioError
 from protocol.scenario import Scenario
 from protocol.scenario_checks import checked
 from protocol.scenario_schema import json_schema, typed
@@ -25,6 +25,7 @@ __all__ = [
     "parse_toml",
     "read_document",
     "read_scenario",
+    "read_toml",
     "validated",
     "write_toml",
 ]
@@ -41,13 +42,18 @@ def read_document(path: Path | str) -> Document:
     Raises:
         ScenarioError: the file cannot be read, or is not TOML.
     """
+    return read_toml(path, ScenarioError)
+
+
+def read_toml(path: Path | str, failure: type[DocumentError]) -> Document:
+    """Read a TOML file without checking what it says; raises `failure` where it cannot be read as one."""
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise ScenarioError(str(path), [Problem("", f"cannot be read: {error.strerror or error}")]) from None
+        raise failure(str(path), [Problem("", f"cannot be read: {error.strerror or error}")]) from None
     except UnicodeDecodeError as error:
-        raise ScenarioError(str(path), [Problem("", f"is not UTF-8 text (byte {error.start})")]) from None
-    return _loads(text, str(path))
+        raise failure(str(path), [Problem("", f"is not UTF-8 text (byte {error.start})")]) from None
+    return _loads(text, str(path), failure)
 
 
 def parse_toml(text: str, source: str = "scenario") -> Scenario:
@@ -63,7 +69,7 @@ def parse_document(document: Document, source: str = "scenario") -> Scenario:
     """
     single = isinstance(document.get("sensing"), dict)
     arrays = document | {"sensing": [document["sensing"]]} if single else document
-    scenario, findings = typed(arrays)
+    scenario, findings = typed(arrays, Scenario)
     findings += checked(arrays, [steps for steps, _ in findings])
     if scenario is not None and not findings:
         return scenario
@@ -83,10 +89,10 @@ def _path(steps: Steps, single_sensing: bool) -> str:
     return written(steps)
 
 
-def _loads(text: str, source: str) -> Document:
+def _loads(text: str, source: str, failure: type[DocumentError] = ScenarioError) -> Document:
     try:
         return tomllib.loads(text)
     except ValueError as error:  # names line and column
-        raise ScenarioError(source, [Problem("", f"not TOML: {error}")]) from None
+        raise failure(source, [Problem("", f"not TOML: {error}")]) from None
     except RecursionError:
-        raise ScenarioError(source, [Problem("", "not TOML: nested too deeply")]) from None
+        raise failure(source, [Problem("", "not TOML: nested too deeply")]) from None

@@ -1,4 +1,7 @@
-"""Types, ranges and keys of a scenario: a plain document becomes a `Scenario`, or every problem is named."""
+"""Types, ranges and keys: a plain document becomes a `Scenario`, or every problem is named.
+
+Other files that people write are read by the same words: any dataclass that is declared as `Scenario` is.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import math
 from collections.abc import Sequence
 from datetime import date, time
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from protocol.scenario import Scenario
 from protocol.scenario_shape import Document, Finding, Step, Steps, table_at, unknown_key
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from pydantic import TypeAdapter
     from pydantic_core import ErrorDetails
 
+_Table = TypeVar("_Table")
 _EITHER: dict[Step, str] = {
     "delay": "must be a number of seconds or an array [low, high]",
     "k": 'must be a number or "auto"',
@@ -38,31 +42,33 @@ _OTHERS = {"finite_number": "must be a finite number of reasonable size"}
 
 
 @cache
-def _adapter() -> TypeAdapter[Scenario]:
+def _adapter(table: type) -> TypeAdapter[Any]:
     from pydantic import TypeAdapter  # only whoever reads a scenario pays for it
 
-    return TypeAdapter(Scenario)
+    return TypeAdapter(table)
 
 
 def json_schema() -> dict[str, Any]:
     """JSON schema of the scenario file, for editors; `sensing` may be one table or an array of them."""
-    schema = _adapter().json_schema()
+    schema = _adapter(Scenario).json_schema()
     sensing = schema["properties"]["sensing"]
     schema["properties"]["sensing"] = {"anyOf": [{"$ref": "#/$defs/Sensing"}, sensing]}
     return schema
 
 
-def typed(document: Document) -> tuple[Scenario | None, list[Finding]]:
-    """Check types, ranges and keys; the scenario, or None and everything that is wrong.
+def typed(document: Document, table: type[_Table]) -> tuple[_Table | None, list[Finding]]:
+    """Check types, ranges and keys of `table`; what was read, or None and everything that is wrong.
 
     Strict: no number is read from a string, and a truth value is not a number.
     """
     from pydantic import ValidationError
 
+    root: type = table
     try:
-        return _adapter().validate_json(json.dumps(_plain(document)), strict=True), []
+        found: _Table = _adapter(root).validate_json(json.dumps(_plain(document)), strict=True)
+        return found, []
     except ValidationError as error:
-        return None, _findings(document, error.errors(include_url=False))
+        return None, _findings(document, error.errors(include_url=False), table)
 
 
 def _plain(value: Any) -> Any:
@@ -79,7 +85,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _findings(document: Document, errors: Sequence[ErrorDetails]) -> list[Finding]:
+def _findings(document: Document, errors: Sequence[ErrorDetails], table: type) -> list[Finding]:
     """What to say, one text per place: of a union, only the alternative that was meant is heard."""
     found: dict[Steps, str] = {}
     rejected: dict[Steps, Any] = {}  # unions, with the value that was given
@@ -87,7 +93,7 @@ def _findings(document: Document, errors: Sequence[ErrorDetails]) -> list[Findin
         steps, value, union = _locate(document, error["loc"])
         if steps == union and error["type"] in _KINDS:
             rejected[union] = value
-        elif text := _text(error, steps, value):
+        elif text := _text(error, steps, value, table):
             found.setdefault(steps, text)
     for union, value in rejected.items():
         if not any(steps[: len(union)] == union for steps in found):
@@ -118,7 +124,7 @@ def _locate(document: Document, location: Steps) -> tuple[Steps, Any, Steps | No
     return steps, value, union
 
 
-def _text(error: ErrorDetails, steps: Steps, value: Any) -> str:
+def _text(error: ErrorDetails, steps: Steps, value: Any, table: type) -> str:
     """One error of pydantic in this project's words; empty when it only follows from others."""
     kind, context = error["type"], error.get("ctx", {})
     if kind in _BOUNDS:
@@ -127,7 +133,7 @@ def _text(error: ErrorDetails, steps: Steps, value: Any) -> str:
     elif kind == "missing":
         text = f"must have 2 elements, has {len(value)}" if isinstance(value, list) else "is missing"
     elif kind == "unexpected_keyword_argument":
-        text = unknown_key(str(steps[-1]), table_at(steps[:-1]) or Scenario)
+        text = unknown_key(str(steps[-1]), table_at(steps[:-1], table) or table)
     elif kind == "too_long":
         text = f"must have at most {context['max_length']} elements, has {len(value)}"
     elif kind == "too_short":

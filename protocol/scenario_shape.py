@@ -23,9 +23,9 @@ def keys_of(table: type) -> dict[str, type | None]:
     return {field.name.rstrip("_"): _table_in(hints[field.name]) for field in fields(table)}
 
 
-def table_at(steps: Iterable[Step]) -> type | None:
-    """The table that a path leads to, None where the path leads to a value or out of the scenario."""
-    table: type | None = Scenario
+def table_at(steps: Iterable[Step], root: type = Scenario) -> type | None:
+    """The table that a path leads to, None where the path leads to a value or out of the document."""
+    table: type | None = root
     for step in steps:
         if isinstance(step, str) and table is not None:
             table = keys_of(table).get(step)

@@ -30,6 +30,10 @@ def run(
     name: Annotated[
         str | None, typer.Option("--run", help="Name of the run; a fresh one unless given.")
     ] = None,
+    hosts: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Which host runs what (TOML); started there by ssh."),
+    ] = None,
     secure: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."),
@@ -64,12 +68,14 @@ def run(
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.execute import Extras, execute
+    from deploy.hosts.table import read_hosts
     from deploy.load import load
 
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
-    options = RunOptions(transport, mode, router, run_name, secure, pace, restarts(restart))
+    spread = None if hosts is None else read_hosts(hosts, loaded.ids)
+    options = RunOptions(transport, mode, router, run_name, secure, spread, pace, restarts(restart))
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
     write_json(result, json_file)

@@ -41,6 +41,13 @@ def until_exit(spawner: Spawner) -> list[News]:
     return heard
 
 
+def exit_code(spawner: Spawner) -> int:
+    """Exit code of the one process, once it has ended."""
+    last = until_exit(spawner)[-1]
+    assert isinstance(last, Exited)
+    return last.code
+
+
 def gone(pid: int) -> bool:
     """Wait until a process is no more, or dead and not yet waited for; False if it goes on."""
     deadline = time.monotonic() + PATIENCE
@@ -66,7 +73,7 @@ def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
 def test_a_failure_leaves_its_traceback(spawner: Spawner, tmp_path: Path) -> None:
     log = tmp_path / "log"
     spawner.start("calculator", "tests.deploy.children:divide_by_zero", log=log)
-    assert until_exit(spawner)[-1][1] == FAULT
+    assert exit_code(spawner) == FAULT
     assert "calculator failed" in log.read_text()
     assert "return 1 / 0" in log.read_text()
 
@@ -74,15 +81,15 @@ def test_a_failure_leaves_its_traceback(spawner: Spawner, tmp_path: Path) -> Non
 def test_an_error_of_our_own_is_one_line(spawner: Spawner, tmp_path: Path) -> None:
     log = tmp_path / "log"
     spawner.start("radio", "tests.deploy.children:fail_politely", log=log)
-    assert until_exit(spawner)[-1][1] == FAULT
+    assert exit_code(spawner) == FAULT
     assert log.read_text() == "radio: the cable is unplugged\n"
 
 
 def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner, tmp_path: Path) -> None:
     spawner.start("nobody", "tests.deploy.children:nothing", log=tmp_path / "log")
-    assert until_exit(spawner)[-1][1] == FAULT
+    assert exit_code(spawner) == FAULT
     spawner.start("one", "tests.deploy.children:give", (0,))
-    assert until_exit(spawner)[-1][1] == 0
+    assert exit_code(spawner) == 0
 
 
 def test_a_process_reports_and_all_its_output_goes_to_the_log(spawner: Spawner, tmp_path: Path) -> None:
@@ -96,7 +103,7 @@ def test_a_process_reports_and_all_its_output_goes_to_the_log(spawner: Spawner, 
 def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
     life = spawner.start("one", "tests.deploy.children:wait")
     spawner.signal(life, signal.SIGKILL)
-    assert until_exit(spawner)[-1][1] == -signal.SIGKILL
+    assert exit_code(spawner) == -signal.SIGKILL
     spawner.signal(life, signal.SIGKILL)  # nobody is hit
 
 

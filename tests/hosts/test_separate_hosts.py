@@ -1,4 +1,4 @@
-"""Three hosts, each with a router and two robots, and a cable that is pulled in the middle of a run."""
+"""Three hosts, each with a router and two robots: a cable that is pulled for seconds, and a bad one."""
 
 from __future__ import annotations
 
@@ -13,41 +13,36 @@ import pytest
 from deploy.load import load
 from deploy.security.keystore import create
 from deploy.security.roster import Roster
+from protocol.scenario import Scenario
 from protocol.scenario_file import write_toml
-from tests.hosts.network import Hosts, needs_hosts
+from tests.hosts.network import Bad, Hosts, needs_hosts
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_hosts]
 
 SCENARIO = load("figure-1", ["control.speed=0.03", "time.limit=90"], 3)
 RUN = "apart"
 HOMES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 3, 6: 3}  # robot -> host
-# What the engines of `disknav deploy` do for a robot that failed.
-UNTIL_SUCCESS = [
-    "sh",
-    "-c",
-    """trap 'kill $!; exit' TERM; until { "$@" & wait $!; }; do sleep 0.5; done""",
-    "sh",
-]
 DISKNAV = [sys.executable, "-m", "deploy.cli"]
 
 
 class Field:
     """A secured fleet over three hosts; the world and the observer are on the first."""
 
-    def __init__(self, hosts: Hosts, folder: Path) -> None:
+    def __init__(self, hosts: Hosts, folder: Path, scenario: Scenario) -> None:
         self._hosts, self._keys = hosts, folder / "keys"
-        create(self._keys, Roster(RUN, SCENARIO.ids), hosts=[hosts.address(host) for host in (1, 2, 3)])
-        (folder / "scenario.toml").write_text(write_toml(SCENARIO))
+        create(self._keys, Roster(RUN, scenario.ids), hosts=[hosts.address(host) for host in (1, 2, 3)])
+        (folder / "scenario.toml").write_text(write_toml(scenario))
         for host in (1, 2, 3):
             before = [word for other in range(1, host) for word in ("--connect", self._router(other))]
             self._start(host, "router", "--listen", self._router(host), *before, connect=False)
+        for host in (1, 2, 3):
             hosts.await_log(f"listening on {self._router(host)}", 60.0)
         self._start(1, "world", str(folder / "scenario.toml"), "--mode", "realtime")
         observer = [sys.executable, "-m", "tests.hosts.observer", self._router(1), RUN, str(self._keys)]
         self._told = hosts.start(1, observer).stdout
-        assert next(self.told()) == {"world": "answers"}
         for robot, host in HOMES.items():
-            self._start(host, "robot", str(robot), again=True)
+            self._start(host, "robot", str(robot))
+        assert next(self.told()) == {"world": "answers"}
 
     def told(self) -> Iterator[dict[str, Any]]:
         """What the observer tells, until the result."""
@@ -58,20 +53,17 @@ class Field:
     def _router(self, host: int) -> str:
         return f"tls/{self._hosts.address(host)}:7447"
 
-    def _start(self, host: int, *command: str, connect: bool = True, again: bool = False) -> None:
+    def _start(self, host: int, *command: str, connect: bool = True) -> None:
         connection = ["--router", self._router(host)] if connect else []
-        words = [*DISKNAV, *command, *connection, "--secure", str(self._keys)]
-        self._hosts.start(host, [*UNTIL_SUCCESS, *words] if again else words)
+        self._hosts.start(host, [*DISKNAV, *command, *connection, "--secure", str(self._keys)])
 
 
-@pytest.fixture
-def field(tmp_path: Path) -> Iterator[tuple[Hosts, Field]]:
+def test_a_cable_pulled_for_seconds(tmp_path: Path) -> None:
     with Hosts(3, tmp_path / "log") as hosts:
-        yield hosts, Field(hosts, tmp_path)
+        _pull(hosts, Field(hosts, tmp_path, SCENARIO))
 
 
-def test_a_cable_pulled_for_seconds(field: tuple[Hosts, Field]) -> None:
-    hosts, fleet = field
+def _pull(hosts: Hosts, fleet: Field) -> None:
     cut, mended = SCENARIO.ticks(3.0), SCENARIO.ticks(6.5)
     truth: dict[int, dict[str, list[float]]] = {}
     report: dict[str, Any] = {}
@@ -92,3 +84,15 @@ def test_a_cable_pulled_for_seconds(field: tuple[Hosts, Field]) -> None:
     assert report["verdict"] == "arrived"
     assert report["collisions"] == 0
     assert report["min_clearance"] > 0.0
+
+
+def test_a_bad_cable(tmp_path: Path) -> None:
+    """A command is back after twice the delay, half a tick; whoever misses it stands still for that tick."""
+    scenario = load("figure-1", ["time.step=0.2", "control.speed=0.15", "time.limit=60"], 3)
+    with Hosts(3, tmp_path / "log", {3: Bad(delay=0.05, loss=0.03)}) as hosts:
+        *_, last = Field(hosts, tmp_path, scenario).told()
+    report = last["report"]
+    assert report["verdict"] == "arrived"
+    assert report["collisions"] == 0
+    assert report["min_clearance"] > 0.0
+    assert report["missed_commands"] > 0
