@@ -53,7 +53,11 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     said = subprocess.run(
         [sys.executable, "-c", script, *_SCENARIOS],
-        **{"cwd": tmp_path, "env": environment, "capture_output": True, "timeout": 100, "check": True},
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        timeout=100,
+        check=True,
     ).stdout
     for name, source in zip(_SCENARIOS, json.loads(said), strict=True):
         (twin,) = LocalFleet([load(name)]).execute()
