@@ -5,7 +5,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test fast check bench figures clean
+.PHONY: help setup demo test fast check bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -37,6 +37,9 @@ test: check  ## lint, types, import contracts and the whole suite
 
 bench: $(READY)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
+
+fuzz: $(READY)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
+	$(BIN)/python -m tests.fuzz --inputs 1000000
 
 figures: $(READY)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
 	@mkdir -p out

@@ -10,6 +10,7 @@ import typer
 from deploy.commands import keys, scenario
 from deploy.commands.check import check
 from deploy.commands.deploy import deploy
+from deploy.commands.endure import endure, flood
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.plot import plot
@@ -31,7 +32,22 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-for command in (run, check, study, plot, replay, info, monitor, robot, world, router, probe, deploy):
+for command in (
+    run,
+    check,
+    study,
+    plot,
+    replay,
+    info,
+    monitor,
+    robot,
+    world,
+    router,
+    probe,
+    deploy,
+    endure,
+    flood,
+):
     app.command()(command)
 app.add_typer(scenario.app, name="scenario")
 app.add_typer(keys.app, name="keys")
