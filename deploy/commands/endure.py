@@ -72,8 +72,8 @@ def flood(
 
     The flooder is a client of the fleet's router with the certificate of a monitor. It sends random and
     damaged payloads under the fleet's keys, foreign keys, and payloads that are too large. Judged: the rate
-    of the flood, ticks at most 20 % slower, nothing touched, trajectories the same, and that nothing gets past
-    the router, or (--open) that receivers count what they reject.
+    of the flood, ticks at most 20 % slower, nothing touched, trajectories the same, and that nothing gets
+    past the router, or (--open) that receivers count what they reject.
 
     Example: disknav flood --json flood.json && disknav flood --open
 

@@ -22,6 +22,7 @@ from protocol.messages import Clock
 
 LAUNCHER = "launcher"
 _SAMPLES = 240  # a trial, at least 0.25 s and at most 10 s apart
+_SPEED = 0.05  # m/s; half a minute a run, each of which leaves its report (10 KB) in world and launcher
 _PACE = 0.99  # of the ticks that real time has
 
 
@@ -55,7 +56,7 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
         samples.take({**fleet.pids(), LAUNCHER: os.getpid()})
         return done >= seconds
 
-    scenarios = course(trial.robots, seconds=seconds)
+    scenarios = course(trial.robots, speed=_SPEED, seconds=seconds)
     with Fleet(scenarios, trial.options, watch=watch) as fleet:
         reports = fleet.execute(enough)
         fleet.processes()
