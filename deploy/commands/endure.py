@@ -23,7 +23,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no t
 
 def endure(
     minutes: Annotated[
-        float, typer.Option("--minutes", "-m", min=0.05, help="For how long; 30 is the whole proof.")
+        float, typer.Option("--minutes", "-m", min=0.02, help="For how long; 30 is the whole proof.")
     ] = 1.0,
     robots: Annotated[int, typer.Option("--robots", "-n", min=2, max=1000, help="How many.")] = 16,
     transport: Annotated[Transport, typer.Option(help="routed or mesh.")] = "routed",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +31,7 @@ _DESERTED = 60.0  # s without any worker
 
 
 class Cluster:
-    """A context manager; leaving it cancels whatever is outstanding.
-
-    Attributes:
-        size: runs at the same time, as of the beginning.
-    """
+    """A context manager; leaving it cancels whatever is outstanding."""
 
     def __init__(self, address: str) -> None:
         """Connect to the scheduler at `address`, such as `tcp://10.0.0.1:8786`.
@@ -46,12 +43,19 @@ class Cluster:
         self._address = address
         self._name = fresh_run_name()
         self._client = _connected(address)
-        self.size = self._await_workers()
+        self._given: list[Future[list[Outcome]]] = []
+        self._await_workers()
 
     def __enter__(self) -> Cluster:
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Cancel what has not begun; what has, ends with the run that it is in."""
+        from distributed import Event
+
+        if self._client.status == "running" and not all(future.done() for future in self._given):
+            Event(self._name, client=self._client).set()
+            self._client.cancel(self._given, force=True)
         self._client.close()
 
     def run(self, batches: Sequence[Sequence[Job]]) -> Iterator[Outcome]:
@@ -60,22 +64,14 @@ class Cluster:
         Raises:
             ProcessError: a batch failed, the scheduler is gone, or all workers are.
         """
-        from distributed import Event
-
-        given = self._submitted(batches)
-        stop = Event(self._name, client=self._client)
-        try:
-            waiting = set(given)
-            while waiting:
-                done = self._next(waiting)
-                waiting -= done
-                for future in done:
-                    yield from self._result(future)
-                    future.release()
-        finally:
-            if self._client.status == "running":
-                stop.set()
-                self._client.cancel(given, force=True)
+        self._given = self._submitted(batches)
+        waiting = set(self._given)
+        while waiting:
+            done = self._next(waiting)
+            waiting -= done
+            for future in done:
+                yield from self._result(future)
+                future.release()
 
     def _submitted(self, batches: Sequence[Sequence[Job]]) -> list[Future[list[Outcome]]]:
         digest, number = code_digest(), count()
@@ -96,6 +92,8 @@ class Cluster:
                     return set(wait(waiting, timeout=_LOOK, return_when="FIRST_COMPLETED").done)
             except NoneYet:
                 deserted = 0.0 if self._client.nthreads() else deserted + _LOOK
+            except CancelledError:
+                raise self._abandoned() from None
         raise ProcessError(f"the cluster at {self._address} has had no worker for {_DESERTED:g} s; {_ON}")
 
     def _result(self, future: Future[list[Outcome]]) -> list[Outcome]:
@@ -105,6 +103,8 @@ class Cluster:
             return list(future.result())
         except DisknavError:
             raise
+        except CancelledError:
+            raise self._abandoned() from None
         except KilledWorker as error:
             raise ProcessError(
                 f"every worker that was given the batch {future.key} was lost: {error}; {_ON}"
@@ -114,7 +114,10 @@ class Cluster:
                 f"a worker of the cluster at {self._address} could not run a batch: {error!r}; {_ON}"
             ) from error
 
-    def _await_workers(self) -> int:
+    def _abandoned(self) -> ProcessError:
+        return ProcessError(f"the scheduler at {self._address} is gone, or cancelled the study; {_ON}")
+
+    def _await_workers(self) -> None:
         from distributed import TimeoutError as NoneYet
 
         try:
@@ -125,7 +128,6 @@ class Cluster:
                 f"the scheduler at {self._address} has no workers: start some with "
                 f"`dask worker {self._address} --nthreads 1`"
             ) from None
-        return sum(self._client.nthreads().values())
 
 
 _ON = "the same command goes on from what is done"
@@ -169,7 +171,8 @@ def _connected(address: str) -> Client:
         from distributed import Client
     except ModuleNotFoundError as error:
         raise UsageError("a cluster needs the library distributed: pip install 'disknav[cluster]'") from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said by exceptions
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by exceptions
     try:
         return Client(address, timeout=_REACHING, set_as_default=False)
     except ValueError as error:

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,15 @@ def test_what_is_outstanding_is_cancelled(scheduler: str) -> None:
     assert outcome.executed == 1
     with Client(scheduler, set_as_default=False) as client:
         until(lambda: not any(client.processing().values()))
+
+
+def test_the_scheduler_goes(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(*_: object, **__: object) -> None:
+        raise CancelledError
+
+    monkeypatch.setattr("distributed.wait", gone)  # as it does once the connection is lost
+    with pytest.raises(ProcessError, match=r"is gone.*the same command goes on"):
+        execute(_study(1), "local", RunLog(None), jobs=1, scheduler=scheduler)
 
 
 def test_other_code_on_a_worker_is_refused(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
