@@ -61,15 +61,15 @@ def test_rows_are_those_of_one_machine_though_a_worker_is_killed(scheduler: str,
             super().add(key, result)
 
     with Killer(tmp_path / "log") as log:
-        outcome = execute(_study(5), "local", log, jobs=2, scheduler=scheduler)
-    assert outcome.executed == 25
+        outcome = execute(_study(4), "local", log, jobs=2, scheduler=scheduler)
+    assert outcome.executed == 20
     assert outcome.complete
-    assert outcome.rows == execute(_study(5), "local", RunLog(None), jobs=2).rows
+    assert outcome.rows == execute(_study(4), "local", RunLog(None), jobs=2).rows
     with RunLog(tmp_path / "log") as log:
         again = execute(
-            _study(5), "local", log, jobs=2, scheduler="tcp://nobody:1"
+            _study(4), "local", log, jobs=2, scheduler="tcp://nobody:1"
         )  # nothing left to ask for
-    assert (again.reused, again.executed) == (25, 0)
+    assert (again.reused, again.executed) == (20, 0)
     assert set(before.values()) - set(until(lambda: _workers(scheduler)).values())
 
 
