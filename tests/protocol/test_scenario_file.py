@@ -51,12 +51,3 @@ def test_schema_knows_every_table_and_both_forms_of_sensing() -> None:
     assert schema["required"] == ["robots"]
     assert {"from", "until", "groups"} == schema["$defs"]["Partition"]["properties"].keys()
     assert len(schema["properties"]["sensing"]["anyOf"]) == 2
-
-
-def test_text_in_another_encoding_is_named_as_such() -> None:
-    """What is left of settings that a command line in Latin-1 gives."""
-    with pytest.raises(ScenarioError) as caught:
-        parse_document(document() | {"name": "caf\udce9", "link": {"l\udce9": 1}, "control": {"k": "\udce9"}})
-    assert str(caught.value).isascii()
-    assert {problem.path for problem in caught.value.problems} == {"name", "link.?", "control.k"}
-    assert "must be a string, not text that is not Unicode" in str(caught.value)
