@@ -11,7 +11,7 @@ INNER := protocol/codec.py $(addprefix agents/,slice.py flow.py pace.py deadlock
   verdict.py sensing.py record.py world.py turn.py outlet.py node.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile demo test fast check bench figures clean
+.PHONY: help setup compile demo test fast check bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -52,6 +52,9 @@ test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
 
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
+
+fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
+	$(BIN)/python -m tests.fuzz --inputs 1000000
 
 figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
 	@mkdir -p out

@@ -11,6 +11,7 @@ from deploy import compiled
 from deploy.commands import keys, scenario
 from deploy.commands.check import check
 from deploy.commands.deploy import deploy
+from deploy.commands.endure import endure, flood
 from deploy.commands.host import host
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
@@ -33,7 +34,22 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-for command in (run, check, study, plot, replay, info, monitor, robot, world, router, probe, deploy):
+for command in (
+    run,
+    check,
+    study,
+    plot,
+    replay,
+    info,
+    monitor,
+    robot,
+    world,
+    router,
+    probe,
+    deploy,
+    endure,
+    flood,
+):
     app.command()(command)
 app.command(hidden=True)(host)
 app.add_typer(scenario.app, name="scenario")

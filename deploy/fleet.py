@@ -36,6 +36,8 @@ _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _ECHO = 0.5  # s for messages of a process that has ended
 _POLL = 0.02  # s
+INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
+ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
 
 
 class FleetLostError(Exception):
@@ -143,14 +145,20 @@ class Fleet:
         for stream in ("clock", "result"):
             self._bus.subscribe(world_key(self._options.run, stream))
 
-    def execute(self) -> list[Report]:
-        """Watch until every scenario has its report; Ctrl-C and lost processes end the run, with a report."""
+    def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
+        """Watch until every scenario has its report, or it is `enough`.
+
+        Ctrl-C and lost processes end the run too, and the last report says so.
+        """
         try:
             while not self._complete:
+                if enough():
+                    self._cut("interrupted", ENOUGH)
+                    break
                 self._take(self._bus.receive(_POLL))
                 self._check(self._supervisor.poll())
         except KeyboardInterrupt:
-            self._cut("interrupted", "stopped by the user")
+            self._cut("interrupted", INTERRUPTED)
         except FleetLostError as loss:
             self._cut("aborted", str(loss))
         return self._reports
@@ -158,6 +166,11 @@ class Fleet:
     def signal(self, name: str, number: int) -> None:
         """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
         self._supervisor.signal(name, number)
+
+    def pids(self) -> dict[str, int]:
+        """The processes that run, by name."""
+        running = set(self._supervisor.running())
+        return {usage.name: usage.pid for usage in self._supervisor.usage() if usage.name in running}
 
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""

@@ -75,14 +75,21 @@ def _plain(value: Any) -> Any:
     """`value` as JSON has it; what JSON cannot say becomes something that no field accepts."""
     match value:
         case dict():
-            return {key: _plain(item) for key, item in value.items()}
+            return {key if _is_unicode(key) else "?": _plain(item) for key, item in value.items()}
         case list():
             return [_plain(item) for item in value]
         case date() | time():
             return False
         case int() if abs(value) >= 2**63:
             return math.inf
+        case str() if not _is_unicode(value):
+            return False
     return value
+
+
+def _is_unicode(text: str) -> bool:
+    """Whether `text` is whole characters: a setting from a command line in another encoding is not."""
+    return not any("\ud800" <= character <= "\udfff" for character in text)
 
 
 def _findings(document: Document, errors: Sequence[ErrorDetails], table: type) -> list[Finding]:
@@ -149,6 +156,8 @@ def _described(value: Any) -> str:
     """A value as people would name it."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, str) and not _is_unicode(value):
+        return "text that is not Unicode"
     if isinstance(value, str):
         return f"the string {json.dumps(value[:40], ensure_ascii=False)}"
     if isinstance(value, int | float):

@@ -20,6 +20,12 @@ def study(
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, help="Runs at the same time; as many as cores.")
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Spread the runs over the Dask cluster there: tcp://10.0.0.1:8786."
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The first run's; the others follow.")] = 0,
     setting: Annotated[
         list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over every scenario.")
@@ -51,6 +57,9 @@ def study(
     disknav study robustness --random 10000 --json faults.json;
     disknav study tuning --runs 5 --transport local
 
+    With [b]--scheduler[/b] each Dask worker runs batches of eight, in-process or as fleets of its own host;
+    workers need the same version of disknav, and one thread each: dask worker ADDRESS --nthreads 1.
+
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.studies.request import Request, perform
@@ -59,6 +68,7 @@ def study(
         name=name,
         runs=runs,
         jobs=jobs or os.cpu_count() or 1,
+        scheduler=scheduler,
         seed=seed,
         settings=tuple(setting or ()),
         transport=transport,

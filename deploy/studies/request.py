@@ -32,6 +32,7 @@ class Request:
     name: StudyName
     runs: int | None
     jobs: int
+    scheduler: str | None
     seed: int
     settings: tuple[str, ...]
     transport: Transport | None
@@ -52,23 +53,31 @@ def perform(request: Request) -> int:
 
     Raises:
         UsageError, ScenarioError: what was asked for does not exist or cannot be written.
-        ProcessError: a worker or fleet was lost; the same request goes on from there.
+        ProcessError: the cluster, a worker or a fleet was lost; the same request goes on from there.
     """
     usual = defaults(request.name)
     transport = request.transport or usual.transport
     jobs = 1 if usual.one_job else request.jobs
+    if usual.one_job and request.scheduler is not None:
+        raise UsageError(
+            f"study {request.name} measures how fast one machine is: run it there, not on a cluster"
+        )
     study = adjusted(
         find(request.name, request.runs, request.seed, request.random, request.transport), request.settings
     )
     _check(request, study)
     quiet = request.quiet or is_standard_output(request.target)
     with RunLog(_log_path(request.file), fresh=request.fresh) as log:
-        outcome = execute(study, transport, log, jobs=jobs, quiet=quiet)
+        outcome = execute(study, transport, log, jobs=jobs, scheduler=request.scheduler, quiet=quiet)
     document = {
         "study": study.name,
         "rows": outcome.rows,
         "provenance": provenance(request.seed, transport, jobs)
-        | {"settings": list(request.settings), "complete": outcome.complete},
+        | {
+            "scheduler": request.scheduler,
+            "settings": list(request.settings),
+            "complete": outcome.complete,
+        },
     }
     write_json(document, request.target)
     if request.plot is not None and outcome.rows:

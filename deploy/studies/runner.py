@@ -1,19 +1,21 @@
-"""Executes a study: what is not done yet, on all cores, with progress, and every result kept at once."""
+"""Executes a study: what is not done yet, on all cores or on a cluster, and every result kept at once."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 from typing import Any
 
 from deploy.options import Transport
 from deploy.studies.batches import batches
+from deploy.studies.cluster import BATCH, Cluster
 from deploy.studies.crew import Crew
 from deploy.studies.progress import StudyProgress
 from deploy.studies.provenance import code_digest
 from deploy.studies.run_log import RunLog
-from deploy.studies.study import Row, Run, Study
-from deploy.studies.worker import FAILED
+from deploy.studies.study import Row, Study
+from deploy.studies.worker import FAILED, Job
 
 
 @dataclass(frozen=True)
@@ -26,10 +28,23 @@ class Outcome:
     reused: int  # runs known from before
 
 
-def execute(study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet: bool = True) -> Outcome:
+def execute(
+    study: Study,
+    transport: Transport,
+    log: RunLog,
+    *,
+    jobs: int,
+    scheduler: str | None = None,
+    quiet: bool = True,
+) -> Outcome:
     """Run what `log` does not know yet. Ctrl-C stops it; what is done is in the log and in the rows.
 
+    Args:
+        jobs: runs at the same time on this machine.
+        scheduler: of the Dask cluster that does the runs instead.
+
     Raises:
+        UsageError: there is no way to reach a cluster.
         ProcessError: a worker or a fleet was lost; the same call goes on from there.
     """
     runs = study.runs(transport, code_digest())
@@ -37,7 +52,11 @@ def execute(study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet
     left = [run for run in runs if run.key not in log.known]
     reused, complete = len(results), True
     try:
-        _execute(study, left, results, log, jobs=jobs, progress=StudyProgress(study.name, runs, left, quiet))
+        if left:
+            dealt = batches(study, left, jobs if scheduler is None else ceil(len(left) / BATCH))
+            crew = Crew(min(jobs, len(dealt))) if scheduler is None else Cluster(scheduler)
+            progress = StudyProgress(study.name, runs, left, quiet)
+            _execute(study, dealt, crew, results, log, progress)
     except KeyboardInterrupt:
         complete = False
     return Outcome(study.rows(results), complete, len(results) - reused, reused)
@@ -45,17 +64,13 @@ def execute(study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet
 
 def _execute(
     study: Study,
-    left: Sequence[Run],
+    dealt: Sequence[Sequence[Job]],
+    workers: Crew | Cluster,
     results: dict[tuple[int, int], dict[str, Any]],
     log: RunLog,
-    *,
-    jobs: int,
     progress: StudyProgress,
 ) -> None:
-    if not left:
-        return
-    dealt = batches(study, left, jobs)
-    with progress, Crew(min(jobs, len(dealt))) as crew:
+    with progress, workers as crew:
         for run, result in crew.run(dealt):
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:

@@ -10,7 +10,7 @@ import os
 import signal
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection as Channel
 from typing import Any
 
@@ -45,7 +45,7 @@ def work(channel: Channel[Any, Any]) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     def send(run: Run, result: Result) -> None:
-        channel.send((run, {name: result[name] for name in KEPT if name in result}))
+        channel.send((run, kept(result)))
 
     try:
         while True:
@@ -56,7 +56,12 @@ def work(channel: Channel[Any, Any]) -> None:
         return
 
 
-def execute(batch: list[Job], send: Send) -> None:
+def kept(result: Result) -> Result:
+    """What a study needs of a result."""
+    return {name: result[name] for name in KEPT if name in result}
+
+
+def execute(batch: Sequence[Job], send: Send) -> None:
     """Run a batch: all on one transport, and with the same robot ids unless it is in-process.
 
     Raises:
@@ -70,20 +75,20 @@ def execute(batch: list[Job], send: Send) -> None:
 
 
 def _in_process(run: Run, build: Build) -> Result:
-    began = time.process_time()
+    began = time.thread_time()
     try:
         fleet = MeteredFleet([build(run.seed)])
         (report,) = fleet.execute()
     except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
         return {"seed": run.seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
     result = complete(report, RunOptions("local"), [])
-    result["cpu_s"] = time.process_time() - began
+    result["cpu_s"] = time.thread_time() - began
     result["robots_cpu_s"] = fleet.robots_cpu()
     result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
     return result
 
 
-def _on_fleet(batch: list[Job], send: Send) -> None:
+def _on_fleet(batch: Sequence[Job], send: Send) -> None:
     options = RunOptions(batch[0][0].transport)
     waiting = iter([run for run, _ in batch])
     alone = len(batch) == 1  # then what its processes cost belongs to it

@@ -122,3 +122,12 @@ def test_many_overlaps_are_summed_up() -> None:
         parse_document({"robots": heap})
     assert len(caught.value.problems) == 2 * 299
     assert str(caught.value.problems[-1]).endswith("robot 3 by 0.08 m and 296 more")
+
+
+def test_text_in_another_encoding_is_named_as_such() -> None:
+    """What is left of settings that a command line in Latin-1 gives."""
+    with pytest.raises(ScenarioError) as caught:
+        parse_document(document() | {"name": "caf\udce9", "link": {"l\udce9": 1}, "control": {"k": "\udce9"}})
+    assert str(caught.value).isascii()
+    assert {problem.path for problem in caught.value.problems} == {"name", "link.?", "control.k"}
+    assert "must be a string, not text that is not Unicode" in str(caught.value)

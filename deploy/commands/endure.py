@@ -1,0 +1,113 @@
+"""`disknav endure` and `disknav flood`: whether a fleet of this machine holds out."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from deploy.bar import bar
+from deploy.options import RunOptions, Transport, fresh_run_name
+from deploy.result import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.security.membership import Membership
+from protocol.errors import UsageError
+
+JsonFile = Annotated[Path | None, typer.Option("--json", help="Write the result; '-' for standard output.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
+
+
+def endure(
+    minutes: Annotated[
+        float, typer.Option("--minutes", "-m", min=0.02, help="For how long; 30 is the whole proof.")
+    ] = 1.0,
+    robots: Annotated[int, typer.Option("--robots", "-n", min=2, max=1000, help="How many.")] = 16,
+    transport: Annotated[Transport, typer.Option(help="routed or mesh.")] = "routed",
+    secure: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Certificates and access rules for swap-N's robots.")
+    ] = None,
+    json_file: JsonFile = None,
+    quiet: Quiet = False,
+) -> None:
+    """Keep a real-time fleet moving at 20 Hz, and watch memory, file handles and threads of every process.
+
+    Robots on a circle change places, and back, over and over. Judged: no command missed, real time kept,
+    nothing touched, all arrived, handles and threads no more in the last quarter than in the second, and
+    memory flat: a line fitted to a process's private memory over the second half rises by no more than 0.5 MB
+    or 2 % of it, whichever is more.
+
+    Example: disknav endure --minutes 30 --json endurance.json
+
+    Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.endurance.endure import Trial, table
+    from deploy.endurance.endure import endure as perform
+
+    if transport == "local":
+        raise UsageError("what is to endure are real processes: --transport routed or mesh")
+    run = Membership(secure).run(None) or fresh_run_name()
+    options = RunOptions(transport, "realtime", run=run, secure=secure)
+    silent = quiet or str(json_file) == "-"
+    with _bar("endure", silent) as tell:
+        outcome = perform(Trial(robots, minutes, options), tell)
+    _finish(outcome, table, json_file, silent)
+
+
+def flood(
+    rate: Annotated[float, typer.Option(min=1.0, help="Messages per second.")] = 10_000.0,
+    robots: Annotated[int, typer.Option("--robots", "-n", min=2, max=1000, help="How many.")] = 6,
+    rounds: Annotated[int, typer.Option(min=1, help="Stretches without, and with the flood.")] = 5,
+    seconds: Annotated[float, typer.Option(min=0.1, help="How long each is.")] = 2.0,
+    unprotected: Annotated[
+        bool, typer.Option("--open", help="Without certificates and access rules; its rate is not judged.")
+    ] = False,
+    json_file: JsonFile = None,
+    quiet: Quiet = False,
+) -> None:
+    """Flood a lock-step fleet with garbage, in turns with letting it alone, and see what that does to it.
+
+    The flooder is a client of the fleet's router with the certificate of a monitor. It sends random and
+    damaged payloads under the fleet's keys, foreign keys, and payloads that are too large. Judged: the rate
+    of the flood, ticks at most 20 % slower, nothing touched, trajectories the same, and that nothing gets
+    past the router, or (--open) that receivers count what they reject.
+
+    Example: disknav flood --json flood.json && disknav flood --open
+
+    Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.endurance.flood import Plan, table
+    from deploy.endurance.flood import flood as perform
+
+    silent = quiet or str(json_file) == "-"
+    with _bar("flood", silent) as tell:
+        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected), tell)
+    _finish(outcome, table, json_file, silent)
+
+
+def _bar(name: str, silent: bool) -> AbstractContextManager[Callable[[float], None]]:
+    return nullcontext(lambda _: None) if silent else bar(name)
+
+
+def _finish(
+    outcome: dict[str, Any], table: Callable[[dict[str, Any]], Any], target: Path | None, silent: bool
+) -> None:
+    """Write, print and exit."""
+    from deploy.fleet import INTERRUPTED
+
+    if target is not None:
+        text = json.dumps(outcome) + "\n"
+        if str(target) == "-":
+            sys.stdout.write(text)
+        else:
+            target.write_text(text)
+    if not silent:
+        from rich.console import Console
+
+        Console(soft_wrap=True).print(table(outcome))
+    if outcome["ended"] == INTERRUPTED:
+        raise typer.Exit(EXIT_INTERRUPTED)
+    raise typer.Exit(EXIT_ARRIVED if outcome["passed"] else EXIT_OTHERWISE)

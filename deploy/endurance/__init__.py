@@ -1,0 +1,1 @@
+"""Fleets under strain: hours without a leak, and floods of garbage."""

@@ -1,0 +1,52 @@
+"""What processes hold on to, sampled over time: memory, file handles, threads."""
+
+from __future__ import annotations
+
+import time
+from array import array
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import psutil
+
+QUANTITIES = ("private_mb", "resident_mb", "handles", "threads")
+
+
+def _series() -> dict[str, array[float]]:
+    return {name: array("d") for name in ("time", *QUANTITIES)}
+
+
+@dataclass
+class Samples:
+    """Series by process name: s since the beginning, MB (2^20 bytes), counts.
+
+    private_mb: memory that the process shares with nobody, which is what it would leak.
+    """
+
+    period: float  # s between samples
+    of: dict[str, dict[str, array[float]]] = field(default_factory=dict)
+    _began: float = field(default_factory=time.monotonic)
+    _due: float = 0.0
+    _known: dict[int, psutil.Process] = field(default_factory=dict)
+
+    def take(self, pids: Mapping[str, int]) -> None:
+        """Sample every process, if a sample is due. One that has just ended is passed over."""
+        now = time.monotonic()
+        if now < self._due:
+            return
+        self._due = now + self.period
+        for name, pid in pids.items():
+            try:
+                if pid not in self._known:
+                    self._known[pid] = psutil.Process(pid)
+                self._sample(name, self._known[pid], now)
+            except psutil.Error:
+                continue
+
+    def _sample(self, name: str, process: psutil.Process, now: float) -> None:
+        memory = process.memory_full_info()
+        values = (memory.uss / 2**20, memory.rss / 2**20, process.num_fds(), process.num_threads())
+        series = self.of.setdefault(name, _series())
+        series["time"].append(now - self._began)
+        for quantity, value in zip(QUANTITIES, values, strict=True):
+            series[quantity].append(value)

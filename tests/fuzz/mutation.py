@@ -1,0 +1,142 @@
+"""Damage done to valid inputs, drawn from `rng`: to bytes, to text, and to trees of plain values."""
+
+from __future__ import annotations
+
+import copy
+import datetime
+import math
+from collections.abc import Callable, Iterator
+from random import Random
+from typing import Any
+
+_BYTES = (
+    0x00,
+    0x01,
+    0x7F,
+    0x80,
+    0x90,
+    0x9F,
+    0xA0,
+    0xC0,
+    0xC1,
+    0xC6,
+    0xCA,
+    0xCB,
+    0xCF,
+    0xD9,
+    0xDC,
+    0xDD,
+    0xDF,
+    0xFF,
+)
+_CHANGES = (1, 1, 1, 2, 4)
+_CHARACTERS = "\0\t\n\r \"'#*$/.,:;=[]{}\\-_+0159eEaZzéß∞\u202e\ufeff\ud800😀"
+_WORDS = (
+    "nan",
+    "-inf",
+    "true",
+    "1e999",
+    "0x_1",
+    "1979-05-27",
+    "[[]]",
+    "'''",
+    "robots",
+    "state/1",
+    "state/2",
+    "**",
+)
+JUNK: tuple[Any, ...] = (
+    None, True, False, 0, -1, 1, 2**31, 2**53 + 1, 2**63 - 1, -(2**63), 2**64 - 1,
+    0.0, -0.0, 1e-320, 5e-324, 1e308, -1e308, math.nan, math.inf, -math.inf, 0.1,
+    "", "x", "auto", "state/1", "\0", "é" * 40, b"", b"\xff\xfe", [], {}, [[]], [{}], {"": 0},
+    {"x": {}}, [0.0, 0.0], [1, "x"],
+)  # fmt: skip
+WRITTEN: tuple[Any, ...] = (
+    *(value for value in JUNK if value is not None and not isinstance(value, bytes)),
+    10**400, -(10**30), datetime.date(1979, 5, 27), datetime.time(7, 32),
+    datetime.datetime(1979, 5, 27, 7, 32), "\ud800",
+)  # fmt: skip
+"""Junk that TOML, or a setting on a command line, can hold."""
+
+
+def damaged_bytes(valid: bytes, other: bytes, rng: Random) -> bytes:
+    """`valid` with a few changes; `other` is spliced in at times."""
+    data = bytearray(valid)
+    for _ in range(rng.choice(_CHANGES)):
+        place, stop = sorted((rng.randint(0, len(data)), rng.randint(0, len(data))))
+        match rng.randrange(7):
+            case 0 if data:
+                data[place % len(data)] ^= 1 << rng.randrange(8)
+            case 1 if data:
+                data[place % len(data)] = rng.choice(_BYTES)
+            case 2:
+                data[place:place] = rng.randbytes(rng.randint(1, 8))
+            case 3:
+                del data[place:stop]
+            case 4:
+                data[place:place] = data[place:stop]
+            case 5:
+                data[place:stop] = other[place:stop]
+            case _:
+                del data[place:]
+    return bytes(data)
+
+
+def damaged_text(valid: str, other: str, rng: Random) -> str:
+    """As `damaged_bytes`, in characters."""
+    text = valid
+    for _ in range(rng.choice(_CHANGES)):
+        place, stop = sorted((rng.randint(0, len(text)), rng.randint(0, len(text))))
+        match rng.randrange(6):
+            case 0:
+                text = text[:place] + rng.choice(_CHARACTERS) + text[place + 1 :]
+            case 1:
+                text = text[:place] + rng.choice(_CHARACTERS) * rng.randint(1, 3) + text[place:]
+            case 2:
+                text = text[:place] + rng.choice(_WORDS) + text[min(stop, place + 6) :]
+            case 3:
+                text = text[:place] + text[min(stop, place + 40) :]
+            case 4:
+                text = text[:stop] + text[place:stop] + text[stop:]
+            case _:
+                text = text[:place] + other[place:stop] + text[stop:]
+    return text
+
+
+def damaged_tree(valid: Any, rng: Random, junk: tuple[Any, ...] = JUNK) -> Any:
+    """A copy of a tree of lists and dictionaries with a few of its places changed."""
+    holder = [copy.deepcopy(valid)]
+    for _ in range(rng.choice(_CHANGES)):
+        if places := list(_places(holder)):
+            _change(*rng.choice(places), rng, junk)
+    return holder[0] if holder else rng.choice(junk)
+
+
+def deep(rng: Random, opening: Callable[[int], Any]) -> Any:
+    """Something nested as deeply as a reader may not survive; `opening` gives it for a depth."""
+    return opening(rng.choice((10, 100, 1_000, 10_000, 50_000)))
+
+
+def _places(container: Any) -> Iterator[tuple[Any, Any]]:
+    """Every place in a tree: its container, and its key or position in it."""
+    for place, value in list(enumerate(container) if isinstance(container, list) else container.items()):
+        yield container, place
+        if isinstance(value, list | dict):
+            yield from _places(value)
+
+
+def _change(container: Any, place: Any, rng: Random, junk: tuple[Any, ...]) -> None:
+    value = container[place]
+    match rng.randrange(6):
+        case 0:
+            del container[place]
+        case 1 if isinstance(container, list):
+            container.insert(place, copy.deepcopy(value))
+        case 1:
+            container[rng.choice(("x", "", str(place) + "_", "robots", "delay"))] = copy.deepcopy(value)
+        case 2 if isinstance(value, int | float) and abs(value) < 2**63:
+            container[place] = rng.choice((-value, value * 1e6, value + 1, value / 3, float(value)))
+        case 3 if isinstance(value, list | dict):
+            container[place] = [copy.deepcopy(value)] * rng.randint(2, 3)
+        case _:
+            container[place] = copy.deepcopy(rng.choice(junk))

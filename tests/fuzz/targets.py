@@ -1,0 +1,273 @@
+"""What is fuzzed: everything that reads what strangers wrote, with valid inputs to begin from.
+
+Beyond raising nothing undeclared, what a reader accepts must survive being written and read again.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from random import Random
+from tempfile import gettempdir
+from typing import Any
+
+import msgspec
+
+from deploy.library.demonstrations import crash
+from deploy.load import read
+from deploy.local import LocalFleet
+from deploy.studies.fault_scenario import fault_scenario
+from protocol import joining, keys
+from protocol.bus import Event, Sample
+from protocol.codec import REASONS, decode, encode
+from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
+from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
+from protocol.messages import Health
+from protocol.scenario import Scenario
+from protocol.scenario_file import (
+    apply_settings,
+    document_of,
+    parse_document,
+    parse_toml,
+    read_scenario,
+    write_toml,
+)
+from protocol.steering import Steer, decode_steer
+from protocol.streams import STREAMS
+from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
+
+_KEPT = 40  # valid messages a stream
+_SETTINGS = (
+    "control.k=80", "robots[1].goal=[0.0, 0.0]", "link.delay=[0.0, 0.3]", "robots[6].id=9",
+    "sensing.delay=0.1", "name=x", "process=[]", "time.step=0.05", "sensing[0].bias=[0, 0]",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Target:
+    """A reader.
+
+    draw: an input; plain values whose `repr` gives them back.
+    read: what it does with that; whether it was accepted.
+    declared: the one kind of exception that may come of it.
+    share: of all inputs, in twentieths.
+    """
+
+    draw: Callable[[Random], Any]
+    read: Callable[[Any], bool]
+    declared: type[DisknavError]
+    share: int
+
+
+# -- messages
+
+
+@cache
+def _traffic() -> dict[str, list[tuple[str, bytes]]]:
+    """Keys and payloads of real runs with faults, by stream."""
+    heard: defaultdict[str, list[tuple[str, bytes]]] = defaultdict(list)
+
+    class Ear:
+        finished, deadline = False, float("inf")
+
+        def handle(self, event: Event) -> None:
+            if isinstance(event, Sample):
+                heard[event.key.rpartition("/")[2]].append((event.key, event.payload))
+
+        def wake(self, now: float) -> None:
+            """Nothing is due."""
+
+    for scenario in (fault_scenario(1), crash(0)):
+        fleet = LocalFleet([scenario], speed=0.0)
+        bus = fleet.network.connect()
+        bus.subscribe(everything(fleet.run))
+        bus.node = Ear()
+        fleet.execute()
+    assert heard.keys() == STREAMS.keys()
+    return {name: sorted(all_)[:: max(1, len(all_) // _KEPT)] for name, all_ in sorted(heard.items())}
+
+
+def _payload(valid: bytes, other: bytes, rng: Random) -> bytes:
+    match rng.randrange(10):
+        case 0:
+            return valid
+        case 1:
+            return rng.randbytes(rng.randint(0, 64))
+        case 2 if rng.randrange(50) == 0:
+            opening = rng.choice((b"\x91", b"\x81\xa0", b"\xdd\xff\xff\xff\xff", b"\xdf\xff\xff\xff\xff\xa0"))
+            return bytes(deep(rng, lambda depth: opening * depth))
+        case 3 | 4 | 5 | 6:
+            return damaged_bytes(valid, other, rng)
+        case _:
+            return msgspec.msgpack.encode(damaged_tree(msgspec.msgpack.decode(valid), rng))
+
+
+def _draw_message(rng: Random) -> tuple[str, bytes]:
+    samples = _traffic()[rng.choice(tuple(STREAMS))]
+    (key, valid), (_, other) = rng.choice(samples), rng.choice(samples)
+    if rng.randrange(8) == 0:
+        key = _draw_key(rng)
+    return key, _payload(valid, other, rng)
+
+
+def _read_message(drawn: tuple[str, bytes]) -> bool:
+    key, payload = drawn
+    try:
+        message = decode(key, payload)
+    except MessageError as error:
+        assert error.reason in REASONS, error.reason
+        assert str(error)
+        raise
+    assert decode(key, encode(message)) == message
+    return True
+
+
+# -- requests
+
+
+@cache
+def _requests() -> list[bytes]:
+    health = decode(*_traffic()["health"][-1])
+    assert isinstance(health, Health)
+    return [
+        joining.encode_request(joining.Join(1, "5f3a", health)),
+        joining.encode_request(joining.Join(999, "")),
+    ]
+
+
+@cache
+def _replies() -> list[bytes]:
+    replies = (
+        joining.Admission(3, True, fault_scenario(2), {1: 1, 2: 3}),
+        joining.Refusal("robot 9 is not in this run"),
+        joining.Wait(0.2, "another process is joining"),
+        joining.Finished("arrived"),
+        joining.Overview(crash(0), False),
+    )
+    return list(map(joining.encode_reply, replies))
+
+
+@cache
+def _steers() -> list[bytes]:
+    return [msgspec.msgpack.encode(s) for s in (Steer(True, 3, 0.5), {"pause": False}, {"speed": 2}, {})]
+
+
+def _requested(valid: Callable[[], list[bytes]]) -> Callable[[Random], bytes]:
+    return lambda rng: _payload(rng.choice(valid()), rng.choice(valid()), rng)
+
+
+def _read_request(payload: bytes) -> bool:
+    join = joining.decode_request(payload)
+    assert joining.decode_request(joining.encode_request(join)) is not None
+    return True
+
+
+def _read_reply(payload: bytes) -> bool:
+    joining.encode_reply(joining.decode_reply(payload))
+    return True
+
+
+def _read_steer(payload: bytes) -> bool:
+    msgspec.msgpack.encode(decode_steer(payload))
+    return True
+
+
+# -- keys
+
+
+def _draw_key(rng: Random) -> str:
+    run = rng.choice(("demo", "a_b-9", "0", "x" * 60))
+    robot = rng.choice((1, 7, 64, 999_999_999))
+    valid = rng.choice(
+        (f"disknav/{run}/robot/{robot}/{rng.choice(ROBOT_STREAMS)}",
+         f"disknav/{run}/world/{rng.choice(WORLD_STREAMS)}")
+    )  # fmt: skip
+    return damaged_text(valid, f"disknav/{run}/world/alive", rng) if rng.randrange(6) else valid
+
+
+def _read_key(text: str) -> bool:
+    run, robot, stream = keys.parse.__wrapped__(text)  # uncached: a cache of a million keys proves nothing
+    keys.checked_run(run)
+    again = keys.world_key(run, stream) if robot is None else keys.robot_key(run, robot, stream)
+    assert again == text
+    return True
+
+
+# -- scenarios
+
+
+@cache
+def _scenarios() -> list[Scenario]:
+    named = ("figure-1", "figure-3d", "delay-6", "crash", "swap-4", "random-3")
+    return [*map(read, named), *map(fault_scenario, range(8))]
+
+
+@cache
+def _documents() -> list[Any]:
+    return [document_of(scenario) for scenario in _scenarios()]
+
+
+@cache
+def _texts() -> list[str]:
+    return [write_toml(scenario) for scenario in _scenarios()]
+
+
+def _draw_document(rng: Random) -> dict[str, Any]:
+    tree = damaged_tree(rng.choice(_documents()), rng, WRITTEN)
+    return tree if isinstance(tree, dict) else {"robots": tree}
+
+
+def _draw_text(rng: Random) -> str:
+    if rng.randrange(200) == 0:
+        opening = rng.choice(("x = " + "[" * 2, "[x.", "x.", "x = {a = ", "[[a]]\n"))
+        return str(deep(rng, lambda depth: opening + opening[-3:] * min(depth, 2_000)))
+    return damaged_text(rng.choice(_texts()), rng.choice(_texts()), rng)
+
+
+def _draw_settings(rng: Random) -> list[str]:
+    return [damaged_text(rng.choice(_SETTINGS), rng.choice(_SETTINGS), rng) for _ in range(rng.randint(1, 3))]
+
+
+def _draw_file(rng: Random) -> bytes:
+    texts = [text.encode() for text in (rng.choice(_texts()), rng.choice(_texts()))]
+    return (b"\xef\xbb\xbf" if rng.randrange(4) == 0 else b"") + damaged_bytes(texts[0], texts[1], rng)
+
+
+def _same_again(scenario: Scenario) -> bool:
+    text = write_toml(scenario)
+    assert write_toml(parse_toml(text)) == text
+    return True
+
+
+def _read_settings(settings: list[str]) -> bool:
+    return _same_again(parse_document(apply_settings(_documents()[0], settings)))
+
+
+@cache
+def _scratch() -> Path:
+    return Path(gettempdir()) / f"disknav-fuzz-{Random().getrandbits(64):x}.toml"
+
+
+def _read_file(content: bytes) -> bool:
+    path = _scratch()
+    try:
+        path.write_bytes(content)
+        return _same_again(read_scenario(path))
+    finally:
+        path.unlink()
+
+
+TARGETS = {
+    "message": Target(_draw_message, _read_message, MessageError, 9),
+    "join": Target(_requested(_requests), _read_request, MessageError, 2),
+    "reply": Target(_requested(_replies), _read_reply, MessageError, 1),
+    "steer": Target(_requested(_steers), _read_steer, MessageError, 1),
+    "key": Target(_draw_key, _read_key, KeyGrammarError, 2),
+    "document": Target(_draw_document, lambda d: _same_again(parse_document(d)), ScenarioError, 2),
+    "text": Target(_draw_text, lambda text: _same_again(parse_toml(text)), ScenarioError, 1),
+    "settings": Target(_draw_settings, _read_settings, ScenarioError, 1),
+    "file": Target(_draw_file, _read_file, ScenarioError, 1),
+}
