@@ -5,10 +5,11 @@ BIN := .venv/bin
 READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
-INNER := protocol/codec.py $(addprefix agents/,slice.py flow.py pace.py deadlock.py safe_velocity.py estimate.py \
-  neighbours.py link.py robot.py node.py laws/gradient.py lines/line.py lines/placement.py lines/pair.py \
-  lines/fixed_disk.py lines/bond.py lines/ledger.py) $(addprefix world/,commands.py lives.py kinematics.py \
-  verdict.py sensing.py record.py world.py turn.py outlet.py node.py)
+INNER := $(addprefix protocol/,codec.py drive.py bus_local.py bus_zenoh.py) $(addprefix agents/,slice.py flow.py \
+  pace.py deadlock.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
+  lines/line.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/ledger.py) \
+  $(addprefix world/,commands.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
+  outlet.py node.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compile demo test fast check bench fuzz figures clean
@@ -23,6 +24,7 @@ compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
 $(COMPILED): $(READY) $(INNER)
 	@mkdir -p build; rm -f *__mypyc*.so
 	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
+	  find protocol agents world -name '*.so' -exec touch {} +; \
 	else tail -3 build/compile.log; find protocol agents world -name '*.so' -delete; \
 	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at two thirds of the speed"; fi
 	@touch $@

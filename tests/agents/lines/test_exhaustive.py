@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from small_model import Bounds, search
-
-from agents.lines.pair import Follower, Owner
+from small_model import Bounds, Follower, Owner, search
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,7 @@ def _request(**changes: object) -> Request:
         "settings": ("time.step=0.05",),
         "transport": "local",
         "random": None,
+        "scheduler": None,
         "target": None,
         "plot": None,
         "fresh": False,
