@@ -75,7 +75,5 @@ def test_an_old_twin_is_refused(tmp_path: Path) -> None:
     compiled.check(tmp_path)
     os.utime(source, (2e9, 2e9))
     os.utime(twin, (1e9, 1e9))
-    with pytest.raises(
-        UsageError, match=r"agents/law\.py has changed since it was compiled"
-    ):
+    with pytest.raises(UsageError, match=r"agents/law\.py has changed since it was compiled"):
         compiled.check(tmp_path)
