@@ -57,9 +57,7 @@ class Control:
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"
     speed: Positive = 0.10  # m/s
-    escape: bool = (
-        True  # gradient: leave deadlocks along negative curvature; the paper's law has no such thing
-    )
+    escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
     barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
