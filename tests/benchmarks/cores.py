@@ -106,13 +106,13 @@ def _at(state: State, tick: int) -> State:
     )
 
 
-def costs(robots: int, repeat: int = 9, number: int = 20) -> dict[str, Cost]:
-    """What each core costs with that many robots, after ten ticks of a random instance."""
+def calls(robots: int) -> dict[str, tuple[Callable[[], object], Callable[[], object]]]:
+    """Each core with that many robots, after ten ticks of a random instance, and its floor."""
     fleet = Fleet(load(f"random-{robots}"))
     for _ in range(10):
         fleet.tick()
     one, pairs = _floor(robots, 1), _floor(robots, robots)
-    calls: dict[str, tuple[Callable[[], object], Callable[[], object]]] = {
+    return {
         "slice": (_slice(fleet), one),
         "filter": (_filter(fleet), one),
         "codec": _codec(fleet),
@@ -120,10 +120,14 @@ def costs(robots: int, repeat: int = 9, number: int = 20) -> dict[str, Cost]:
         "world": (fleet.world_tick(), pairs),
     }
 
+
+def costs(robots: int, repeat: int = 9, number: int = 64) -> dict[str, Cost]:
+    """What each core costs; `number` calls count together, among them those in which the world judges."""
+
     def measured(call: Callable[[], object]) -> float:
         return 1e6 * min(timeit.repeat(call, number=number, repeat=repeat)) / number
 
-    return {name: Cost(measured(core), measured(floor)) for name, (core, floor) in calls.items()}
+    return {name: Cost(measured(core), measured(floor)) for name, (core, floor) in calls(robots).items()}
 
 
 def _floor(robots: int, rows: int) -> Callable[[], object]:
