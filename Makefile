@@ -25,7 +25,7 @@ $(COMPILED): $(READY) $(INNER)
 	@mkdir -p build; rm -f *__mypyc*.so
 	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
 	  find protocol agents world -name '*.so' -exec touch {} +; \
-	else tail -3 build/compile.log; find protocol agents world -name '*.so' -delete; \
+	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world -name '*.so' -delete; \
 	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at two thirds of the speed"; fi
 	@touch $@
 
