@@ -15,14 +15,15 @@ from typing import Any
 import msgspec
 
 from protocol import joining
-from protocol.bus import Bus, Event, Presence, Request
+from protocol.bus import Bus, Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import every_robot, parse, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
-from protocol.steering import Steering, decode_steer
+from protocol.steering import decode_steer
 from world.outlet import Outlet
+from world.pacing import Pacing
 from world.reception import Reception
 from world.roster import Roster
 from world.turn import Turn
@@ -30,7 +31,6 @@ from world.turn import Turn
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
 FAREWELL = 2.0  # s that robots have to report after the end, and to hear that it is over
-BEAT = 0.1  # s between signs of life while waiting
 _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
@@ -57,7 +57,6 @@ class WorldNode:
 
     Attributes:
         reports: one a scenario that has ended.
-        steering: what viewers ask of a lock-step clock.
     """
 
     def __init__(
@@ -74,7 +73,7 @@ class WorldNode:
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
-        self.steering = Steering(speed=speed)
+        self._pacing = Pacing(lockstep, speed)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._scenarios = iter(scenarios)
         self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
@@ -92,19 +91,23 @@ class WorldNode:
         self._turn, self._phase = turn, Phase.RUNNING
         self._roster.forget_reports()
         self._outlet.published = 0
-        self._since = time.monotonic()  # when the present tick, or the present wait, began
-        self.deadline = self._since + BEAT
+        self._pacing.wait()
+
+    @property
+    def deadline(self) -> float:
+        """When `wake` wants to be called next, s, monotonic."""
+        return self._pacing.deadline
 
     # -- events
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Presence):
+        if isinstance(event, Sample):
+            self._on_command(event.key, event.payload)
+        elif isinstance(event, Presence):
             self._on_presence(event)
-        elif isinstance(event, Request):
+        else:
             event.reply(self._reply(event))
             self._advance()
-        else:
-            self._on_command(event.key, event.payload)
 
     def _on_command(self, key: str, payload: bytes) -> None:
         turn = self._turn
@@ -141,8 +144,8 @@ class WorldNode:
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
         if self._lockstep:
-            self.steering.apply(steer)
-        return msgspec.msgpack.encode(self.steering)
+            self._pacing.steering.apply(steer)
+        return msgspec.msgpack.encode(self._pacing.steering)
 
     def _answer(self, payload: bytes) -> joining.Reply:
         if not payload:
@@ -165,7 +168,7 @@ class WorldNode:
     # -- the clock
 
     def wake(self, now: float) -> None:
-        self.deadline = now + BEAT
+        self._pacing.look_again(now)
         if self._phase is not Phase.RUNNING:
             self._say_farewell()
         elif self._lockstep or not self._turn.opened:
@@ -196,13 +199,13 @@ class WorldNode:
                 self._remind(measurements)
                 return False
             measurements = self._open_without()
-        if self._is_held():
+        if self._pacing.holds(turn.world.tick, turn.scenario.time.step):
             self._inform(due=False)
             return False
         turn.opened = True
         if turn.world.tick == 0:
             turn.began = time.monotonic()
-        self._schedule()
+        self._pacing.begin(turn.world.tick, turn.scenario.time.step)
         self._outlet.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
         return True
@@ -229,26 +232,6 @@ class WorldNode:
             world.give_up_waiting(robot)
         return world.open_tick()
 
-    def _is_held(self) -> bool:
-        """Whether a viewer's pause or speed holds the tick back."""
-        steering = self.steering
-        if steering.speed > 0.0 and not steering.paused and self._turn.world.tick > 0:
-            due = self._since + self._turn.scenario.time.step / steering.speed
-            if time.monotonic() < due:
-                self.deadline = due
-                return True
-        return not steering.allow()
-
-    def _schedule(self) -> None:
-        """When this tick ends by the wall clock (real time), or when to grow impatient (lock-step)."""
-        now, step = time.monotonic(), self._turn.scenario.time.step
-        if self._lockstep:
-            self._since, self.deadline = now, now + BEAT
-        else:
-            due = self._since + step if self._turn.world.tick > 0 else now
-            self._since = due if now < due + step else now  # a tick too late: do not hurry to catch up
-            self.deadline = self._since + step
-
     def _close(self) -> None:
         turn = self._turn
         turn.world.close_tick()
@@ -263,11 +246,12 @@ class WorldNode:
         turn = self._turn
         self._inform(due=True)
         if turn.opened:
-            if now > self._since + self._patience:
+            if now > self._pacing.since + self._patience:
                 self._give_up(turn.world.waiting)
         elif not self._absent():
-            self._since = max(self._since, now - self._gathering)  # held back by a viewer, not by a robot
-        elif now > self._since + self._gathering:
+            # Held back by a viewer, not by a robot.
+            self._pacing.since = max(self._pacing.since, now - self._gathering)
+        elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
     def _give_up_gathering(self) -> None:
@@ -307,8 +291,8 @@ class WorldNode:
         self.finished = True
 
     def _end(self) -> None:
-        self._phase, self._since = Phase.FAREWELL, time.monotonic()
-        self.deadline = self._since + BEAT
+        self._phase = Phase.FAREWELL
+        self._pacing.wait()
         self._say_farewell()
 
     def _say_farewell(self) -> None:
@@ -323,18 +307,19 @@ class WorldNode:
             self._conclude()
 
     def _patience_is_over(self) -> bool:
-        return time.monotonic() > self._since + FAREWELL
+        return self._pacing.waited() > FAREWELL
 
     def _conclude(self) -> None:
         """Publish the result and go on to the next run, if there is one."""
         if self._phase is not Phase.FAREWELL:
             return
         turn, seats = self._turn, self._roster.seats.values()
-        report = turn.report((seat.health for seat in seats), self._outlet.published, self._since)
+        report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
         self.reports.append(report)
         self._outlet.result(report)
         following = next(self._scenarios, None)
         if following is None:
-            self._phase, self._since = Phase.CLOSING, time.monotonic()
+            self._phase = Phase.CLOSING
+            self._pacing.wait()
         else:
             self._begin(Turn(turn.number + 1, following, turn.world.incarnations))

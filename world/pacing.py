@@ -1,0 +1,62 @@
+"""When ticks begin and end by the wall clock: as soon as can be, in real time, or as a viewer steers."""
+
+from __future__ import annotations
+
+import time
+
+from protocol.steering import Steering
+
+BEAT = 0.1  # s between looks while nothing happens
+
+
+class Pacing:
+    """The wall clock of one world.
+
+    Args:
+        lockstep: whether ticks wait for the robots, or end when their time is over.
+        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
+
+    Attributes:
+        steering: what viewers ask of a lock-step clock.
+        since: s, monotonic: when the present tick, or the present wait, began.
+        deadline: s, monotonic: when to look at the latest.
+    """
+
+    def __init__(self, lockstep: bool, speed: float) -> None:
+        self.lockstep = lockstep
+        self.steering = Steering(speed=speed)
+        self.wait()
+
+    def wait(self) -> None:
+        """A wait begins now."""
+        self.since = time.monotonic()
+        self.look_again(self.since)
+
+    def look_again(self, now: float) -> None:
+        """Look again in a while."""
+        self.deadline = now + BEAT
+
+    def waited(self) -> float:
+        """For how long, s."""
+        return time.monotonic() - self.since
+
+    def holds(self, tick: int, step: float) -> bool:
+        """Whether a viewer's pause or speed holds back `tick`, of `step` s."""
+        steering = self.steering
+        if steering.speed > 0.0 and not steering.paused and tick > 0:
+            due = self.since + step / steering.speed
+            if time.monotonic() < due:
+                self.deadline = due
+                return True
+        return not steering.allow()
+
+    def begin(self, tick: int, step: float) -> None:
+        """Begin `tick`: in real time it ends after `step` s, in lock-step it is looked after until it does."""
+        now = time.monotonic()
+        if self.lockstep:
+            self.since = now
+            self.look_again(now)
+        else:
+            due = self.since + step if tick > 0 else now
+            self.since = due if now < due + step else now  # a tick too late: do not hurry to catch up
+            self.deadline = self.since + step
