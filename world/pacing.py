@@ -51,7 +51,7 @@ class Pacing:
         return not steering.allow()
 
     def begin(self, tick: int, step: float) -> None:
-        """Begin `tick`: in real time it ends after `step` s, in lock-step it is looked after until it does."""
+        """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""
         now = time.monotonic()
         if self.lockstep:
             self.since = now
