@@ -81,11 +81,14 @@ def _row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     counts = Counter(kind for kind, _ in outcomes)
     came = [result for kind, result in outcomes if kind in ("arrived", "survivors_arrived")]
     whole = [result for kind, result in outcomes if kind == "arrived"]
+    up = [kind for kind, result in outcomes if kind != "failed" and not result["down"]]
     judged = [result for kind, result in outcomes if kind != "failed"]
     return {
         **labels,
         "runs": len(results),
         "collisions": collided(judged),
+        "all_up": len(up),
+        "all_up_arrived": sum(kind == "arrived" for kind in up),
         "arrived": counts["arrived"],
         "survivors_arrived": counts["survivors_arrived"],
         "barred": counts["barred"],
@@ -110,6 +113,11 @@ def _summary(rows: Sequence[Row]) -> list[str]:
     for row in rows:
         due = row["runs"] - row["barred"]
         came = row["arrived"] + row["survivors_arrived"]
+        if row["all_up"]:
+            arrived, up = row["all_up_arrived"], row["all_up"]
+            lines.append(
+                f"{arrived} of {up} with nobody down at the end arrived, {100.0 * arrived / up:.2f} %"
+            )
         if due:
             lines.append(f"{came} of {due} that could arrive did, {100.0 * came / due:.2f} %")
         lines += [
