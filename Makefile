@@ -9,7 +9,7 @@ INNER := $(addprefix protocol/,codec.py drive.py bus_local.py bus_zenoh.py) $(ad
   pace.py deadlock.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
   lines/line.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/ledger.py) \
   $(addprefix world/,commands.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
-  outlet.py pacing.py node.py)
+  outlet.py pacing.py node.py) deploy/recording/mcap_file.py deploy/recording/writer.py
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compile demo test fast check bench fuzz figures clean
@@ -21,11 +21,11 @@ setup: $(READY) $(COMPILED)  ## build .venv with everything that running and tes
 
 compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
 
-$(COMPILED): $(READY) $(INNER)
+$(COMPILED): $(READY) compile.py Makefile $(INNER)
 	@mkdir -p build; rm -f *__mypyc*.so
 	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
-	  find protocol agents world -name '*.so' -exec touch {} +; \
-	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world -name '*.so' -delete; \
+	  find protocol agents world deploy -name '*.so' -exec touch {} +; \
+	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world deploy -name '*.so' -delete; \
 	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at two thirds of the speed"; fi
 	@touch $@
 
@@ -71,5 +71,5 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 
 clean:  ## remove what can be built again
-	find protocol agents world . -maxdepth 2 -name '*.so' -not -path './.venv/*' -delete
+	rm -f *.so; find protocol agents world deploy -name '*.so' -delete
 	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -11,7 +11,7 @@ from pathlib import Path
 from protocol.errors import UsageError
 
 ROOT = Path(__file__).resolve().parent.parent
-_PACKAGES = ("protocol", "agents", "world")
+_PACKAGES = ("protocol", "agents", "world", "deploy")
 
 
 def compiled(root: Path = ROOT) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -19,6 +20,7 @@ from protocol.streams import STREAMS
 
 _PULSE = 0.001  # s between bursts
 _PATIENCE = 30.0  # s for the flooder to say something
+_NICENESS = 19  # it stands for another host, whose processors are not the fleet's
 
 
 class Flooded(NamedTuple):
@@ -86,6 +88,7 @@ def main(
 ) -> None:
     """Flood between two words of the other end, until that is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
+    os.nice(_NICENESS)
     bus = ZenohBus(connection)
     try:
         messages = cycle(_declared(bus, run, robots))

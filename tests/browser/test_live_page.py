@@ -152,6 +152,7 @@ def test_pause_stops_the_ticks_and_step_makes_one(browser: playwright.Browser) -
         it.wait_for_tick(3)
         it.page.get_by_role("button", name="Pause").click()
         it.page.wait_for_selector("#verdict:has-text('Paused')")
+        it.page.wait_for_timeout(400)  # the tick under way is finished, and shown
         held = it.watcher.snapshot()["tick"]
         it.page.wait_for_timeout(400)
         assert it.watcher.snapshot()["tick"] == held
