@@ -9,12 +9,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.options import RunOptions
 from deploy.process_table import is_router
 
 Result = dict[str, Any]
-
-EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
 
 _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
+from numpy.random import Generator, Philox
 
 
 class Purpose(IntEnum):
@@ -25,8 +26,8 @@ class Purpose(IntEnum):
 _MASK = (1 << 64) - 1
 
 
-def generator(seed: int, purpose: Purpose, robot: int = 0, tick: int = 0) -> np.random.Generator:
+def generator(seed: int, purpose: Purpose, robot: int = 0, tick: int = 0) -> Generator:
     """A numpy generator for one key; `seed` is any non-negative integer, ids and ticks below 2**32."""
     key = np.array([seed & _MASK, (int(purpose) << 56) ^ (seed >> 64)], dtype=np.uint64)
     counter = np.array([0, 0, robot, tick], dtype=np.uint64)
-    return np.random.Generator(np.random.Philox(key=key, counter=counter))
+    return Generator(Philox(key=key, counter=counter))

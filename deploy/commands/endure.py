@@ -12,8 +12,8 @@ from typing import Annotated, Any
 import typer
 
 from deploy.bar import bar
+from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.options import RunOptions, Transport, fresh_run_name
-from deploy.result import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from protocol.errors import UsageError
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from rich.console import Console
 
+from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.json_output import is_standard_output, write_json
 from deploy.options import Transport
 from deploy.plot.draw import PICTURES
 from deploy.plot.draw import check as check_plot
-from deploy.result import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.studies.adjusted import adjusted
 from deploy.studies.catalogue import defaults, find
 from deploy.studies.provenance import provenance

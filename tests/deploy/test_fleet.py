@@ -18,11 +18,11 @@ import pytest
 
 from agents.process import REFUSED
 from deploy import process_table as table
+from deploy.exit_status import EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.fleet import Fleet
 from deploy.load import load
 from deploy.local import LocalFleet
 from deploy.options import Mode, RunOptions, fresh_run_name, restarts
-from deploy.result import EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.supervisor import Supervisor
 from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus

@@ -16,10 +16,10 @@ from typing import Any
 import psutil
 import pytest
 
+from deploy.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.hosts.far_end import GREETING
 from deploy.load import load
 from deploy.local import LocalFleet
-from deploy.result import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.security.keystore import create
 from deploy.security.roster import Roster
 from deploy.studies.provenance import code_digest
