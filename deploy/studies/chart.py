@@ -1,20 +1,29 @@
-"""Pictures of studies: figures 4 and 5 beside what the paper prints, and curves of the others."""
+"""Pictures of studies: each has one, drawn of its rows."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
-from deploy.plot.style import INK, RC, colour, dash
+from deploy.plot.style import INK, RC, colour
+from deploy.studies.chart_delays import delay, robustness
+from deploy.studies.chart_panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
+from deploy.studies.chart_peers import peers
 from deploy.studies.study import Row
 
-_WIDTH, _HEIGHT = 4.2, 3.0  # inches, one panel
-Curves = Mapping[str, Sequence[tuple[Any, float | None]]]
+_SCALE = {
+    "nrl_mean": "nrl",
+    "ticks_per_second": "ticks per second",
+    "cpu_per_robot_tick_us": "CPU per robot and tick, µs",
+    "memory_mb": "memory, MB",
+}
+_OUTCOMES = ("arrived", "survivors_arrived", "barred", "not_arrived", "failed", "collisions")
 
 
 def draw_study(name: str, rows: Sequence[Row], target: Path) -> None:
@@ -25,146 +34,90 @@ def draw_study(name: str, rows: Sequence[Row], target: Path) -> None:
 
 
 def _tightness(rows: Sequence[Row]) -> Figure:
-    figure, (axes,) = _panels(1)
-    _paper(axes, rows, "tight")
-    axes.set(xlabel="tight", ylabel="normalised path length")
-    return figure
+    return _paper(rows, "tight")[0]
 
 
 def _tuning(rows: Sequence[Row]) -> Figure:
-    figure, (axes,) = _panels(1)
-    _paper(axes, rows, "k")
-    axes.set(xlabel="k", ylabel="normalised path length", xscale="log")
+    figure, axes = _paper(rows, "k")
+    axes.set_xscale("log")
+    plain_numbers(axes.xaxis)
     return figure
 
 
-def _paper(axes: Axes, rows: Sequence[Row], axis: str) -> None:
+def _paper(rows: Sequence[Row], axis: str) -> tuple[Figure, Axes]:
     """Mean and deviation as measured, the paper's printed values, and the exact flow's."""
-    known = [row for row in rows if row["nrl_mean"] is not None]
-    axes.errorbar(
-        [row[axis] for row in known],
-        [row["nrl_mean"] for row in known],
-        [row["nrl_std"] or 0.0 for row in known],
-        color=colour(0),
-        capsize=3,
-        marker="o",
-        markersize=4,
-        label="measured, mean and deviation",
-    )
-    for name, marker, words in (("paper", "s", "printed in the paper"), ("exact", "x", "exact flow")):
-        points = [(row[axis], row[name]) for row in rows if row[name] is not None]
+    figure, ((axes,),) = panels(1, 1, 3.6)
+    points = [(row[axis], row["nrl_mean"], row["nrl_std"]) for row in rows]
+    Curve("measured, mean and deviation", points, 0, 0).draw(axes)
+    for name, look, words in (
+        ("paper", {"marker": "s", "color": INK, "markerfacecolor": HOLLOW}, "printed in the paper"),
+        ("exact", {"marker": "x", "color": colour(1)}, "exact flow"),
+    ):
+        known = [(row[axis], row[name]) for row in rows if row[name] is not None]
         axes.plot(
-            *_columns(points), marker, color=INK if name == "paper" else colour(1), markersize=5, label=words
+            [x for x, _ in known],
+            [y for _, y in known],
+            linestyle="",
+            markersize=6,
+            zorder=2.5,
+            label=words,
+            **look,
         )
-    axes.legend()
+    axes.set(xlabel=axis, ylabel="normalised path length")
+    heading(figure, f"{runs(rows)} a point, from random starts; of those that arrived")
+    legend(figure)
+    return figure, axes
 
 
 def _robustness(rows: Sequence[Row]) -> Figure:
-    if rows and "filter" not in rows[0]:
-        return _random_faults(rows)
-    figure, panels = _panels(3)
-    for axes, (name, words) in zip(
-        panels,
-        (
-            ("collisions", "runs with a collision, %"),
-            ("arrived", "runs that arrived, %"),
-            ("time", "time, s"),
-        ),
-        strict=True,
-    ):
-        _curves(axes, _over_delay(rows, name))
-        axes.set(xlabel="one-way delay, s", ylabel=words)
-    panels[0].legend()
-    return figure
-
-
-def _over_delay(rows: Sequence[Row], name: str) -> Curves:
-    """Curves over the delay, one for every filter and loss; noise and period as they mostly are."""
-    curves: dict[str, list[tuple[Any, float | None]]] = {}
-    for row in rows:
-        if row["noise"] == 0.0 and row["period"] == 0.05:
-            value = row["time_mean"] if name == "time" else 100.0 * row[name] / row["runs"]
-            curves.setdefault(f"{row['filter']}, loss {row['loss']:g}", []).append((row["delay"], value))
-    return curves
-
-
-def _delay(rows: Sequence[Row]) -> Figure:
-    """Time over the delay, and against the same runs without, one curve for each scenario and pace."""
-    figure, panels = _panels(2)
-    words = {"time_mean": "time, s", "ratio": "time against no delay"}
-    for axes, (name, text) in zip(panels, words.items(), strict=True):
-        curves: dict[str, list[tuple[Any, float | None]]] = {}
-        for row in rows:
-            curves.setdefault(f"{row['scenario']}, {row['pace']} pace", []).append((row["delay"], row[name]))
-        _curves(axes, curves)
-        axes.set(xlabel="one-way delay, s", ylabel=text)
-    panels[0].legend()
-    return figure
+    return robustness(rows) if "filter" in rows[0] else _random_faults(rows)
 
 
 def _random_faults(rows: Sequence[Row]) -> Figure:
-    figure, (axes,) = _panels(1)
-    names = ("collisions", "arrived", "survivors_arrived", "barred", "not_arrived", "failed")
-    axes.bar([name.replace("_", "\n") for name in names], [rows[0][name] for name in names], color=colour(0))
-    axes.set(ylabel="runs")
+    """How many runs came to what, in numbers too: the few that matter are too few to be seen."""
+    figure, ((axes,),) = panels(1, 1, 2.2)
+    names = [name.replace("_", " ") for name in _OUTCOMES]
+    bars = axes.barh(names, [rows[0][name] for name in _OUTCOMES], color=colour(0), height=0.6)
+    axes.bar_label(bars, fmt="%d", padding=3)
+    axes.invert_yaxis()
+    axes.margins(x=0.1)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.set(xlabel="runs")
+    heading(figure, f"{runs(rows)} with random faults")
     return figure
 
 
 def _scale(rows: Sequence[Row]) -> Figure:
-    wanted = {
-        "nrl_mean": "nrl",
-        "ticks_per_second": "ticks per second",
-        "cpu_per_robot_tick_us": "CPU per robot and tick, µs",
-        "memory_mb": "memory, MB",
-    }
-    figure, panels = _panels(len(wanted))
-    for axes, (name, words) in zip(panels, wanted.items(), strict=True):
-        curves: dict[str, list[tuple[Any, float | None]]] = {}
-        for row in rows:
-            curves.setdefault(row["transport"], []).append((row["robots"], row[name]))
-        _curves(axes, curves)
-        axes.set(
-            xlabel="robots", ylabel=words, xscale="log", yscale="linear" if name == "nrl_mean" else "log"
-        )
-    panels[0].legend()
+    """What grows with the number of robots: a curve for every transport."""
+    figure, grid = panels(2, 2, 2.6, sharex=True)
+    transports = dict.fromkeys(row["transport"] for row in rows)
+    counts = sorted({row["robots"] for row in rows})
+    for axes, (name, words) in zip(grid.flat, _SCALE.items(), strict=True):
+        axes.set_xscale("log")
+        for place, transport in enumerate(transports):
+            points: list[tuple[Any, ...]] = [
+                (row["robots"], row[name]) for row in rows if row["transport"] == transport
+            ]
+            Curve(transport, points, place, place, hollow=place > 0).draw(axes)
+        if name != "nrl_mean":
+            axes.set_yscale("log")
+            plain_numbers(axes.yaxis)
+        axes.set_ylabel(words)
+        axes.set_xticks(counts, map(str, counts))
+        axes.xaxis.set_minor_locator(NullLocator())
+    for axes in grid[-1]:
+        axes.set_xlabel("robots")
+    heading(figure, f"mean of {runs(rows)} a point; nrl of those that arrived")
+    legend(figure)
     return figure
-
-
-def _peers(rows: Sequence[Row]) -> Figure:
-    figure, panels = _panels(2)
-    for axes, name in zip(panels, ("arrived", "collisions"), strict=True):
-        curves: dict[str, list[tuple[Any, float | None]]] = {}
-        for row in rows:
-            curves.setdefault(row["law"], []).append((row["scenario"], 100.0 * row[name] / row["runs"]))
-        _curves(axes, curves)
-        axes.set(ylabel=f"runs: {name}, %")
-        axes.tick_params(axis="x", rotation=90)
-    panels[0].legend()
-    return figure
-
-
-def _panels(count: int) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(_WIDTH * count, _HEIGHT), layout="constrained")
-    return figure, list(figure.subplots(1, count, squeeze=False)[0])
-
-
-def _curves(axes: Axes, curves: Curves) -> None:
-    for index, (label, points) in enumerate(curves.items()):
-        known = [(x, y) for x, y in points if y is not None]
-        axes.plot(
-            *_columns(known), marker="o", markersize=3, color=colour(index), ls=dash(index), label=label
-        )
-
-
-def _columns(points: Sequence[tuple[Any, Any]]) -> tuple[list[Any], list[Any]]:
-    return [x for x, _ in points], [y for _, y in points]
 
 
 _CHARTS: dict[str, Callable[[Sequence[Row]], Figure]] = {
     "tightness": _tightness,
     "tuning": _tuning,
     "robustness": _robustness,
-    "delay": _delay,
+    "delay": delay,
     "scale": _scale,
-    "peers": _peers,
+    "peers": peers,
 }

@@ -34,6 +34,12 @@ LAWS: dict[str, dict[str, Any]] = {
     "orca": {"law": "orca", "filter": "none"},
     "barrier": {"law": "barrier", "filter": "none"},
 }
+NAMES = {  # of the laws, for people
+    "gradient + lines": "separating lines",
+    "gradient": "bare law",
+    "orca": "ORCA",
+    "barrier": "barrier QP",
+}
 # As many settings for either method. A barrier's gain times the period is at most 1.
 Scan = dict[str, tuple[float, ...]]
 SCANS: dict[str, Scan] = {
