@@ -56,6 +56,13 @@ def decode_stream(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
     Raises:
         MessageError: with `reason` in `REASONS`.
     """
+    message = decode_numbers(stream, robot, payload)
+    check_finite(stream, message)
+    return message
+
+
+def decode_numbers(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
+    """See `decode_stream`; but numbers may be infinite, or none. For who sees that later anyway."""
     if stream not in _READERS:
         raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
     decoder, limit = _READERS[stream]
@@ -67,9 +74,17 @@ def decode_stream(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
         raise _refusal(stream, payload, error) from None
     if getattr(message, "robot", robot) != robot:
         raise MessageError("identity", f"{stream}: names another robot than its key, which says {robot}")
+    return message
+
+
+def check_finite(stream: str, message: AnyMessage) -> None:
+    """Refuse a message of `stream` that holds a number which is infinite, or none.
+
+    Raises:
+        MessageError: not-finite.
+    """
     if not _is_finite(message):
         raise MessageError("not-finite", f"{stream}: holds a number that is infinite or not a number")
-    return message
 
 
 def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections import Counter, defaultdict
+from collections import defaultdict
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -33,6 +33,7 @@ from mcap.writer import MCAP0_MAGIC
 _CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
 _LEVEL = 1  # of compression, the fastest: for messages so much alike as small as the default
 _MESSAGE = struct.Struct("<BQHIQQ")  # opcode, length, channel, sequence, log time, publish time
+_OPCODE = int(Opcode.MESSAGE)
 _LENGTH = _MESSAGE.size - 9  # of a message without its data and without opcode and length
 _INDEX = struct.Struct("<BQHI")  # opcode, length, channel, bytes of the entries
 
@@ -51,7 +52,7 @@ class McapFile:
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._counts: Counter[int] = Counter()  # messages by channel
+        self._counts: list[int] = [0]  # messages by channel, closed chunks only; channels count from 1
         self._clear()
         self._put(MCAP0_MAGIC + packed(Header("", library)))
 
@@ -73,6 +74,7 @@ class McapFile:
         number = len(self._channels) + 1
         record = Channel(number, topic, "json", metadata, schema)
         self._channels.append(record)
+        self._counts.append(0)
         self._add(packed(record))
         return number
 
@@ -83,7 +85,7 @@ class McapFile:
         entries.append(self._size)
         length = _LENGTH + len(data)
         sequence = self._counts[channel] + len(entries) // 2 - 1
-        self._parts.append(_MESSAGE.pack(Opcode.MESSAGE, length, channel, sequence & 0xFFFFFFFF, time, time))
+        self._parts.append(_MESSAGE.pack(_OPCODE, length, channel, sequence & 0xFFFFFFFF, time, time))
         self._parts.append(data)
         self._size += 9 + length
         if self._size > _CHUNK:
@@ -143,7 +145,8 @@ class McapFile:
             )
         )
         self._put(index)
-        self._counts.update({channel: len(entries) // 2 for channel, entries in self._entries.items()})
+        for channel, entries in self._entries.items():
+            self._counts[channel] += len(entries) // 2
         self._clear()
 
     def _message_index(self) -> tuple[dict[int, int], bytes]:
@@ -161,9 +164,9 @@ class McapFile:
         return Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
-            channel_message_counts=dict(self._counts),
+            channel_message_counts={channel: count for channel, count in enumerate(self._counts) if count},
             chunk_count=len(self._chunks),
-            message_count=self._counts.total(),
+            message_count=sum(self._counts),
             message_end_time=max((chunk.message_end_time for chunk in filled), default=0),
             message_start_time=min((chunk.message_start_time for chunk in filled), default=0),
             metadata_count=len(self._metadata),

@@ -13,7 +13,7 @@ import msgspec
 
 from deploy.recording.form import schema, to_object
 from deploy.recording.mcap_file import McapFile
-from protocol.codec import decode_stream
+from protocol.codec import check_finite, decode_numbers
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse
 from protocol.messages import VERSION
@@ -82,8 +82,10 @@ class RecordingFile:
         channel = self._channels[key] if key in self._channels else self._open(key)
         if channel is None:
             return
-        message: Any = decode_stream(channel.stream, channel.robot, payload)
+        message: Any = decode_numbers(channel.stream, channel.robot, payload)
         data = _encode(channel.form(message))
+        if b"null" in data:  # what is no number in JSON; checking the others first costs as much as decoding
+            check_finite(channel.stream, message)
         self._file.message(channel.number, round(message.tick * self._step * 1e9), data)
         self._count += 1
 
