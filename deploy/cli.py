@@ -14,9 +14,11 @@ _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 
 
 def main() -> None:
-    """Entry point of the `disknav` command. SIGTERM ends it as Ctrl-C does, and neither can be lost."""
+    """Entry point of the `disknav` command. SIGTERM and a closed terminal end it as Ctrl-C does."""
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell's script has its `command &` ignore the first
         signal.signal(number, signal.default_int_handler)
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # as `nohup` asks
+        signal.signal(signal.SIGHUP, signal.default_int_handler)
     try:
         with uninterrupted():  # modules that Cython made swallow an interruption of their import
             compiled.check()

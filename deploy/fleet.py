@@ -72,7 +72,6 @@ class Fleet:
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._foreign = 0
         self._reports: list[Report] = []
         self._stack = ExitStack()
 
@@ -169,8 +168,7 @@ class Fleet:
 
     def pids(self) -> dict[str, int]:
         """The processes that run, by name."""
-        running = set(self._supervisor.running())
-        return {usage.name: usage.pid for usage in self._supervisor.usage() if usage.name in running}
+        return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""
@@ -187,8 +185,7 @@ class Fleet:
         try:
             message = decode(event.key, event.payload)
         except MessageError:
-            self._foreign += 1
-            return
+            return  # robots and world count what they refuse
         if isinstance(message, Result):
             self._reports.append(json.loads(message.report))
             if self._on_report is not None:

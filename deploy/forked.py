@@ -10,6 +10,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
 from typing import NoReturn
@@ -51,9 +52,12 @@ def run_forked(start: Start, report: int | None, lifeline: int) -> NoReturn:
     except BaseException:  # noqa: BLE001  nothing above this frame could report it
         print(f"{start.name} failed:\n{traceback.format_exc()}", file=sys.stderr)
     finally:
-        sys.stderr.flush()
-        sys.stdout.flush()
-        os._exit(code)  # never back into the fork server's loop, and past threads that would linger
+        try:
+            sys.stderr.flush()
+            sys.stdout.flush()
+        finally:  # whoever read them may be gone
+            # Never back into the fork server's loop, and past threads that would linger.
+            os._exit(code if isinstance(code, int) else FAULT)
 
 
 def end_with_pipe(lifeline: int) -> None:
@@ -87,11 +91,10 @@ def _ended(pipe: int) -> bool:
 
 def _close_all_but(kept: set[int | None]) -> None:
     """Close what was inherited besides the standard streams: a held pipe would never end for others."""
-    low = 3
-    for descriptor in sorted(each for each in kept if each is not None):
-        os.closerange(low, descriptor)
-        low = descriptor + 1
-    os.closerange(low, os.sysconf("SC_OPEN_MAX"))
+    for descriptor in [int(each.name) for each in Path("/dev/fd").iterdir()]:
+        if descriptor > 2 and descriptor not in kept:
+            with suppress(OSError):  # the one that listed them is closed already
+                os.close(descriptor)
 
 
 def _redirect(log: Path | None) -> None:

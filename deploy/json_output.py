@@ -6,12 +6,33 @@ import json
 import sys
 from pathlib import Path
 
+from protocol.errors import UsageError
+
 _STANDARD_OUTPUT = "-"
 
 
 def is_standard_output(target: Path | None) -> bool:
     """Whether `target` asks for standard output, which then takes nothing else."""
     return str(target) == _STANDARD_OUTPUT
+
+
+def check(target: Path | None) -> None:
+    """Find out before the work what would fail after it.
+
+    Raises:
+        UsageError: `target` cannot be written.
+    """
+    if target is None or is_standard_output(target) or target.is_fifo():
+        return
+    existed = target.exists()
+    try:
+        target.open("ab").close()
+    except OSError as error:
+        raise UsageError(
+            f"cannot write JSON to {target}: {error.strerror}; name a file that can be written"
+        ) from error
+    if not existed:
+        target.unlink()
 
 
 def write_json(document: object, target: Path | None) -> None:

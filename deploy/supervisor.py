@@ -102,6 +102,11 @@ class Supervisor:
         """Names of the processes that have not ended, as of the last `poll`."""
         return [name for name, life in self._lives.items() if life.exit_code is None]
 
+    def pids(self) -> dict[str, int]:
+        """Of the processes that have started and not ended, as of the last `poll`."""
+        lives = self._lives.items()
+        return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
+
     def stop(self, timeout: float = _STOPPING) -> None:
         """SIGTERM to all, at most `timeout` s of patience, then SIGKILL. Frozen processes are woken first."""
         for life in self._lives.values():

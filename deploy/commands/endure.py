@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from deploy import json_output
 from deploy.bar import bar
 from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.options import RunOptions, Transport, fresh_run_name
@@ -51,7 +50,8 @@ def endure(
         raise UsageError("what is to endure are real processes: --transport routed or mesh")
     run = Membership(secure).run(None) or fresh_run_name()
     options = RunOptions(transport, "realtime", run=run, secure=secure)
-    silent = quiet or str(json_file) == "-"
+    json_output.check(json_file)
+    silent = quiet or json_output.is_standard_output(json_file)
     with _bar("endure", silent) as tell:
         outcome = perform(Trial(robots, minutes, options), tell)
     _finish(outcome, table, json_file, silent)
@@ -82,7 +82,8 @@ def flood(
     from deploy.endurance.flood import Plan, table
     from deploy.endurance.flood import flood as perform
 
-    silent = quiet or str(json_file) == "-"
+    json_output.check(json_file)
+    silent = quiet or json_output.is_standard_output(json_file)
     with _bar("flood", silent) as tell:
         outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected), tell)
     _finish(outcome, table, json_file, silent)
@@ -98,12 +99,7 @@ def _finish(
     """Write, print and exit."""
     from deploy.fleet import INTERRUPTED
 
-    if target is not None:
-        text = json.dumps(outcome) + "\n"
-        if str(target) == "-":
-            sys.stdout.write(text)
-        else:
-            target.write_text(text)
+    json_output.write_json(outcome, target)
     if not silent:
         from rich.console import Console
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from deploy.json_output import check as check_json
 from deploy.json_output import is_standard_output, write_json
 from deploy.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.result import exit_status, table
@@ -71,6 +72,7 @@ def run(
     from deploy.hosts.table import read_hosts
     from deploy.load import load
 
+    check_json(json_file)
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0

@@ -20,7 +20,7 @@ from typing import Any
 from deploy.fork_messages import Store
 from deploy.fork_server import serve
 from deploy.spawn import MODULES
-from deploy.studies.provenance import code_digest
+from deploy.studies.provenance import SOFTWARE, code_digest
 
 GREETING = "disknav-host"  # then a digest of the code, and the folder
 _PATIENCE = 30.0  # s; the launcher says something every second
@@ -35,7 +35,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE) -> int:
     os.dup2(2, 1)  # what anybody prints must not get among the news
     folder = Path(mkdtemp(prefix="disknav-"))  # mode 0700
     try:
-        os.write(news.fileno(), f"{GREETING} {code_digest()} {folder}\n".encode())
+        os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
         serve(requests, news, modules, store=partial(_store, folder), patience=patience)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -16,7 +16,7 @@ from deploy.fork_messages import Beat, News, Store
 from deploy.hosts.far_end import GREETING
 from deploy.hosts.table import Host
 from deploy.spawn import Spawner
-from deploy.studies.provenance import code_digest
+from deploy.studies.provenance import SOFTWARE, code_digest
 from protocol.errors import ProcessError
 
 BEAT = 1.0  # s between signs of life of this launcher
@@ -57,7 +57,7 @@ class SshSpawner(Spawner):
             words = line.split(maxsplit=2)
             if words[:1] != [GREETING]:
                 print(f"{self.host.name}: {line}", file=sys.stderr)  # what a shell says at login
-            elif len(words) != 3 or words[1] != code_digest():
+            elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
                 raise ProcessError(
                     f"host {self.host.name}: {self.host.command} there is another version than this one; "
                     f"a fleet needs the same on every host"

@@ -134,15 +134,17 @@ class Recorder:
 
     def _listen(self) -> None:
         if self._heard is not None:
-            self._aside += self._heard()
+            with uninterrupted():  # what is taken must not be lost
+                self._aside += self._heard()
 
     def _write(self, now: float) -> None:
         if not self._ready:
             return
         self._written = now
         if self._aside:
-            batch, self._aside = self._aside, []
-            self._file.write(batch)
+            with uninterrupted():
+                batch, self._aside = self._aside, []
+                self._file.write(batch)
         if now >= self._flushed + _FLUSH_PERIOD:
             self._flushed = now
             self._file.flush()

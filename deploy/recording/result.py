@@ -18,6 +18,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
 from deploy.recording.contents import records
+from protocol.drive import uninterrupted
 from protocol.errors import RecordingError
 
 LAUNCH = "launch"  # name of the metadata record
@@ -41,7 +42,7 @@ def attach(path: Path, result: Mapping[str, Any]) -> None:
         raise RecordingError(f"{path} is not a recording: the result was not added")
     tail = _tail(data)
     try:
-        with path.open("r+b") as file:
+        with uninterrupted(), path.open("r+b") as file:  # or a finished recording would be a damaged one
             file.seek(tail.place)
             file.write(_rewritten(tail, Metadata(LAUNCH, {"json": json.dumps(result)})))
             file.truncate()

@@ -15,6 +15,7 @@ import psutil
 
 _PACKAGES = ("disknav", "eclipse-zenoh", "numpy", "msgspec", "pyrvo", "daqp")
 _CODE = ("protocol", "agents", "world", "deploy/library", "deploy/studies")
+SOFTWARE = ("protocol", "agents", "world", "deploy")  # all of it
 _ROOT = Path(__file__).parents[2]
 
 
@@ -36,16 +37,16 @@ def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
 
 
 @cache
-def code_digest() -> str:
-    """SHA-256 over all sources that a run's result depends on, with their paths."""
+def code_digest(folders: tuple[str, ...] = _CODE) -> str:
+    """SHA-256 over all sources in `folders` (unless given, what a run's result depends on), with their paths."""
     digest = hashlib.sha256()
-    for path in _sources():
+    for path in _sources(folders):
         digest.update(str(path.relative_to(_ROOT)).encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 
-def _sources() -> Iterator[Path]:
-    for folder in _CODE:
+def _sources(folders: tuple[str, ...]) -> Iterator[Path]:
+    for folder in folders:
         yield from sorted((_ROOT / folder).rglob("*.py"))
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.json_output import check as check_json
 from deploy.json_output import is_standard_output, write_json
 from deploy.options import Transport
 from deploy.plot.draw import PICTURES
@@ -93,6 +94,7 @@ def _check(request: Request, study: Study) -> None:
     """Find out before the runs what would fail after them."""
     if request.file is not None and not request.file.parent.is_dir():
         raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
+    check_json(request.target)
     if request.plot is not None:
         check_plot(request.plot)
         if request.plot.suffix not in PICTURES:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from deploy.fork_messages import Exited, News, Report, Start, Started, Store, decode_news
-from deploy.studies.provenance import code_digest
+from deploy.studies.provenance import SOFTWARE, code_digest
 from tests.deploy.hosts.ssh_server import ROOT
 from tests.deploy.test_spawn import gone
 
@@ -55,7 +55,7 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
     assert process.stdin is not None
     assert process.stdout is not None
     greeting = process.stdout.readline().decode().split()
-    assert greeting[:2] == ["disknav-host", code_digest()]
+    assert greeting[:2] == ["disknav-host", code_digest(SOFTWARE)]
     requests: Channel[Any, Any] = Channel(os.dup(process.stdin.fileno()), readable=False)
     answers: Channel[Any, Any] = Channel(os.dup(process.stdout.fileno()), writable=False)
     process.stdin.close()

@@ -22,7 +22,7 @@ from deploy.load import load
 from deploy.local import LocalFleet
 from deploy.security.keystore import create
 from deploy.security.roster import Roster
-from deploy.studies.provenance import code_digest
+from deploy.studies.provenance import SOFTWARE, code_digest
 from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
@@ -187,7 +187,7 @@ def test_a_host_that_is_lost_ends_the_run(server: Server, tmp_path: Path) -> Non
         ({"ssh": "nobody-at-all@127.0.0.1"}, EXIT_FAULT, "host left is gone: ssh ended with status 255"),
         ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "another version"),
         (
-            {"command": f"echo {GREETING} {code_digest()} /tmp; yes #"},
+            {"command": f"echo {GREETING} {code_digest(SOFTWARE)} /tmp; yes #"},
             EXIT_FAULT,
             "does not talk as it should",
         ),
