@@ -38,7 +38,7 @@ def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
 
 @cache
 def code_digest(folders: tuple[str, ...] = _CODE) -> str:
-    """SHA-256 over all sources in `folders` (unless given, what a run's result depends on), with their paths."""
+    """SHA-256 over all sources in `folders` (if not given: what results depend on), with their paths."""
     digest = hashlib.sha256()
     for path in _sources(folders):
         digest.update(str(path.relative_to(_ROOT)).encode() + b"\0" + path.read_bytes())

@@ -174,8 +174,7 @@ def test_the_layers_of_the_picture_can_be_chosen(browser: playwright.Browser) ->
         for layer in ("Trails", "Goals", "Velocity", "Separating lines"):
             before = it.picture()
             it.page.get_by_role("checkbox", name=layer).click()
-            it.page.wait_for_timeout(150)
-            assert it.picture() != before, layer
+            it.wait_until(lambda before=before: it.picture() != before)
 
 
 @pytest.mark.parametrize("viewport", [PHONE, {"width": 320, "height": 640}, DESKTOP])

@@ -66,7 +66,7 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
             until(lambda: (world.turn(), watcher.snapshot()["tick"] > 3)[1])
             assert [row["alive"] for row in watcher.snapshot()["robots"]] == [None, True]
             robot.close()
-            until(lambda: watcher.snapshot()["robots"][1]["status"] == "dead", 2.0)
+            until(lambda: watcher.snapshot()["robots"][1]["status"] == "dead", 5.0)
         until(lambda: watcher.snapshot()["phase"] == "lost")
         second = World(endpoint, run)  # another world under this name: everything anew
         with closing(second.bus):
@@ -86,19 +86,20 @@ def test_a_frozen_monitor_holds_up_nobody() -> None:
             monitor.send_signal(signal.SIGSTOP)
             many = tuple(range(1, 501))
             truth = encode(Truth(9, many, tuple((0.1, 0.1) for _ in many), 0.01, 0.5))
-            assert longest(lambda: world.truth(truth), 3000) < 0.4  # waiting for room would take 0.5 s
+            # Waiting for room would take 0.5 s every time; once or twice the machine may be busy.
+            assert durations(lambda: world.truth(truth), 3000)[-5] < 0.4
         finally:
             monitor.kill()
 
 
-def longest(action: Callable[[], None], times: int) -> float:
-    """Seconds that the slowest of many repetitions took."""
-    worst = 0.0
+def durations(action: Callable[[], None], times: int) -> list[float]:
+    """Seconds that each of many repetitions took, ascending."""
+    took = []
     for _ in range(times):
         began = time.monotonic()
         action()
-        worst = max(worst, time.monotonic() - began)
-    return worst
+        took.append(time.monotonic() - began)
+    return sorted(took)
 
 
 def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:

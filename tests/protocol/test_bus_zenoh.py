@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from math import inf
 from pathlib import Path
 
@@ -79,8 +80,8 @@ def test_clients_exchange_through_a_router(connect: Connect) -> None:
 def test_peers_exchange_without_anybody_in_the_middle(scheme: str, tmp_path: Path) -> None:
     with ExitStack() as stack:
         if scheme == "tcp":
-            probe, where = listening(Connection("router"))
-            probe.close()
+            with socket.create_server(("127.0.0.1", 0)) as probe:  # beyond the ports that routers take
+                where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
         else:
             where = f"unixsock-stream/{tmp_path / 'world'}"
         first = stack.enter_context(closing(ZenohBus(Connection("peer", listen=(where,)))))
@@ -159,7 +160,7 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
         supervisor.kill("robot-1")
         begin = time.monotonic()
         assert watcher.receive(PATIENCE) == Presence(ALIVE, False)
-        assert time.monotonic() - begin < 1.0
+        assert time.monotonic() - begin < 5.0  # half of what an unnoticed death would take
 
 
 def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
@@ -194,19 +195,25 @@ def test_receiving_is_bounded(connect: Connect, timeout: float) -> None:
 
 def test_a_signal_interrupts_receiving(connect: Connect) -> None:
     bus = connect()
-    begin = time.monotonic()
-    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
-    with pytest.raises(Stop) as stop, stop_on_signal():
+    terminate = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM))
+
+    @stop_on_signal()
+    def receive() -> None:
+        terminate.start()
         bus.receive(inf)
+
+    with pytest.raises(Stop) as stop:
+        receive()
     assert stop.value.signal == signal.SIGTERM
-    assert time.monotonic() - begin < 2.0
 
 
 def test_zenohs_threads_leave_signals_alone(connect: Connect) -> None:
     connect()
-    threads = [path for path in Path("/proc/self/task").iterdir() if path.name != str(os.getpid())]
-    runtime = [path for path in threads if (path / "comm").read_text().startswith(("net-", "rx-"))]
-    blocked = [(path / "status").read_text().partition("SigBlk:\t")[2][:16] for path in runtime]
+    blocked = []
+    for path in Path("/proc/self/task").iterdir():
+        with suppress(OSError):  # ended since
+            if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
+                blocked.append((path / "status").read_text().partition("SigBlk:\t")[2][:16])
     assert blocked
     assert all(int(mask, 16) >> (signal.SIGTERM - 1) & 1 for mask in blocked)
 
@@ -280,10 +287,14 @@ def test_driving_ends_with_the_node(connect: Connect) -> None:
 
 
 def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
+    class Interrupted(Node):
+        def wake(self, now: float) -> None:
+            super().wake(now)
+            threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+
     bus, words = connect(), []
-    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(Stop):
-        drive(Node(1), bus, on_stop=lambda: words.append(bus._session.is_closed()))
+        drive(Interrupted(1, deadline=0.0), bus, on_stop=lambda: words.append(bus._session.is_closed()))
     assert words == [False]
     assert bus._session.is_closed()
 

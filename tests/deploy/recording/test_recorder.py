@@ -1,7 +1,6 @@
 """The recorder: what it writes, what it refuses, and when it ends."""
 
 import json
-import multiprocessing
 import time
 from pathlib import Path
 
@@ -79,7 +78,7 @@ def test_the_same_when_another_process_writes(tmp_path):
 
 def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
     file = FileBeside(tmp_path / "x.mcap")
-    (child,) = multiprocessing.active_children()
+    child = file._process
     child.kill()
     child.join(10)
     with pytest.raises(RecordingError, match=r"cannot go on recording to .*x\.mcap"):
