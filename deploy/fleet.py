@@ -31,7 +31,7 @@ from protocol.scenario import ProcessFault, Scenario
 
 Report = dict[str, Any]
 Watcher = Callable[[Clock], None]
-_START = 10.0  # s for a process to say that it is ready
+_START = 30.0  # s for a process to say that it is ready
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _ECHO = 0.5  # s for messages of a process that has ended

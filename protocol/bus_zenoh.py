@@ -29,7 +29,7 @@ from protocol.errors import BusError, CertificateError, EndpointTakenError
 from protocol.open_failure import explained
 from protocol.streams import Stream
 
-_ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so it does so in short attempts
+_ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so the first attempts are short
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
 _LONGEST = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s a peer waits for its links before it announces itself
@@ -191,9 +191,10 @@ def _prepare_router(connection: Connection) -> None:
 
 
 def _open(connection: Connection) -> zenoh.Session:
-    deadline = time.monotonic() + connection.timeout
+    deadline, patience = time.monotonic() + connection.timeout, _ATTEMPT
     while True:
-        attempt = min(_ATTEMPT, max(0.1, deadline - time.monotonic()))
+        attempt = min(patience, max(0.1, deadline - time.monotonic()))
+        patience *= 2.0  # a busy machine may need longer
         config = zenoh.Config.from_json5(json.dumps(configuration(connection, attempt)))
         try:
             with _signals_for_this_thread():

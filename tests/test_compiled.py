@@ -56,7 +56,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         cwd=tmp_path,
         env=environment,
         capture_output=True,
-        timeout=100,
+        timeout=240,
         check=True,
     ).stdout
     for name, source in zip(_SCENARIOS, json.loads(said), strict=True):

@@ -43,17 +43,19 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
     """
     seconds = 60.0 * trial.minutes
     samples = Samples(min(10.0, max(0.25, seconds / _SAMPLES)))
-    began = time.monotonic()  # until the first tick
+    began: float | None = None  # with the first tick
 
     def watch(clock: Clock) -> None:
         nonlocal began
-        if clock.tick == 0 and clock.turn == 0:
+        if began is None or (clock.tick == 0 and clock.turn == 0):
             began = time.monotonic()
 
     def enough() -> bool:
+        samples.take({**fleet.pids(), LAUNCHER: os.getpid()})
+        if began is None:
+            return False
         done = time.monotonic() - began
         tell(done / seconds)
-        samples.take({**fleet.pids(), LAUNCHER: os.getpid()})
         return done >= seconds
 
     scenarios = course(trial.robots, speed=_SPEED, seconds=seconds)

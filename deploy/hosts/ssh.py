@@ -108,7 +108,7 @@ class SshSpawner(Spawner):
     def _gone(self) -> ProcessError:
         self.gone = True
         try:
-            status = self._server.wait(1.0)
+            status = self._server.wait(5.0)
         except subprocess.TimeoutExpired:
             return ProcessError(f"host {self.host.name} closed the connection")
         if status == _MISSING:

@@ -78,7 +78,7 @@ class Shown:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[playwright.Browser]:
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
+        browser = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS, timeout=90_000)
         yield browser
         browser.close()
 
@@ -92,12 +92,14 @@ def shown(
     watcher = watch_local(fleet.network, "page", speed=speed)
     context = browser.new_context(**{"viewport": DESKTOP, **options})
     context.set_default_timeout(1000 * PATIENCE)
-    with served(watcher) as server, running(fleet):
+    with served(watcher) as server:
         it = Shown(context.new_page(), fleet, watcher)
         it.hear()
         it.page.goto(server.address)
-        it.page.wait_for_selector("#robots tr")
-        yield it
+        it.page.wait_for_selector("#verdict:has-text('Looking')")  # nothing can be missed from here on
+        with running(fleet):
+            it.page.wait_for_selector("#robots tr")
+            yield it
         assert it.complaints == []
         context.close()
 
@@ -107,7 +109,7 @@ def test_six_robots_move_and_arrive(browser: playwright.Browser) -> None:
         assert it.page.get_by_role("row").count() == 7
         it.wait_for_tick(5)
         distances, picture = it.distances(), it.picture()
-        it.wait_for_tick(25)
+        it.wait_for_tick(it.watcher.snapshot()["tick"] + 15)
         assert all(later < earlier for earlier, later in zip(distances, it.distances(), strict=True))
         assert it.picture() != picture
         assert it.page.title() == "ring · disknav"
@@ -170,7 +172,7 @@ def test_the_layers_of_the_picture_can_be_chosen(browser: playwright.Browser) ->
         it.wait_for_tick(12)
         it.page.get_by_role("button", name="Pause").click()
         it.page.wait_for_selector("#verdict:has-text('Paused')")
-        it.page.wait_for_timeout(300)
+        it.wait_until(lambda: it.picture() == (it.page.wait_for_timeout(200), it.picture())[1])
         for layer in ("Trails", "Goals", "Velocity", "Separating lines"):
             before = it.picture()
             it.page.get_by_role("checkbox", name=layer).click()
@@ -201,7 +203,8 @@ def test_light_and_dark_follow_the_system_until_chosen(browser: playwright.Brows
 
 
 def test_everything_has_an_accessible_name(browser: playwright.Browser) -> None:
-    with shown(browser, ring(6)) as it:
+    with shown(browser, ring(6), speed=0.1) as it:
+        it.page.wait_for_selector("#verdict:has-text('Running')")
         for role, names in {
             "button": ("Pause", "Step", "Theme"),
             "checkbox": ("Trails", "Goals", "Velocity", "Separating lines"),

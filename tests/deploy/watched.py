@@ -14,7 +14,7 @@ from deploy.monitor.server import Server, serve_in_thread
 from deploy.monitor.source import Source
 from protocol.scenario import Control, ProcessFault, RobotSpec, Scenario, Time
 
-PATIENCE = 10.0
+PATIENCE = 30.0
 
 
 def ring(robots: int = 4, limit: float = 60.0, kill: int | None = None, at: float = 0.5) -> Scenario:

@@ -32,6 +32,7 @@ from protocol.messages import Clock
 from protocol.scenario import ProcessFault
 from protocol.scenario_file import write_toml
 from tests.deploy.hosts.ssh_server import Server, free_ports, needs_sshd, ssh_server
+from tests.deploy.test_spawn import gone
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
@@ -90,7 +91,7 @@ def a_long_run(server: Server, folder: Path) -> Iterator[subprocess.Popen[bytes]
         ]
         assert len(there) > 10
         yield launcher
-        assert psutil.wait_procs(there, timeout=10.0)[1] == []
+        assert all(gone(each.pid) for each in there)
     finally:
         launcher.kill()
         launcher.wait()

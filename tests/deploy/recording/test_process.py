@@ -33,7 +33,7 @@ def _feed(world: FakeWorld, bus, until: Callable[[], bool]) -> int:
     """Publish truths, up to a thousand a second, until told; returns the last tick."""
     positions = tuple(spec.start for spec in ROBOTS)
     robots = tuple(spec.id for spec in ROBOTS)
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while not until():
         assert time.monotonic() < deadline, "the recorder does not record"
         world.tick += 1

@@ -57,7 +57,7 @@ def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohB
     return ZenohBus(Membership(keys).client(role, (endpoint,), timeout=timeout))
 
 
-def stranger(endpoint: str, proof: Credentials | None, timeout: float = 1.0) -> ZenohBus:
+def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> ZenohBus:
     """A session of somebody who takes no advice."""
     return ZenohBus(Connection(connect=(endpoint,), timeout=timeout, credentials=proof))
 
@@ -136,7 +136,7 @@ def test_without_a_certificate_nobody_gets_in_and_is_told_why(endpoint: str) -> 
 
 
 def test_an_expired_certificate_says_so(tmp_path: Path) -> None:
-    create(tmp_path / "keys", ROSTER, days=3.0 / 86400.0)
+    create(tmp_path / "keys", ROSTER, days=6.0 / 86400.0)
     proof = credentials(tmp_path / "keys", "robot-1")
     listener = Connection("router", credentials=credentials(tmp_path / "keys", "router"))
     failures: list[str] = []
