@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from deploy import json_output
 from deploy.fleet import Fleet
 from deploy.live_page import live_page
 from deploy.local import LocalFleet
@@ -27,6 +28,7 @@ class Extras:
     record: Path | None = None
     plot: Path | None = None
     web: bool = False
+    json: Path | None = None
 
 
 def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: bool) -> Result:
@@ -46,6 +48,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports, processes = fleet.execute(), fleet.processes()
         result = complete(reports[0], options, processes)
+        json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
         if recording is not None:
             attach(recording, result)
         if extras.plot is not None and recording is not None:
@@ -57,6 +60,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
 
 def _check(extras: Extras) -> None:
     """Find out before the run what would fail after it."""
+    json_output.check(extras.json)
     if extras.record is not None and not extras.record.parent.is_dir():
         raise UsageError(f"{extras.record}: the folder {extras.record.parent} does not exist")
     if extras.record is not None:

@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from deploy.json_output import check as check_json
-from deploy.json_output import is_standard_output, write_json
+from deploy.json_output import is_standard_output
 from deploy.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.result import exit_status, table
 from deploy.security.membership import Membership
@@ -72,15 +71,13 @@ def run(
     from deploy.hosts.table import read_hosts
     from deploy.load import load
 
-    check_json(json_file)
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
     spread = None if hosts is None else read_hosts(hosts, loaded.ids)
     options = RunOptions(transport, mode, router, run_name, secure, spread, pace, restarts(restart))
     silent = quiet or is_standard_output(json_file)
-    result = execute(loaded, options, Extras(record, plot, web), quiet=silent)
-    write_json(result, json_file)
+    result = execute(loaded, options, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:
         from rich.console import Console
 
