@@ -60,15 +60,16 @@ bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measur
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.fuzz --inputs 1000000
 
-figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; takes hours, goes on after Ctrl-C
+figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; half an hour, goes on after Ctrl-C
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
 	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
 	$(BIN)/python -m deploy.studies.sampled > out/sampled.md
-	for study in tightness tuning robustness delay scale peers; do \
+	for study in tightness tuning robustness delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
+	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png
 
 clean:  ## remove what can be built again
 	rm -f *.so; find protocol agents world deploy -name '*.so' -delete
