@@ -17,7 +17,7 @@ from deploy.plot.draw import check, draw
 from deploy.progress import RunProgress
 from deploy.recording.result import attach
 from deploy.result import Result, complete
-from protocol.errors import UsageError
+from deploy.target import check_target
 from protocol.scenario import Scenario
 
 
@@ -61,21 +61,10 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
 def _check(extras: Extras) -> None:
     """Find out before the run what would fail after it."""
     json_output.check(extras.json)
-    if extras.record is not None and not extras.record.parent.is_dir():
-        raise UsageError(f"{extras.record}: the folder {extras.record.parent} does not exist")
     if extras.record is not None:
-        _create(extras.record)
+        check_target(extras.record, "record")
     if extras.plot is not None:
         check(extras.plot)
-
-
-def _create(record: Path) -> None:
-    try:
-        record.open("ab").close()
-    except OSError as error:
-        raise UsageError(
-            f"cannot record to {record}: {error.strerror}; name a file that can be written"
-        ) from error
 
 
 def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:

@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from protocol.errors import UsageError
+from deploy.target import check_target
 
 _STANDARD_OUTPUT = "-"
 
@@ -22,17 +22,8 @@ def check(target: Path | None) -> None:
     Raises:
         UsageError: `target` cannot be written.
     """
-    if target is None or is_standard_output(target) or target.is_fifo():
-        return
-    existed = target.exists()
-    try:
-        target.open("ab").close()
-    except OSError as error:
-        raise UsageError(
-            f"cannot write JSON to {target}: {error.strerror}; name a file that can be written"
-        ) from error
-    if not existed:
-        target.unlink()
+    if target is not None and not is_standard_output(target):
+        check_target(target, "write JSON")
 
 
 def write_json(document: object, target: Path | None) -> None:
