@@ -20,6 +20,7 @@ from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import every_robot, robot_key, world_key
 from protocol.messages import Health, Measurement, State
+from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
 PATIENCE = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
@@ -114,14 +115,16 @@ class RobotNode:
         self._ended = self._over = False
         self.deadline = time.monotonic() + REPORT_PERIOD
         if not self._declared:
-            self._declare()
+            self._declare(admission.scenario)
 
-    def _declare(self) -> None:
+    def _declare(self, scenario: Scenario) -> None:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
-        bus.subscribe(robot_key(run, robot, "measurement"))
-        bus.subscribe(every_robot(run, "state"))
+        measurement = robot_key(run, robot, "measurement")
+        bus.subscribe(measurement, (measurement,))
+        peers = [each for each in scenario.ids if each != robot]
+        bus.subscribe(every_robot(run, "state"), [robot_key(run, each, "state") for each in peers])
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))

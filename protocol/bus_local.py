@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from protocol.bus import Event, Node, Presence, Publish, Request, Sample
 from protocol.errors import BusError
@@ -108,7 +108,7 @@ class LocalBus:
 
         return publish
 
-    def subscribe(self, key_expression: str) -> None:
+    def subscribe(self, key_expression: str, known: Iterable[str] = ()) -> None:  # noqa: ARG002
         self._subscriptions.append(_pattern(key_expression))
         self._network.generation += 1
 

@@ -11,7 +11,7 @@ import json
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from queue import Empty, SimpleQueue
@@ -71,7 +71,9 @@ class ZenohBus:
         self._declared.append(publisher)
         return publisher.put
 
-    def subscribe(self, key_expression: str) -> None:
+    def subscribe(self, key_expression: str, known: Iterable[str] = ()) -> None:
+        # Of a key that was declared, the route is kept; of any other it is searched for every sample.
+        self._declared += [self._session.declare_keyexpr(key) for key in known]
         handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 

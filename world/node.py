@@ -18,7 +18,7 @@ from protocol import joining
 from protocol.bus import Bus, Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import MessageError
-from protocol.keys import every_robot, parse, world_key
+from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
 from protocol.steering import decode_steer
@@ -81,7 +81,7 @@ class WorldNode:
         self._reception = Reception(run, self._roster, lockstep)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
         self._begin(Turn(0, next(self._scenarios), {}))
-        bus.subscribe(every_robot(run, "command"))
+        bus.subscribe(every_robot(run, "command"), [robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
         for stream in ("control", "scenario"):
             bus.serve(world_key(run, stream))
