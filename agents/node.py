@@ -122,9 +122,9 @@ class RobotNode:
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
         measurement = robot_key(run, robot, "measurement")
-        bus.subscribe(measurement, (measurement,))
-        peers = [each for each in scenario.ids if each != robot]
-        bus.subscribe(every_robot(run, "state"), [robot_key(run, each, "state") for each in peers])
+        bus.expect([measurement, *[robot_key(run, i, "state") for i in scenario.ids if i != robot]])
+        bus.subscribe(measurement)
+        bus.subscribe(every_robot(run, "state"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))

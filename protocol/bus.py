@@ -48,8 +48,11 @@ class Bus(Protocol):
     def publisher(self, stream: Stream, key: str) -> Publish:
         """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
 
-    def subscribe(self, key_expression: str, known: Iterable[str] = ()) -> None:
-        """Ask for samples under a key expression; of keys `known` beforehand they cost less to hear."""
+    def subscribe(self, key_expression: str) -> None:
+        """Ask for samples under a key expression."""
+
+    def expect(self, keys: Iterable[str]) -> None:
+        """Say which keys will be heard; under those a sample costs less to hear."""
 
     def watch(self, key_expression: str) -> None:
         """Ask for presence of liveliness tokens, those already there included."""

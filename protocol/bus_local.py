@@ -108,9 +108,12 @@ class LocalBus:
 
         return publish
 
-    def subscribe(self, key_expression: str, known: Iterable[str] = ()) -> None:  # noqa: ARG002
+    def subscribe(self, key_expression: str) -> None:
         self._subscriptions.append(_pattern(key_expression))
         self._network.generation += 1
+
+    def expect(self, keys: Iterable[str]) -> None:
+        pass
 
     def watch(self, key_expression: str) -> None:
         pattern = _pattern(key_expression)

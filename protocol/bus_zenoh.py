@@ -71,9 +71,11 @@ class ZenohBus:
         self._declared.append(publisher)
         return publisher.put
 
-    def subscribe(self, key_expression: str, known: Iterable[str] = ()) -> None:
-        # Of a key that was declared, the route is kept; of any other it is searched for every sample.
-        self._declared += [self._session.declare_keyexpr(key) for key in known]
+    def expect(self, keys: Iterable[str]) -> None:
+        # Of a declared key the route is kept; that of any other is searched for again with every sample.
+        self._declared += [self._session.declare_keyexpr(key) for key in keys]
+
+    def subscribe(self, key_expression: str) -> None:
         handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 

@@ -7,7 +7,7 @@ the network never waits. Half a second at most is lost when this process is kill
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from math import inf
 
 from deploy.recording.beside import FileBeside
@@ -17,7 +17,7 @@ from protocol.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
 from protocol.drive import uninterrupted
 from protocol.errors import BusError, MessageError
-from protocol.keys import world_key
+from protocol.keys import robot_key, world_key
 from protocol.messages import Result
 
 PATIENCE = 30.0  # s that the world may take to appear
@@ -117,6 +117,7 @@ class Recorder:
             if not isinstance(reply, joining.Overview):
                 raise BusError(f"run {self._run!r}: the world does not say which scenario it runs")
             self._file.begin(self._run, reply.scenario)
+            self._bus.expect(_every_tick(self._run, reply.scenario.ids))
             self._ready = True
             self.deadline = time.monotonic()
             if self._on_ready is not None:
@@ -148,3 +149,10 @@ class Recorder:
         if now >= self._flushed + _FLUSH_PERIOD:
             self._flushed = now
             self._file.flush()
+
+
+def _every_tick(run: str, robots: Iterable[int]) -> Iterator[str]:
+    """The keys under which most is said."""
+    for robot in robots:
+        for stream in ("measurement", "state", "command"):
+            yield robot_key(run, robot, stream)

@@ -133,8 +133,9 @@ def bus_robot(endpoint: str, robot: int, robots: int) -> int:
     """One robot on `ZenohBus`; ends when it is told to."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
     measurement = robot_key(RUN, robot, "measurement")
-    bus.subscribe(measurement, (measurement,))
-    bus.subscribe(every_robot(RUN, "state"), [robot_key(RUN, i, "state") for i in range(1, robots + 1)])
+    bus.expect([measurement, *[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot]])
+    bus.subscribe(measurement)
+    bus.subscribe(every_robot(RUN, "state"))
     state = bus.publisher(STREAMS["state"], robot_key(RUN, robot, "state"))
     command = bus.publisher(STREAMS["command"], robot_key(RUN, robot, "command"))
     bus.announce(robot_key(RUN, robot, "alive"))
@@ -157,7 +158,8 @@ def bus_robot(endpoint: str, robot: int, robots: int) -> int:
 def bus_world(endpoint: str, robots: int, seconds: float, report: Callable[[str], None]) -> int:
     """The world on `ZenohBus`; reports the rate."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
-    bus.subscribe(every_robot(RUN, "command"), [robot_key(RUN, i, "command") for i in range(1, robots + 1)])
+    bus.expect(robot_key(RUN, i, "command") for i in range(1, robots + 1))
+    bus.subscribe(every_robot(RUN, "command"))
     stream = STREAMS["measurement"]
     measurements = [bus.publisher(stream, robot_key(RUN, i, "measurement")) for i in range(1, robots + 1)]
     bus.watch(every_robot(RUN, "alive"))
