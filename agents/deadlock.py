@@ -114,12 +114,12 @@ def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer])
     x, y = position
     wx, wy = goal[0] - x, goal[1] - y
     square = wx * wx + wy * wy
-    for px, py, peer_radius, _ in peers:
-        dx, dy = px - x, py - y
+    for peer in peers:
+        dx, dy = peer.x - x, peer.y - y
         along = dx * wx + dy * wy
         if along > 0.0 and square > 0.0:
             part = min(along / square, 1.0)
-            if math.hypot(dx - part * wx, dy - part * wy) < radius + peer_radius:
+            if math.hypot(dx - part * wx, dy - part * wy) < radius + peer.radius:
                 return True
     return False
 

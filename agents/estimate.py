@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import NamedTuple
+from typing import final
 
 from protocol.messages import Measurement
 
@@ -19,12 +19,14 @@ _TOUCH = 1e-9  # m; disks this far apart still count as touching
 Vector = tuple[float, float]
 
 
-class Disk(NamedTuple):
+@final
+class Disk:
     """All points within `radius` of (x, y), m."""
 
-    x: float
-    y: float
-    radius: float
+    __slots__ = ("radius", "x", "y")
+
+    def __init__(self, x: float, y: float, radius: float) -> None:
+        self.x, self.y, self.radius = x, y, radius
 
 
 class Estimate:

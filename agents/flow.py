@@ -9,7 +9,7 @@ estimate, with the slice's exact Jacobian. Away from contact a period is one ste
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import final
 
 from agents.slice import Gradient, Slice
 
@@ -21,12 +21,14 @@ _E32 = 6.0 + math.sqrt(2.0)
 Vector = tuple[float, float]
 
 
-class Flow(NamedTuple):
+@final
+class Flow:
     """The autonomous field y' = -scale D(y) + drift, m/s."""
 
-    slice: Slice
-    scale: float
-    drift: Vector = (0.0, 0.0)
+    __slots__ = ("drift", "scale", "slice")
+
+    def __init__(self, field: Slice, scale: float, drift: Vector = (0.0, 0.0)) -> None:
+        self.slice, self.scale, self.drift = field, scale, drift
 
 
 def desired_velocity(
@@ -78,7 +80,7 @@ def _rosenbrock(
 
     The matrix of the three linear systems is W = I + step d scale J, as the flow's Jacobian is -scale J.
     """
-    field, scale, (wx, wy) = flow
+    field, scale, (wx, wy) = flow.slice, flow.scale, flow.drift
     fx, fy = wx - scale * now.dx, wy - scale * now.dy
     h = step * _D * scale
     a, b, c, d = 1.0 + h * now.xx, h * now.xy, h * now.yx, 1.0 + h * now.yy

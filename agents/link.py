@@ -8,17 +8,15 @@ sender, so the order of arrival changes nothing.
 from __future__ import annotations
 
 from collections import defaultdict
-from operator import attrgetter
 
 import numpy as np
 
+from agents.peer_state import PeerState
 from protocol.draws import Purpose, generator
-from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
 from protocol.scenario import Partition, Scenario
 
 _KEPT = 4096  # ticks of draws that are remembered
-_by_sender = attrgetter("robot", "tick")
 
 
 class Link:
@@ -34,9 +32,11 @@ class Link:
         self._column = {peer: column for column, peer in enumerate(scenario.ids)}
         self._ideal = _is_ideal(scenario.link)
         self._draws: dict[int, np.ndarray] = {}
-        self._waiting: defaultdict[int, list[State]] = defaultdict(list)  # by the tick at which they are due
+        self._waiting: defaultdict[int, list[PeerState]] = defaultdict(
+            list
+        )  # by the tick at which they are due
 
-    def put(self, state: State) -> None:
+    def put(self, state: PeerState) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
         if self._ideal:
             self._waiting[state.tick].append(state)
@@ -44,14 +44,14 @@ class Link:
         for tick in self._due(state):
             self._waiting[tick].append(state)
 
-    def take(self, tick: int) -> list[State]:
+    def take(self, tick: int) -> list[PeerState]:
         """All States due up to and including `tick`, by due tick, sender and age."""
         taken = []
         for due in sorted(each for each in self._waiting if each <= tick):
             taken += sorted(self._waiting.pop(due), key=_by_sender)
         return taken
 
-    def _due(self, state: State) -> list[int]:
+    def _due(self, state: PeerState) -> list[int]:
         """Ticks at which copies of this State are heard; empty when it is lost."""
         faults, column = self._faults, self._column[state.robot]
         loss, duplicate, *spread = self._drawn(state.tick)[:, column].tolist()
@@ -78,6 +78,10 @@ class Link:
             drawn = self._draws[tick] = source.random((6, len(self._column)))
             self._draws.pop(tick - _KEPT, None)
         return drawn
+
+
+def _by_sender(state: PeerState) -> tuple[int, int]:
+    return state.robot, state.tick
 
 
 def _is_ideal(faults: LinkFaults) -> bool:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from protocol.messages import Down, State
+from agents.peer_state import PeerState
+from protocol.messages import Down
 
 
 class Neighbours:
     """Peers as last heard. A State is newer when its life is newer, or its tick within the same life."""
 
     def __init__(self, peers: Iterable[int]) -> None:
-        self.states: dict[int, State] = {}
+        self.states: dict[int, PeerState] = {}
         self.down: dict[int, Down] = {}
         self._peers = frozenset(peers)
 
@@ -19,7 +20,7 @@ class Neighbours:
         """Whether this id is a peer at all."""
         return robot in self._peers
 
-    def hear(self, state: State) -> bool:
+    def hear(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
         robot = state.robot
         known = self.states.get(robot)
@@ -43,7 +44,7 @@ class Neighbours:
         known = fenced is not None and fenced.incarnation >= down.incarnation
         return not (risen or known)
 
-    def moving(self) -> list[State]:
+    def moving(self) -> list[PeerState]:
         """The newest States of all who are not fenced."""
         if not self.down:
             return list(self.states.values())
@@ -57,7 +58,7 @@ class Neighbours:
         return None if state is None else state.position
 
 
-def is_newer(state: State, known: State) -> bool:
+def is_newer(state: PeerState, known: PeerState) -> bool:
     """Whether `state` is of a newer life than `known`, or of a later tick of the same life."""
     if state.incarnation == known.incarnation:
         return state.tick > known.tick

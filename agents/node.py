@@ -11,14 +11,15 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable
-from math import inf
+from math import inf, isfinite
 
+from agents.peer_state import PeerState
 from agents.robot import Robot
 from protocol import joining
 from protocol.bus import Bus, Event, Presence, Sample
-from protocol.codec import decode, encode
+from protocol.codec import check_finite, decode_unchecked, encode
 from protocol.errors import BusError, JoinError, MessageError
-from protocol.keys import every_robot, robot_key, world_key
+from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Health, Measurement, State
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
@@ -153,7 +154,10 @@ class RobotNode:
 
     def _on_sample(self, key: str, payload: bytes) -> None:
         try:
-            message = decode(key, payload)
+            message = decode_unchecked(key, payload)
+            heard = PeerState(message) if isinstance(message, State) else None
+            if heard is None or not isfinite(heard.total):
+                check_finite(parse(key).stream, message)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -161,12 +165,12 @@ class RobotNode:
         core = self.core
         if core is None or self._ended:
             return
-        if isinstance(message, State):
-            self._on_state(core, message)
+        if heard is not None:
+            self._on_state(core, heard)
         elif isinstance(message, Measurement):
             self._on_measurement(core, message)
 
-    def _on_state(self, core: Robot, state: State) -> None:
+    def _on_state(self, core: Robot, state: PeerState) -> None:
         if state.incarnation < self._oldest.get(state.robot, 0):
             return  # of an earlier turn
         if not core.hear(state):

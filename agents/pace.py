@@ -12,7 +12,6 @@ shortens the distance by a factor of at most e, so robots that know each other l
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 
 def gain(speed: float, period: float, tolerance: float) -> float:
@@ -25,7 +24,7 @@ def own_pace(limit: float) -> float:
     return limit
 
 
-def common_pace(slices: Iterable[float], gammas: Iterable[float], speed: float, limit: float) -> float:
+def common_pace(slice_norm: float, gamma: float, speed: float, limit: float) -> float:
     """The scale at which the fastest robot just moves at the speed limit, 1/s, at most the gain.
 
     min(speed / max_j |D_j|, gain), where no |D_j| counts for more than the largest attraction
@@ -34,10 +33,10 @@ def common_pace(slices: Iterable[float], gammas: Iterable[float], speed: float, 
     a period, and must not freeze all the others meanwhile. It is then slowed by its own speed limit alone.
 
     Args:
-        slices: |D_j| of every robot, m, own included, as known.
-        gammas: gamma_j = |b_j - g_j|^2 of every robot, m^2, own included.
+        slice_norm: largest |D_j| of all robots, m, own included, as known.
+        gamma: largest gamma_j = |b_j - g_j|^2 of all robots, m^2, own included.
         speed: speed limit, m/s.
         limit: the gain, 1/s.
     """
-    largest = min(max(slices, default=0.0), 2.0 * math.sqrt(max(gammas, default=0.0)))
+    largest = min(slice_norm, 2.0 * math.sqrt(gamma))
     return min(speed / largest, limit) if largest > 0.0 else limit

@@ -12,6 +12,7 @@ from agents.laws import choose
 from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
+from agents.peer_state import PeerState
 from agents.safe_velocity import safe_velocity
 from protocol.messages import Answer, Command, Health, Measurement, Proposal, State
 from protocol.scenario import Scenario
@@ -96,7 +97,7 @@ class Robot:
 
     # -- between the phases
 
-    def hear(self, state: State) -> bool:
+    def hear(self, state: PeerState) -> bool:
         """A peer's State has arrived; False if it is no peer of this run."""
         robot, tick = state.robot, state.tick
         if not self._neighbours.knows(robot):

@@ -67,16 +67,16 @@ def safe_velocity(
 def _near(half_planes: Sequence[HalfPlane], x: float, y: float, reach: float) -> list[HalfPlane]:
     """The half-planes whose edge is within reach, for displacements: n.d <= slack, never negative."""
     near = []
-    for nx, ny, limit in half_planes:
-        slack = limit - nx * x - ny * y
+    for each in half_planes:
+        slack = each.slack(x, y)
         if slack < reach:
-            near.append(HalfPlane(nx, ny, slack if slack > 0.0 else 0.0))
+            near.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
     return near
 
 
 def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
     """Two half-planes inside {d: n.d + noise |d| <= s}: apex s/(1 + noise) n, edges along the asymptotes."""
-    nx, ny, slack = limit
+    nx, ny, slack = limit.nx, limit.ny, limit.limit
     cosine = math.sqrt(1.0 - noise * noise)
     offset = slack * cosine / (1.0 + noise)
     return (
@@ -96,20 +96,21 @@ def _nearest(want: Vector, limits: Sequence[HalfPlane], reach: float) -> Vector:
     length = math.hypot(px, py)
     if length > reach:
         px, py = px * reach / length, py * reach / length
-    for index, (nx, ny, limit) in enumerate(limits):
-        if nx * px + ny * py > limit:
+    for index, edge in enumerate(limits):
+        if edge.nx * px + edge.ny * py > edge.limit:
             px, py = _on_edge(want, limits, index, reach)
     return px, py
 
 
 def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, reach: float) -> Vector:
     """The point nearest to `want` on the edge of one half-plane, within the disk and all earlier ones."""
-    nx, ny, limit = limits[index]
+    edge = limits[index]
+    nx, ny, limit = edge.nx, edge.ny, edge.limit
     high = math.sqrt(max(0.0, reach * reach - limit * limit))
     low = -high
-    for mx, my, other in limits[:index]:
-        along = nx * my - ny * mx  # m . t with the edge's direction t = (-ny, nx)
-        room = other - limit * (mx * nx + my * ny)
+    for other in limits[:index]:
+        along = nx * other.ny - ny * other.nx  # m . t with the edge's direction t = (-ny, nx)
+        room = other.limit - limit * (other.nx * nx + other.ny * ny)
         if along > 1e-15:
             high = min(high, room / along)
         elif along < -1e-15:
@@ -140,7 +141,7 @@ def _inwards(
         if (
             length <= reach
             and math.hypot(vx, vy) * period <= reach
-            and all(nx * dx + ny * dy <= limit for nx, ny, limit in limits)
+            and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
             and math.hypot(position[0] + dx, position[1] + dy) + noise * length <= rim
         ):
             return vx, vy
@@ -151,8 +152,8 @@ def _nudged(step: Vector, limits: Sequence[HalfPlane]) -> Vector:
     """A displacement moved off the edges that it lies on, by what rounding may add."""
     dx, dy = step
     push = 4e-16 * (abs(dx) + abs(dy))
-    for nx, ny, limit in limits:
-        if nx * dx + ny * dy > limit - push:
-            dx -= 2.0 * push * nx
-            dy -= 2.0 * push * ny
+    for each in limits:
+        if each.nx * dx + each.ny * dy > each.limit - push:
+            dx -= 2.0 * push * each.nx
+            dy -= 2.0 * push * each.ny
     return dx, dy

@@ -14,31 +14,43 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import final
 
 # 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
 # per metre of radius, and along its tangent from there on (see `Slice`).
 CONTACT = 1e-9
 
 
-class Peer(NamedTuple):
+@final
+class Peer:
     """A disk as a robot knows it: centre and radius in m, gamma_j = |b_j - g_j|^2 in m^2 (0 if fixed)."""
 
-    x: float
-    y: float
-    radius: float
-    gamma: float
+    __slots__ = ("gamma", "radius", "x", "y")
+
+    def __init__(self, x: float, y: float, radius: float, gamma: float) -> None:
+        self.x, self.y, self.radius, self.gamma = x, y, radius, gamma
 
 
-class Gradient(NamedTuple):
+@final
+class Gradient:
     """D_i (m) at a point and its Jacobian dD_i/dx, row by row (dimensionless)."""
 
-    dx: float
-    dy: float
-    xx: float
-    xy: float
-    yx: float
-    yy: float
+    __slots__ = ("dx", "dy", "xx", "xy", "yx", "yy")
+
+    def __init__(self, dx: float, dy: float, xx: float, xy: float, yx: float, yy: float) -> None:
+        self.dx, self.dy = dx, dy
+        self.xx, self.xy, self.yx, self.yy = xx, xy, yx, yy
+
+
+@final
+class _Disk:
+    """A peer's centre (m), and the squared distances (m^2) of contact and of where 1/beta is continued."""
+
+    __slots__ = ("contact", "limit", "x", "y")
+
+    def __init__(self, x: float, y: float, contact: float) -> None:
+        self.x, self.y = x, y
+        self.contact, self.limit = contact, contact * (1.0 + CONTACT)
 
 
 class Slice:
@@ -75,10 +87,9 @@ class Slice:
         self._edge = (workspace - radius) ** 2
         others = 0.0
         disks = []
-        for x, y, peer_radius, gamma in peers:
-            others += gamma
-            contact = (radius + peer_radius) ** 2
-            disks.append((x, y, contact, contact * (1.0 + CONTACT)))
+        for peer in peers:
+            others += peer.gamma
+            disks.append(_Disk(peer.x, peer.y, (radius + peer.radius) ** 2))
         self._others = others
         self._disks = disks
 
@@ -89,13 +100,14 @@ class Slice:
     def __call__(self, x: float, y: float) -> tuple[float, float]:
         """D_i at (x, y), m. The law is u_i = -D_i up to a positive scale."""
         log_x = log_y = 0.0  # half the gradient of log beta
-        for px, py, contact, limit in self._disks:
-            ax = x - px
-            ay = y - py
+        for disk in self._disks:
+            ax = x - disk.x
+            ay = y - disk.y
             square = ax * ax + ay * ay
-            inverse = (
-                1.0 / (square - contact) if square > limit else _beyond(square - contact, limit - contact)[0]
-            )
+            if square > disk.limit:
+                inverse = 1.0 / (square - disk.contact)
+            else:
+                inverse, _ = _beyond(square - disk.contact, disk.limit - disk.contact)
             log_x += ax * inverse
             log_y += ay * inverse
         inverse = self._edge_inverse(x, y)[0]
@@ -109,15 +121,15 @@ class Slice:
     def gradient(self, x: float, y: float) -> Gradient:
         """D_i and its Jacobian at (x, y), in one pass."""
         log_x = log_y = trace = xx = xy = yy = 0.0  # second derivatives of half log beta
-        for px, py, contact, limit in self._disks:
-            ax = x - px
-            ay = y - py
+        for disk in self._disks:
+            ax = x - disk.x
+            ay = y - disk.y
             square = ax * ax + ay * ay
-            if square > limit:
-                inverse = 1.0 / (square - contact)
+            if square > disk.limit:
+                inverse = 1.0 / (square - disk.contact)
                 slope = -2.0 * inverse * inverse
             else:
-                inverse, slope = _beyond(square - contact, limit - contact)
+                inverse, slope = _beyond(square - disk.contact, disk.limit - disk.contact)
                 slope *= 2.0
             log_x += ax * inverse
             log_y += ay * inverse

@@ -43,11 +43,18 @@ def decode(key: str, payload: bytes) -> AnyMessage:
     Raises:
         MessageError: with `reason` in `REASONS`.
     """
+    message = decode_unchecked(key, payload)
+    check_finite(parse(key).stream, message)
+    return message
+
+
+def decode_unchecked(key: str, payload: bytes) -> AnyMessage:
+    """See `decode`; but numbers may be infinite, or none. For who sees that later anyway."""
     try:
         address = parse(key)
     except KeyGrammarError as error:
         raise MessageError("key", str(error)) from None
-    return decode_stream(address.stream, address.robot, payload)
+    return decode_numbers(address.stream, address.robot, payload)
 
 
 def decode_stream(stream: str, robot: int | None, payload: bytes) -> AnyMessage:

@@ -9,8 +9,8 @@ from agents import pace
 from agents.deadlock import Progress, barred, circling
 from agents.flow import Flow, desired_velocity
 from agents.neighbours import Neighbours
+from agents.peer_state import PeerState
 from agents.slice import Gradient, Peer, Slice
-from protocol.messages import State
 from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
@@ -64,17 +64,17 @@ class GradientLaw:
                 peers.append(Peer(*down[peer].position, radius, 0.0))
             elif peer in states:
                 state = states[peer]
-                if state.position is not None:
-                    x, y = state.position
-                    peers.append(Peer(x, y, radius, state.gamma))
+                if state.placed:
+                    peers.append(Peer(state.x, state.y, radius, state.gamma))
         return peers
 
-    def _scale(self, slice_norm: float, position: Vector, moving: Sequence[State]) -> float:
+    def _scale(self, slice_norm: float, position: Vector, moving: Sequence[PeerState]) -> float:
         if not self._common:
             return pace.own_pace(self._gain)
-        slices = [slice_norm, *[state.slice for state in moving]]
-        gammas = [self._away(position) ** 2, *[state.gamma for state in moving]]
-        return pace.common_pace(slices, gammas, self._speed, self._gain)
+        gamma = self._away(position) ** 2
+        for state in moving:
+            slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
+        return pace.common_pace(slice_norm, gamma, self._speed, self._gain)
 
     def _stuck(
         self,
@@ -82,18 +82,22 @@ class GradientLaw:
         displacement: Vector,
         free: float,
         peers: list[Peer],
-        moving: Sequence[State],
+        moving: Sequence[PeerState],
         tick: int,
     ) -> float:
         """How strongly to escape from a deadlock, 0 to 1."""
         if self._progress is None:
             return 0.0
-        oldest = min([state.tick for state in moving], default=tick)
+        gamma, oldest = 0.0, tick
+        for peer in peers:
+            gamma += peer.gamma
+        for state in moving:
+            oldest = min(oldest, state.tick)
         return self._progress.update(
             displacement=displacement,
             desired=self._wanted,
             free=free,
-            gamma=self._away(position) ** 2 + sum([peer.gamma for peer in peers]),
+            gamma=self._away(position) ** 2 + gamma,
             barred=lambda: barred(position, self._goal, self._radius, peers),
             latency=(tick - oldest) * self._period,
         )

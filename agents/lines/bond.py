@@ -7,7 +7,7 @@ import math
 from agents.lines.fixed_disk import FixedDisk
 from agents.lines.line import HalfPlane, Line
 from agents.lines.pair import Follower, Owner
-from protocol.messages import State
+from agents.peer_state import PeerState
 
 _ROOM = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
 
@@ -38,7 +38,7 @@ class Bond:
         self.owns = owns
         self.own_radius, self.radius = own_radius, radius
         self.end: Owner | Follower = Owner(life, initial) if owns else Follower(life, initial)
-        self.state: State | None = None
+        self.state: PeerState | None = None
         self.disk: FixedDisk | None = None
         self.sides: tuple[HalfPlane, ...] = ()
         self.answers_left = 0
@@ -67,9 +67,9 @@ class Bond:
             x, y, bound: own position, m, and its error bound, m.
         """
         state = self.state
-        if not self.anew or self.end.linked or state is None or state.position is None:
+        if not self.anew or self.end.linked or state is None or not state.placed:
             return 0.0, 0.0
-        dx, dy = x - state.position[0], y - state.position[1]
+        dx, dy = x - state.x, y - state.y
         distance = math.hypot(dx, dy)
         lacking = self.own_radius + self.radius + bound + state.bound - distance
         lacking += _ROOM * min(self.own_radius, self.radius)
@@ -77,7 +77,7 @@ class Bond:
             return 0.0, 0.0
         return lacking * dx / distance, lacking * dy / distance
 
-    def meet(self, state: State) -> bool:
+    def meet(self, state: PeerState) -> bool:
         """Take over a peer's State if it is newer; False when it is of an old life, to be ignored."""
         known = self.state
         if known is None or state.incarnation != known.incarnation:

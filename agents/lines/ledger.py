@@ -18,7 +18,8 @@ from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from agents.lines.placement import Disk, is_same, place
-from protocol.messages import Answer, Down, Proposal, State
+from agents.peer_state import PeerState
+from protocol.messages import Answer, Down, Proposal
 
 ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING = 32  # most unanswered proposals of one pair
@@ -77,7 +78,7 @@ class Ledger:
             if bond.disk is not None:
                 bond.disk.renew(self._x, self._y, bound)
 
-    def hear(self, state: State) -> None:
+    def hear(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
         bond = self._bonds.get(state.robot)
         if bond is None or not bond.meet(state):
@@ -127,38 +128,39 @@ class Ledger:
         x, y, margin = self._x, self._y, self._bound + 2.0 * ROUNDING
         near = margin + 2.0 * self._reach
         return [
-            HalfPlane(nx, ny, limit - margin)
+            HalfPlane(side.nx, side.ny, side.limit - margin)
             for bond in self._bonds.values()
-            for nx, ny, limit in (bond.sides if bond.disk is None else bond.half_planes)
-            if limit - nx * x - ny * y < near
+            for side in (bond.sides if bond.disk is None else bond.half_planes)
+            if side.slack(x, y) < near
         ]
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
         """All obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit."""
         return tuple(
-            (peer, nx, ny, limit + self._radius)
+            (peer, side.nx, side.ny, side.limit + self._radius)
             for peer, bond in self._bonds.items()
-            for nx, ny, limit in bond.half_planes
+            for side in bond.half_planes
         )
 
     def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
         standing = not self.ready
-        me = Disk(self._x, self._y, self._radius + self._bound, *((0.0, 0.0) if standing else desired))
+        vx, vy = (0.0, 0.0) if standing else desired
+        me = Disk(self._x, self._y, self._radius + self._bound, vx, vy)
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         for peer, bond in self._bonds.items():
             end = bond.end
             if isinstance(end, Owner):
                 self._consider(bond, end, me, standing)
-                for number, (nx, ny, offset) in end.proposed.items():
-                    proposals.append(Proposal(peer, end.peer_life, number, nx, ny, offset))
+                for number, line in end.proposed.items():
+                    proposals.append(Proposal(peer, end.peer_life, number, line.nx, line.ny, line.offset))
             elif bond.answers_left:
                 bond.answers_left -= 1
                 answers.append(Answer(peer, end.peer_life, end.held_number, end.seen))
         return tuple(proposals), tuple(answers)
 
-    def _hear_answers(self, bond: Bond, end: Owner, state: State) -> None:
+    def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
         life = state.incarnation
         for answer in state.answers:
             if answer.peer == self._robot and end.hear(
@@ -166,7 +168,7 @@ class Ledger:
             ):
                 bond.renew()
 
-    def _hear_proposals(self, bond: Bond, end: Follower, state: State) -> None:
+    def _hear_proposals(self, bond: Bond, end: Follower, state: PeerState) -> None:
         life = state.incarnation
         for offer in state.proposals:
             if offer.peer == self._robot:
@@ -186,20 +188,20 @@ class Ledger:
     def _consider(self, bond: Bond, end: Owner, me: Disk, standing: bool) -> None:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap."""
         state = bond.state
-        if state is None or state.position is None or not end.met or len(end.proposed) >= OUTSTANDING:
+        if state is None or not state.placed or not end.met or len(end.proposed) >= OUTSTANDING:
             return
         newest = end.newest
         ticks = max(0, self._tick - state.tick) + 2
-        px, py = state.position
         apart = 2.0 * ticks * self._reach
         if (
             newest is not None
             and newest.gap(me.x, me.y) > apart + me.radius
-            and -newest.gap(px, py) > apart + bond.radius + state.bound
+            and -newest.gap(state.x, state.y) > apart + bond.radius + state.bound
         ):
             return  # neither comes near the line before a new one could be agreed
         halted = bond.disk is not None
-        peer = Disk(px, py, bond.radius + state.bound, *((0.0, 0.0) if halted else state.desired))
+        vx, vy = (0.0, 0.0) if halted else state.desired
+        peer = Disk(state.x, state.y, bond.radius + state.bound, vx, vy)
         line = place(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
         if line is None or not self._fits(line, owner=True):
             return

@@ -3,33 +3,53 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import final
 
 ROUNDING = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
 _UNIT = 1e-12  # how far a normal's length may be from one
 
 
-class HalfPlane(NamedTuple):
-    """Points x with nx x + ny y <= limit (m), (nx, ny) a unit vector."""
+@final
+class HalfPlane:
+    """Points x with nx x + ny y <= limit (m), (nx, ny) a unit vector. Immutable."""
 
-    nx: float
-    ny: float
-    limit: float
+    __slots__ = ("limit", "nx", "ny")
+
+    def __init__(self, nx: float, ny: float, limit: float) -> None:
+        self.nx, self.ny, self.limit = nx, ny, limit
+
+    def __repr__(self) -> str:
+        return f"HalfPlane({self.nx!r}, {self.ny!r}, {self.limit!r})"
 
     def slack(self, x: float, y: float) -> float:
         """Distance from (x, y) to the edge, m; negative outside."""
         return self.limit - self.nx * x - self.ny * y
 
 
-class Line(NamedTuple):
-    """Unit normal (nx, ny) from the owner to the follower, and offset, m.
+@final
+class Line:
+    """Unit normal (nx, ny) from the owner to the follower, and offset, m. Immutable.
 
     The owner obeys it with n.x + rho <= offset, the follower with n.x - rho >= offset.
     """
 
-    nx: float
-    ny: float
-    offset: float
+    __slots__ = ("nx", "ny", "offset")
+
+    def __init__(self, nx: float, ny: float, offset: float) -> None:
+        self.nx, self.ny, self.offset = nx, ny, offset
+
+    def __repr__(self) -> str:
+        return f"Line({self.nx!r}, {self.ny!r}, {self.offset!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Line) and self._numbers == other._numbers
+
+    def __hash__(self) -> int:
+        return hash(self._numbers)
+
+    @property
+    def _numbers(self) -> tuple[float, float, float]:
+        return self.nx, self.ny, self.offset
 
     def side(self, radius: float, owner: bool) -> HalfPlane:
         """Where the centre of a disk of `radius` (m) may be when it obeys this line."""

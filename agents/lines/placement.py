@@ -7,7 +7,7 @@ follower adopts only those that its own disk satisfies.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import final
 
 from agents.lines.line import ROUNDING, Line
 
@@ -18,19 +18,23 @@ _BISECTIONS = 8
 _NEED = 4.0 * ROUNDING  # gap that a line takes, m
 
 
-class Disk(NamedTuple):
+@final
+class Disk:
     """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity."""
 
-    x: float
-    y: float
-    radius: float
-    vx: float = 0.0
-    vy: float = 0.0
+    __slots__ = ("radius", "vx", "vy", "x", "y")
+
+    def __init__(self, x: float, y: float, radius: float, vx: float = 0.0, vy: float = 0.0) -> None:
+        self.x, self.y, self.radius, self.vx, self.vy = x, y, radius, vx, vy
 
 
 def is_same(one: Line, other: Line, tolerance: float) -> bool:
     """Whether two lines differ by less than `tolerance` (m, and per metre along the line)."""
-    return all(abs(a - b) < tolerance for a, b in zip(one, other, strict=True))
+    return (
+        abs(one.nx - other.nx) < tolerance
+        and abs(one.ny - other.ny) < tolerance
+        and abs(one.offset - other.offset) < tolerance
+    )
 
 
 def place(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -> Line | None:

@@ -7,8 +7,8 @@ from collections import defaultdict
 import numpy as np
 
 from agents.link import Link
+from agents.peer_state import PeerState
 from deploy.recording.reader import Recording
-from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
 
 
@@ -38,10 +38,10 @@ class Heard:
         self._sent = 0
         self._ids = recording.scenario.ids
         self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
-        self._said: dict[int, list[State]] = defaultdict(list)
+        self._said: dict[int, list[PeerState]] = defaultdict(list)
         for states in recording.states.values():
             for state in states:
-                self._said[state.tick].append(state)
+                self._said[state.tick].append(PeerState(state))
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
         """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.

@@ -83,7 +83,7 @@ class Fleet:
         error = math.dist(here, goal)
         if self.pace == "common":
             slices = [own.norm(*here) if j == i else norm for j, norm in enumerate(seen[2])]
-            scale = common_pace(slices, [*seen[1], error**2], SPEED, scale)
+            scale = common_pace(max(slices), max(*seen[1], error**2), SPEED, scale)
         wanted = desired_velocity(Flow(own, scale), here, period=self.period, speed=SPEED)
         return self._escape(i, seen, own, scale, wanted) if self.escapes else wanted
 

@@ -13,6 +13,7 @@ from agents.laws import choose, require
 from agents.laws.law import Law
 from agents.laws.nominal import Nominal
 from agents.neighbours import Neighbours
+from agents.peer_state import PeerState
 from deploy.load import load
 from deploy.local import LocalFleet
 from protocol.errors import UsageError
@@ -38,7 +39,7 @@ def run(scenario: Scenario) -> dict[str, Any]:
 def heard(x: float, y: float, velocity: tuple[float, float] = STILL, tick: int = 0) -> Neighbours:
     """Robot 2 as robot 1 last heard it."""
     known = Neighbours((2,))
-    known.hear(State(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, (), ()))
+    known.hear(PeerState(State(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, (), ())))
     return known
 
 

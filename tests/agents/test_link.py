@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.link import Link
+from agents.peer_state import PeerState
 from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
 from protocol.scenario import Partition, RobotSpec, Scenario
@@ -14,11 +15,11 @@ ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1,
 SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
 
-def state(robot: int, tick: int) -> State:
-    return State(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0))
+def state(robot: int, tick: int) -> PeerState:
+    return PeerState(State(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
 
 
-def heard(faults: LinkFaults, states: list[State], until: int = 200) -> list[list[tuple[int, int]]]:
+def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:
     """What robot 1 hears at each tick, as (robot, tick of the State)."""
     link = Link(replace(SCENARIO, link=faults), 1)
     for each in states:
@@ -63,7 +64,7 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
     random.shuffle(shuffled)
     scenario = replace(SCENARIO, link=faults, seed=seed)
 
-    def timeline(order: list[State]) -> list[list[State]]:
+    def timeline(order: list[PeerState]) -> list[list[PeerState]]:
         link = Link(scenario, 1)
         for each in order:
             link.put(each)

@@ -1,11 +1,12 @@
 """What a robot knows of its peers: newer lives and ticks win, fenced disks stand until a new life speaks."""
 
 from agents.neighbours import Neighbours
+from agents.peer_state import PeerState
 from protocol.messages import Down, State
 
 
-def state(robot: int, incarnation: int, tick: int) -> State:
-    return State(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0))
+def state(robot: int, incarnation: int, tick: int) -> PeerState:
+    return PeerState(State(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
 
 
 def test_only_news_is_taken_over() -> None:

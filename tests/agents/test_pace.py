@@ -10,19 +10,18 @@ from agents.slice import Slice
 
 
 def test_the_fastest_robot_moves_at_the_speed_limit() -> None:
-    assert common_pace([0.1, 0.4, 0.2], [0.09, 0.01], 0.1, 10.0) == pytest.approx(0.25)
+    assert common_pace(0.4, 0.09, 0.1, 10.0) == pytest.approx(0.25)
 
 
 def test_a_squeezed_robot_does_not_freeze_the_others() -> None:
     farthest = 0.3
-    scale = common_pace([2 * farthest, 1e6], [farthest**2, 1e-4], 0.1, 10.0)
+    scale = common_pace(1e6, farthest**2, 0.1, 10.0)
     assert scale * 2 * farthest == pytest.approx(0.1)
 
 
 def test_the_gain_is_the_largest_scale() -> None:
-    assert common_pace([1e-9], [1e-18], 0.1, 10.0) == 10.0
-    assert common_pace([], [], 0.1, 10.0) == 10.0
-    assert common_pace([0.0], [0.0], 0.1, 10.0) == 10.0
+    assert common_pace(1e-9, 1e-18, 0.1, 10.0) == 10.0
+    assert common_pace(0.0, 0.0, 0.1, 10.0) == 10.0
     assert own_pace(10.0) == 10.0
 
 

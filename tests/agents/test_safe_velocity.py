@@ -48,9 +48,9 @@ def test_every_constraint_holds_whatever_the_execution_noise(problem, noise, tur
     for size in (0.0, noise):
         dx = (vx + size * speed * math.cos(turn)) * PERIOD
         dy = (vy + size * speed * math.sin(turn)) * PERIOD
-        for nx, ny, limit in planes:
-            slack = max(0.0, limit - nx * x - ny * y)
-            assert nx * dx + ny * dy <= slack + (1e-16 if size else 0.0)
+        for plane in planes:
+            slack = max(0.0, plane.slack(x, y))
+            assert plane.nx * dx + plane.ny * dy <= slack + (1e-16 if size else 0.0)
         room = max(ROOM, math.hypot(x, y))
         assert math.hypot(x + dx, y + dy) <= room + (1e-16 if size else 0.0)
 
@@ -67,7 +67,7 @@ def test_no_feasible_velocity_is_nearer(problem) -> None:
 def candidates(problem) -> list[tuple[float, float]]:
     """All feasible points among which the nearest one must be: projections, and corners of two edges."""
     desired, (x, y), planes = problem
-    edges = [(nx, ny, max(0.0, limit - nx * x - ny * y)) for nx, ny, limit in planes]
+    edges = [(plane.nx, plane.ny, max(0.0, plane.slack(x, y))) for plane in planes]
     circles = [(0.0, 0.0, REACH), (-x, -y, max(ROOM, math.hypot(x, y)))]
     want = np.array(desired) * PERIOD
     points = [want, np.zeros(2)]

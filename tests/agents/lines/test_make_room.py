@@ -3,6 +3,7 @@
 import math
 
 from agents.lines.ledger import Ledger
+from agents.peer_state import PeerState
 from protocol.messages import Down, Proposal, State
 
 RADII = {1: 0.04, 2: 0.04}
@@ -13,8 +14,8 @@ def robot(identity: int, life: int = 1) -> Ledger:
     return Ledger(identity, life, RADII, speed=0.1, period=0.05)
 
 
-def said(identity: int, life: int, tick: int, x: float, bound: float, *proposals: Proposal) -> State:
-    return State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ())
+def said(identity: int, life: int, tick: int, x: float, bound: float, *proposals: Proposal) -> PeerState:
+    return PeerState(State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ()))
 
 
 def test_no_room_is_asked_of_a_peer_that_is_far_enough() -> None:
