@@ -16,9 +16,10 @@ from math import inf, isfinite
 from agents.peer_state import PeerState
 from agents.robot import Robot
 from protocol import joining
-from protocol.bus import Bus, Event, Presence, Sample
+from protocol.bus import Bus
 from protocol.codec import check_finite, decode_unchecked, encode
 from protocol.errors import BusError, JoinError, MessageError
+from protocol.events import Event, Presence, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Health, Measurement, State
 from protocol.scenario import Scenario

@@ -21,10 +21,10 @@ from deploy.security.membership import Membership
 from deploy.supervisor import Supervisor
 from deploy.topology import Mesh, Routed, Topology
 from deploy.unjudged import unjudged
-from protocol.bus import Event, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import MessageError
+from protocol.events import Event, Sample
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario

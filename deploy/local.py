@@ -10,9 +10,9 @@ from agents.node import RobotNode
 from deploy.fault_schedule import FaultSchedule
 from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
-from protocol.bus import Event, Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import decode
+from protocol.events import Event, Sample
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.scenario import ProcessFault, Scenario

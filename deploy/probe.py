@@ -6,11 +6,11 @@ import time
 from contextlib import closing
 
 from deploy.security.roster import ROUTER, WORLD
-from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
 from protocol.errors import BusError, UsageError
+from protocol.events import Sample
 from protocol.keys import robot_key, world_key
 
 

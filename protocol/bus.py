@@ -8,38 +8,12 @@ process (`serve`) or, in one process with others, by the in-process network.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
+from protocol.events import Event
 from protocol.streams import Stream
 
 Publish = Callable[[bytes], None]
-
-
-class Sample(NamedTuple):
-    """Something was published under `key`."""
-
-    key: str
-    payload: bytes
-
-
-class Presence(NamedTuple):
-    """A liveliness token appeared or went."""
-
-    key: str
-    alive: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """Somebody asks under `key`; exactly one `reply` is expected."""
-
-    key: str
-    payload: bytes
-    reply: Callable[[bytes], None]
-
-
-Event = Sample | Presence | Request
 
 
 class Bus(Protocol):

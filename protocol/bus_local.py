@@ -11,8 +11,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable
 
-from protocol.bus import Event, Node, Presence, Publish, Request, Sample
+from protocol.bus import Node, Publish
 from protocol.errors import BusError
+from protocol.events import Event, Presence, Request, Sample
 from protocol.streams import Stream
 
 _LONGEST_SLEEP = 0.1

@@ -23,9 +23,10 @@ os.environ.setdefault(
 
 import zenoh
 
-from protocol.bus import Event, Presence, Publish, Request, Sample
+from protocol.bus import Publish
 from protocol.connection import Connection, configuration
 from protocol.errors import BusError, CertificateError, EndpointTakenError
+from protocol.events import Event, Presence, Request, Sample
 from protocol.open_failure import explained
 from protocol.streams import Stream
 
@@ -123,10 +124,14 @@ class ZenohBus:
         )
 
     def receive(self, timeout: float) -> Event | None:
-        if self._queue.qsize() > _CAPACITY:
+        waiting = self._queue.qsize()
+        if waiting > _CAPACITY:
             self._shed()
         try:
-            arrived = self._queue.get(timeout > 0.0, min(timeout, _LONGEST))
+            if waiting:  # the usual case, and the quicker call
+                arrived = self._queue.get_nowait()
+            else:
+                arrived = self._queue.get(timeout > 0.0, min(timeout, _LONGEST))
         except Empty:
             return None
         if isinstance(arrived, zenoh.Sample):

@@ -15,9 +15,10 @@ from typing import Any
 import msgspec
 
 from protocol import joining
-from protocol.bus import Bus, Event, Presence, Request, Sample
+from protocol.bus import Bus
 from protocol.codec import decode
 from protocol.errors import MessageError
+from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario

@@ -10,10 +10,11 @@ import msgspec
 
 from deploy.monitor.source import SharedView
 from deploy.monitor.view import View
-from protocol.bus import Bus, Event, Presence, Sample
+from protocol.bus import Bus
 from protocol.bus_local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.events import Event, Presence, Sample
 from protocol.joining import Overview, decode_reply
 from protocol.keys import every_robot, parse, world_key
 from protocol.messages import AnyMessage

@@ -13,10 +13,11 @@ from math import inf
 from deploy.recording.beside import FileBeside
 from deploy.recording.writer import RecordingFile
 from protocol import joining
-from protocol.bus import Bus, Event, Presence, Sample
+from protocol.bus import Bus
 from protocol.codec import decode
 from protocol.drive import uninterrupted
 from protocol.errors import BusError, MessageError
+from protocol.events import Event, Presence, Sample
 from protocol.keys import robot_key, world_key
 from protocol.messages import Result
 
@@ -72,7 +73,7 @@ class Recorder:
                 self._on_result(event)
                 return
             if self._heard is None:
-                self._aside.append(event)
+                self._aside.append((event.key, event.payload))
             if len(self._aside) >= _BATCH and self._ready:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
@@ -128,7 +129,7 @@ class Recorder:
             message = decode(sample.key, sample.payload)
         except MessageError:
             if self._heard is None:
-                self._aside.append(sample)  # to be counted with the others
+                self._aside.append((sample.key, sample.payload))  # to be counted with the others
             return
         if isinstance(message, Result) and self._result is None:
             self._result, self._result_due = message.report, time.monotonic() + _LAST_WORDS

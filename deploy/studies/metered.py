@@ -6,7 +6,7 @@ import time
 
 from agents.node import RobotNode
 from deploy.local import LocalFleet
-from protocol.bus import Event
+from protocol.events import Event
 
 
 class MeteredNode:

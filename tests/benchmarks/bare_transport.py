@@ -20,9 +20,9 @@ import zenoh
 from deploy.process_table import Process, router
 from deploy.spawn import Spawner
 from deploy.supervisor import Supervisor
-from protocol.bus import Presence, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection, configuration
+from protocol.events import Presence, Sample
 from protocol.keys import every_robot, robot_key, world_key
 from protocol.streams import STREAMS
 

@@ -25,11 +25,11 @@ from deploy.load import load
 from deploy.local import LocalFleet
 from deploy.options import Mode, RunOptions, fresh_run_name, restarts
 from deploy.supervisor import Supervisor
-from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
 from protocol.errors import UsageError
+from protocol.events import Sample
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario

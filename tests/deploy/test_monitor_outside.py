@@ -18,11 +18,11 @@ import zenoh
 from deploy.monitor.attachment import attach
 from deploy.options import fresh_run_name
 from deploy.router import listening
-from protocol.bus import Event, Presence, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.connection import Connection
 from protocol.errors import BusError
+from protocol.events import Event, Presence, Sample
 from protocol.joining import Overview, encode_reply
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Truth

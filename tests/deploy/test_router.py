@@ -12,10 +12,10 @@ import pytest
 from deploy.process_table import Process, router
 from deploy.router import holder, listening, main
 from deploy.supervisor import Supervisor
-from protocol.bus import Presence
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.errors import EndpointTakenError, ProcessError
+from protocol.events import Presence
 from tests.deploy import children
 
 pytestmark = pytest.mark.timeout(60)

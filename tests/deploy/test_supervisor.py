@@ -12,10 +12,10 @@ import pytest
 from deploy.process_life import Exit
 from deploy.process_table import Process, router
 from deploy.supervisor import Supervisor
-from protocol.bus import Presence
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.errors import ProcessError
+from protocol.events import Presence
 from tests.deploy.children import announce, divide_by_zero, give, row, spawner, wait, wait_stubbornly
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]

@@ -21,9 +21,9 @@ from deploy.load import read
 from deploy.local import LocalFleet
 from deploy.studies.fault_scenario import fault_scenario
 from protocol import joining, keys
-from protocol.bus import Event, Sample
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
+from protocol.events import Event, Sample
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
 from protocol.messages import Health
 from protocol.scenario import Scenario

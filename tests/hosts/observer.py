@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 from deploy.security.membership import Membership
-from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
+from protocol.events import Sample
 from protocol.keys import world_key
 from protocol.messages import Result, Truth
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from protocol.bus import Event, Presence, Request, Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.errors import BusError
+from protocol.events import Event, Presence, Request, Sample
 from protocol.streams import STREAMS
 
 STATE = STREAMS["state"]

@@ -17,11 +17,11 @@ import pytest
 from deploy.router import listening
 from deploy.supervisor import Supervisor
 from protocol import bus_zenoh
-from protocol.bus import Event, Presence, Request, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection, configuration
 from protocol.drive import Stop, drive, stop_on_signal
 from protocol.errors import BusError, EndpointTakenError
+from protocol.events import Event, Presence, Request, Sample
 from protocol.streams import STREAMS
 from tests.deploy import children
 

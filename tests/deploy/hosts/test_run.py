@@ -23,10 +23,10 @@ from deploy.local import LocalFleet
 from deploy.security.keystore import create
 from deploy.security.roster import Roster
 from deploy.studies.provenance import SOFTWARE, code_digest
-from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.connection import Connection
+from protocol.events import Sample
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario import ProcessFault

@@ -21,9 +21,9 @@ from deploy.manifests.plan import Plan
 from deploy.manifests.systemd import ETC
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from protocol.bus import Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode
+from protocol.events import Sample
 from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario_file import write_toml

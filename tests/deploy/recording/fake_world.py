@@ -1,7 +1,7 @@
 """A world that says whatever a test wants."""
 
 from protocol import joining
-from protocol.bus import Request
+from protocol.events import Request
 from protocol.keys import parse, world_key
 from protocol.streams import STREAMS
 from tests.deploy.recorded import scenario

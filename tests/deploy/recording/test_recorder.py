@@ -12,10 +12,10 @@ from deploy.recording.beside import FileBeside
 from deploy.recording.reader import read
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer import RecordingFile
-from protocol.bus import Sample
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
+from protocol.events import Sample
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Result
 from tests.deploy.recorded import scenario

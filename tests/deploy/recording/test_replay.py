@@ -17,12 +17,12 @@ from deploy.recording.contents import contents
 from deploy.recording.reader import Recording, Truths, read
 from deploy.recording.replay import publish, published, verify
 from deploy.router import listening
-from protocol.bus import Sample
 from protocol.bus_local import LocalNetwork
 from protocol.bus_zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.connection import Connection
 from protocol.errors import RecordingError
+from protocol.events import Sample
 from protocol.keys import everything, parse
 from protocol.messages import Measurement, Message, Result
 from tests.deploy.recorded import record

@@ -9,8 +9,8 @@ from deploy.local import LocalFleet
 from deploy.recording.reader import read
 from deploy.recording.result import attach
 from deploy.recording.trajectory import trajectory
-from protocol.bus import Sample
 from protocol.codec import encode
+from protocol.events import Sample
 from protocol.keys import everything, parse
 from protocol.streams import STREAMS
 from tests.deploy.recorded import ROBOTS, scenario

@@ -23,11 +23,11 @@ from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
 from deploy.supervisor import Supervisor
-from protocol.bus import Presence, Sample
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection
 from protocol.credentials import Credentials, credentials
 from protocol.errors import BusError, CertificateError
+from protocol.events import Presence, Sample
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Clock, Truth
 from protocol.streams import STREAMS
