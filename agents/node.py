@@ -108,8 +108,7 @@ class RobotNode:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
-        first = admission.incarnation == admission.oldest.get(self._robot)
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation, first=first)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
         self._lockstep, self._oldest = admission.lockstep, admission.oldest
         self._refused = self._published = self._received = 0
         self._rejected.clear()

@@ -7,6 +7,8 @@ these two places, when every earlier command is settled, so no command is ever o
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from agents.estimate import Estimate
 from agents.laws import choose
 from agents.lines.ledger import Ledger
@@ -28,10 +30,12 @@ class Robot:
         scenario: the run; k already a number.
         robot: own id.
         incarnation: this life, as handed out by the world.
-        first: whether it is the robot's first life in this run, so that it begins at the start.
+        first_lives: everybody's first incarnation in this run, which begins at the start.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, incarnation: int, *, first: bool = False) -> None:
+    def __init__(
+        self, scenario: Scenario, robot: int, incarnation: int, first_lives: Mapping[int, int]
+    ) -> None:
         spec = scenario.spec(robot)
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
@@ -45,8 +49,16 @@ class Robot:
         self._neighbours = Neighbours(self._radii)
         self._link = Link(scenario, robot)
         radii = {peer.id: peer.radius for peer in scenario.robots}
-        starts = {peer.id: peer.start for peer in scenario.robots} if first else None
-        self._lines = Ledger(robot, incarnation, radii, speed=speed, period=period, starts=starts)
+        first = incarnation == first_lives.get(robot)
+        self._lines = Ledger(
+            robot,
+            incarnation,
+            radii,
+            speed=speed,
+            period=period,
+            starts={peer.id: peer.start for peer in scenario.robots} if first else None,
+            first_lives=first_lives,
+        )
         self._awaited: set[int] = set()
         self._arrived: dict[int, int] = {}
         self._desired = self._moved = STILL

@@ -20,6 +20,7 @@ class Bond:
         owns: whether this robot has the lower id.
         own_radius, radius: of this robot and of the peer, m.
         initial: the line obeyed since the start, if both can know one.
+        peer_life: the peer's incarnation that begins with it, its first in this run.
 
     Attributes:
         end: this robot's end of the line.
@@ -33,11 +34,18 @@ class Bond:
     __slots__ = ("anew", "answers_left", "disk", "end", "own_radius", "owns", "radius", "sides", "state")
 
     def __init__(
-        self, life: int, *, owns: bool, own_radius: float, radius: float, initial: Line | None
+        self,
+        life: int,
+        *,
+        owns: bool,
+        own_radius: float,
+        radius: float,
+        initial: Line | None,
+        peer_life: int = 0,
     ) -> None:
         self.owns = owns
         self.own_radius, self.radius = own_radius, radius
-        self.end: Owner | Follower = Owner(life, initial) if owns else Follower(life, initial)
+        self.end: Owner | Follower = (Owner if owns else Follower)(life, initial, peer_life)
         self.state: PeerState | None = None
         self.disk: FixedDisk | None = None
         self.sides: tuple[HalfPlane, ...] = ()

@@ -5,6 +5,10 @@ answer is said when a proposal was heard, in the States of the next few ticks. T
 without an unanswered proposal needs no answer; one that has any repeats it for ever, so if every
 answer so far was lost, the next repetition that arrives brings about another.
 
+The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
+replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
+messages ten times their usual size.
+
 An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
 that halves the age of the lines, and the arrival times with it.
 """
@@ -13,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
@@ -23,6 +28,8 @@ from protocol.messages import Answer, Down, Proposal
 
 ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING = 32  # most unanswered proposals of one pair
+_NOBODY: Mapping[int, int] = MappingProxyType({})
+RENEWALS = 5  # initial lines that an owner replaces in one tick although nobody is near; see the module
 UNCHANGED = 1e-2  # of what a robot moves in a tick; a line that differs by less is not worth a proposal
 
 
@@ -39,6 +46,7 @@ class Ledger:
         speed: the most that a robot really moves, m/s.
         period: of one tick, s.
         starts: where every robot's first life begins, m, if this is the own first life in the run.
+        first_lives: incarnation of those lives.
     """
 
     def __init__(
@@ -50,6 +58,7 @@ class Ledger:
         speed: float,
         period: float,
         starts: Mapping[int, tuple[float, float]] | None = None,
+        first_lives: Mapping[int, int] = _NOBODY,
     ) -> None:
         self._robot = robot
         self._radius = radii[robot]
@@ -61,6 +70,7 @@ class Ledger:
                 own_radius=self._radius,
                 radius=radii[peer],
                 initial=None if starts is None else _initial(robot, peer, starts, radii),
+                peer_life=0 if starts is None else first_lives.get(peer, 0),
             )
             for peer in sorted(radii)
             if peer != robot
@@ -110,7 +120,7 @@ class Ledger:
         """The desired velocity (m/s), turned away from peers whose new life is too close for a line."""
         vx, vy = desired
         for bond in self._bonds.values():
-            if bond.end.linked:
+            if not bond.anew or bond.end.linked:
                 continue
             dx, dy = bond.crowding(self._x, self._y, self._bound)
             lacking = math.hypot(dx, dy)
@@ -149,10 +159,11 @@ class Ledger:
         me = Disk(self._x, self._y, self._radius + self._bound, vx, vy)
         proposals: list[Proposal] = []
         answers: list[Answer] = []
+        renewals = RENEWALS
         for peer, bond in self._bonds.items():
             end = bond.end
             if isinstance(end, Owner):
-                self._consider(bond, end, me, standing)
+                renewals -= self._consider(bond, end, me, standing, renewals)
                 for number, line in end.proposed.items():
                     proposals.append(Proposal(peer, end.peer_life, number, line.nx, line.ny, line.offset))
             elif bond.answers_left:
@@ -185,12 +196,15 @@ class Ledger:
         side = line.side(self._radius, owner)
         return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
 
-    def _consider(self, bond: Bond, end: Owner, me: Disk, standing: bool) -> None:
-        """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap."""
+    def _consider(self, bond: Bond, end: Owner, me: Disk, standing: bool, renewals: int) -> int:
+        """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.
+
+        Returns 1 if it is one of the `renewals`, else 0.
+        """
         state = bond.state
         if state is None or not state.placed or not end.met or len(end.proposed) >= OUTSTANDING:
-            return
-        newest = end.newest
+            return 0
+        newest, renewal = end.newest, 0
         ticks = max(0, self._tick - state.tick) + 2
         apart = 2.0 * ticks * self._reach
         if (
@@ -198,16 +212,20 @@ class Ledger:
             and newest.gap(me.x, me.y) > apart + me.radius
             and -newest.gap(state.x, state.y) > apart + bond.radius + state.bound
         ):
-            return  # neither comes near the line before a new one could be agreed
+            # Neither comes near the line before a new one could be agreed.
+            if end.number > 0 or renewals == 0:
+                return 0
+            renewal = 1
         halted = bond.disk is not None
         vx, vy = (0.0, 0.0) if halted else state.desired
         peer = Disk(state.x, state.y, bond.radius + state.bound, vx, vy)
         line = place(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
         if line is None or not self._fits(line, owner=True):
-            return
+            return 0
         if newest is None or not is_same(line, newest, UNCHANGED * self._reach):
             end.propose(line)
             bond.renew()
+        return renewal
 
 
 def _initial(

@@ -9,7 +9,8 @@ The lower id owns the line: only it proposes, numbering its proposals. Rules:
 - An answer (held, seen) says which number the follower obeys and up to which it has answered. The
   owner drops every line up to `seen` other than `held`.
 - Before anything is said, the first lives of both ends obey the initial line, which both derive from
-  the scenario's start positions. Later lives have none.
+  the scenario's start positions; the owner knows that the follower's first life holds it. Later lives
+  have none.
 - Nothing is offered to a life that has not been heard: it need not know this one.
 - Numbers count within one life of the owner. Whatever names an older life of either end than the
   newest known is ignored. An owner whose follower lives anew keeps obeying all it obeyed, for the
@@ -27,11 +28,17 @@ from agents.lines.line import Line
 
 
 class Owner:
-    """The end with the lower id, in one life (incarnation) of its robot."""
+    """The end with the lower id, in one life (incarnation) of its robot.
 
-    def __init__(self, life: int, initial: Line | None = None) -> None:
+    Args:
+        life: own incarnation.
+        initial: the line obeyed since the start.
+        peer_life: the follower's incarnation that obeys it too.
+    """
+
+    def __init__(self, life: int, initial: Line | None = None, peer_life: int = 0) -> None:
         self.life = life
-        self.peer_life = 0  # newest incarnation known of the follower; older ones are ignored
+        self.peer_life = peer_life  # newest incarnation known of the follower; older ones are ignored
         self.met = False  # whether that one has been heard; only then may it be offered a line
         self.held_number = 0  # number of the line that the follower is known to hold, 0 for none
         self.seen = 0  # highest number known to be answered
@@ -99,11 +106,11 @@ class Owner:
 
 
 class Follower:
-    """The end with the higher id, in one life (incarnation) of its robot."""
+    """The end with the higher id, in one life (incarnation) of its robot; arguments as of `Owner`."""
 
-    def __init__(self, life: int, initial: Line | None = None) -> None:
+    def __init__(self, life: int, initial: Line | None = None, peer_life: int = 0) -> None:
         self.life = life
-        self.peer_life = 0  # newest incarnation known of the owner; older ones are ignored
+        self.peer_life = peer_life  # newest incarnation known of the owner; older ones are ignored
         self.held_number = 0  # number of the held line, 0 when it is not of the owner's present life
         self.seen = 0  # highest number answered
         self._held = initial

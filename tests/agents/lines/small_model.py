@@ -200,7 +200,8 @@ def search(
 ) -> Search:
     """Visit all states reachable within `bounds`, nearest first, until one breaks the invariant."""
     line = Line(1.0, 0.0, 1.5) if bounds.initial else None
-    start = Config(owner(1, line), follower(1, line), 0, 3, frozenset(), frozenset())
+    peer_life = 1 if bounds.initial else 0
+    start = Config(owner(1, line, peer_life), follower(1, line, peer_life), 0, 3, frozenset(), frozenset())
     seen = {start.key()}
     queue = deque([start])
     while queue:

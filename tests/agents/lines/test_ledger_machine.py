@@ -49,7 +49,15 @@ class Fleet(RuleBasedStateMachine):
         self.ledger = {robot: self.newborn(robot, STARTS if known else None) for robot in RADII}
 
     def newborn(self, robot: int, starts: dict[int, tuple[float, float]] | None) -> Ledger:
-        ledger = Ledger(robot, self.life[robot], RADII, speed=SPEED, period=PERIOD, starts=starts)
+        ledger = Ledger(
+            robot,
+            self.life[robot],
+            RADII,
+            speed=SPEED,
+            period=PERIOD,
+            starts=starts,
+            first_lives=dict.fromkeys(RADII, 1),
+        )
         ledger.locate(self.tick, self.estimate(robot), self.bound)
         return ledger
 
