@@ -3,6 +3,9 @@
 Derived from the declarations in `protocol.messages`. The schemas keep to what Foxglove understands:
 a property is a number, integer, string, object, or an array of one of these, never a union and never
 an array of arrays. So a vector becomes `{"x": .., "y": ..}`, and what is None is left out.
+
+A message is copied into Structs of the same fields that JSON takes for objects: they are made and
+encoded in a third of the time of dictionaries.
 """
 
 from __future__ import annotations
@@ -34,11 +37,13 @@ class Form(NamedTuple):
 
     `to_json` turns a Python expression for a value into one for its JSON form: expressions are put
     together and compiled once a type, which is three times as fast as calls that nest, and decides
-    what recording costs. `from_json` gives back the wire's value, tags left out.
+    what recording costs. `objects` are the types that they name. `from_json` gives back the wire's
+    value, tags left out.
     """
 
     schema: dict[str, Any]
     to_json: Callable[[str], str] = lambda value: value
+    objects: Mapping[str, type[msgspec.Struct]] = _NONE
     from_json: Callable[[Any], Any] = lambda value: value
     optional: bool = False
 
@@ -50,10 +55,11 @@ def schema(message: type[Message]) -> dict[str, Any]:
 
 
 @cache
-def to_object(message: type[Message]) -> Callable[[Message], Content]:
-    """What turns messages of this type into their recorded form."""
-    expression = _form(message).to_json("message")
-    change: Callable[[Message], Content] = eval(f"lambda message: {expression}")  # see Form
+def to_object(message: type[Message]) -> Callable[[Message], msgspec.Struct]:
+    """What turns messages of this type into what JSON writes their recorded form of."""
+    form = _form(message)
+    names = {"UNSET": msgspec.UNSET, **form.objects}
+    change: Callable[[Message], msgspec.Struct] = eval(f"lambda message: {form.to_json('message')}", names)
     return change
 
 
@@ -73,7 +79,7 @@ def _form(message: type[msgspec.Struct]) -> Form:
     fields = {field.name: _of(field.type) for field in described.fields}
     # A recording from before a field was added is still read.
     defaults = {field.name: field.default for field in described.fields if not field.required}
-    return _record(fields, "{value}.{name}", defaults)
+    return _record(message.__name__, fields, defaults)
 
 
 def _of(described: inspect.Type) -> Form:
@@ -106,42 +112,55 @@ def _named(described: inspect.Metadata) -> Form:
 
 
 def _tuple(described: inspect.TupleType, names: tuple[str, ...]) -> Form:
-    fields = dict(zip(names, map(_of, described.item_types), strict=True))
-    return _record(fields, "{value}[{index}]")
+    """Of numbers or strings."""
+    name = "_".join(names)
+    record = _record(name, dict(zip(names, map(_scalar, described.item_types), strict=True)))
+    return record._replace(to_json=lambda value: f"{name}(*{value})")
 
 
 def _optional(described: inspect.UnionType) -> Form:
     (present,) = (option for option in described.types if not isinstance(option, inspect.NoneType))
-    return _of(present)._replace(optional=True)
+    form = _of(present)
+    # JSON leaves out what is unset.
+    return form._replace(
+        to_json=lambda value: f"(UNSET if {value} is None else {form.to_json(value)})", optional=True
+    )
 
 
 def _array(item: Form) -> Form:
     inner = item.to_json("item")
     return Form(
         {"type": "array", "items": item.schema},
-        lambda value: value if inner == "item" else f"[{inner} for item in {value}]",
+        # None is there as a rule, and then there is nothing to go through.
+        lambda value: value if inner == "item" else f"({value} and [{inner} for item in {value}])",
+        item.objects,
         lambda values: [item.from_json(value) for value in values],
     )
 
 
-def _record(fields: dict[str, Form], access: str, defaults: Mapping[str, Any] = _NONE) -> Form:
-    """An object with one property a field; `access` says how a field is reached from its owner."""
+def _record(name: str, fields: dict[str, Form], defaults: Mapping[str, Any] = _NONE) -> Form:
+    """An object with one property a field."""
 
     def to_json(value: str) -> str:
-        parts = []
-        for index, (name, field) in enumerate(fields.items()):
-            inner = access.format(value=value, name=name, index=index)
-            part = f'"{name}": {field.to_json(inner)}'
-            parts.append(f"**({{}} if {inner} is None else {{{part}}})" if field.optional else part)
-        return f"{{{', '.join(parts)}}}"
+        parts = (field.to_json(f"{value}.{each}") for each, field in fields.items())
+        return f"{name}({', '.join(parts)})"
 
     def from_json(content: Content) -> list[Any]:
         return [
-            absent[name] if name in absent and name not in content else field.from_json(content[name])
-            for name, field in fields.items()
+            absent[each] if each in absent and each not in content else field.from_json(content[each])
+            for each, field in fields.items()
         ]
 
-    absent = {name: None for name, field in fields.items() if field.optional} | dict(defaults)
-    properties = {name: field.schema for name, field in fields.items()}
-    required = [name for name, field in fields.items() if not field.optional]
-    return Form({"type": "object", "properties": properties, "required": required}, to_json, from_json)
+    absent = {each: None for each, field in fields.items() if field.optional} | dict(defaults)
+    properties = {each: field.schema for each, field in fields.items()}
+    required = [each for each, field in fields.items() if not field.optional]
+    objects = {name: _object(name, tuple(fields))}
+    for field in fields.values():
+        objects |= field.objects
+    schema = {"type": "object", "properties": properties, "required": required}
+    return Form(schema, to_json, objects, from_json)
+
+
+@cache
+def _object(name: str, fields: tuple[str, ...]) -> type[msgspec.Struct]:
+    return msgspec.defstruct(name, fields, gc=False)

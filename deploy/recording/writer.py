@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,8 @@ from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
 LIBRARY = "disknav"
-_encode = msgspec.json.encode
+_TOGETHER = 256  # messages that are encoded together
+_JSON = msgspec.json.Encoder()
 
 
 class Channel:
@@ -64,30 +65,46 @@ class RecordingFile:
         self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
         with self._writing():
             self._file.metadata("run", {"name": run, "protocol": str(VERSION)})
-            self._file.metadata("scenario", {"json": _encode(scenario).decode()})
+            self._file.metadata("scenario", {"json": _JSON.encode(scenario).decode()})
             self._file.flush()
 
-    def write(self, batch: Iterable[tuple[str, bytes]]) -> None:
+    def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
         """Record what was published, at the simulated time of its tick; the result waits for `finish`."""
         with self._writing():
-            for key, payload in batch:
-                try:
-                    self._add(key, payload)
-                except MessageError as error:
-                    self.rejected[error.reason] += 1
-                except KeyGrammarError:
-                    self.rejected["key"] += 1
+            for start in range(0, len(batch), _TOGETHER):
+                self._add(self._checked(batch[start : start + _TOGETHER]))
 
-    def _add(self, key: str, payload: bytes) -> None:
-        channel = self._channels[key] if key in self._channels else self._open(key)
-        if channel is None:
-            return
-        message: Any = decode_numbers(channel.stream, channel.robot, payload)
-        data = _encode(channel.form(message))
-        if b"null" in data:  # what is no number in JSON; checking the others first costs as much as decoding
-            check_finite(channel.stream, message)
-        self._file.message(channel.number, round(message.tick * self._step * 1e9), data)
-        self._count += 1
+    def _checked(self, batch: Sequence[tuple[str, bytes]]) -> list[tuple[Channel, Any]]:
+        """The messages; all else is counted."""
+        good: list[tuple[Channel, Any]] = []
+        for key, payload in batch:
+            try:
+                channel = self._channels[key] if key in self._channels else self._open(key)
+                if channel is not None:
+                    good.append((channel, decode_numbers(channel.stream, channel.robot, payload)))
+            except MessageError as error:
+                self.rejected[error.reason] += 1
+            except KeyGrammarError:
+                self.rejected["key"] += 1
+        return good
+
+    def _add(self, said: list[tuple[Channel, Any]]) -> None:
+        text = _lines(said)
+        if b"null" in text:  # what is no number in JSON; checking the others first costs as much as decoding
+            said = [each for each in said if self._is_finite(each)]
+            text = _lines(said)
+        numbers = [channel.number for channel, _ in said]
+        times = [round(message.tick * self._step * 1e9) for _, message in said]
+        self._file.messages(numbers, times, text.split(b"\n")[:-1])
+        self._count += len(said)
+
+    def _is_finite(self, said: tuple[Channel, Any]) -> bool:
+        try:
+            check_finite(said[0].stream, said[1])
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return False
+        return True
 
     def _open(self, key: str) -> Channel | None:
         """The channel of a key; None for streams that are no part of a recording."""
@@ -126,3 +143,8 @@ class RecordingFile:
             yield
         except OSError as error:
             raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
+
+
+def _lines(said: list[tuple[Channel, Any]]) -> bytes:
+    """Their JSON, a line each."""
+    return _JSON.encode_lines([channel.form(message) for channel, message in said])

@@ -28,7 +28,7 @@ def test_objects_keep_to_their_schema(message):
 
 def test_a_field_that_was_added_later_has_its_default():
     clock = ONE["clock"]
-    content = to_object(type(clock))(clock)
+    content = msgspec.json.decode(msgspec.json.encode(to_object(type(clock))(clock)))
     del content["reason"]
     assert from_object(type(clock), content) == msgspec.structs.replace(clock, reason="")
 
