@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-Integers = NDArray[np.integer]
+Times = NDArray[np.uint64]
 
 _HEAD = np.dtype(
     [
@@ -30,16 +30,14 @@ _INDEX = struct.Struct("<BQHI")  # opcode, length, channel, bytes of the entries
 _ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
 
 
-class Packed(NamedTuple):
-    """A chunk as it goes to the file.
+class Contents(NamedTuple):
+    """What is in a chunk.
 
     Attributes:
-        records: the declarations and messages, uncompressed.
         indexes: message index records, by channel.
         start, end: smallest and largest log time, ns; 0 if there are no messages.
     """
 
-    records: bytes
     indexes: dict[int, bytes]
     start: int
     end: int
@@ -56,7 +54,7 @@ class Chunk:
         self.size = 0
         self._declared = b""
         self._channels: list[int] = []
-        self._times: list[int] = []
+        self._times: list[Times] = [np.empty(0, np.uint64)]
         self._data: list[bytes] = []
 
     def declare(self, record: bytes) -> None:
@@ -64,28 +62,29 @@ class Chunk:
         self._declared += record
         self.size += len(record)
 
-    def add(self, channels: Sequence[int], times: Sequence[int], data: Sequence[bytes]) -> None:
-        """Add messages: the number of each one's channel, its time, ns, and its content."""
+    def add(self, channels: Sequence[int], times: Times, lines: bytes) -> None:
+        """Add messages: their channels' numbers, when they were published and logged, ns, and their JSON,
+        each with a line break after it."""
         self._channels += channels
-        self._times += times
-        self._data += data
-        self.size += sum(map(len, data)) + _HEAD.itemsize * len(data)
+        self._times.append(times)
+        self._data += lines.split(b"\n")[:-1]
+        self.size += len(lines) + (_HEAD.itemsize - 1) * len(channels)
 
-    def packed(self, counts: Integers) -> Packed:
-        """All records; `counts`, the messages said so far by channel, goes on counting."""
+    def write(self, file: BinaryIO, counts: NDArray[np.int64]) -> Contents:
+        """Write all records; `counts`, the messages of each channel so far, goes on counting."""
         heads = self._heads()
         order = np.argsort(heads["channel"], kind="stable")  # those of one channel side by side
-        numbers, starts = np.unique(heads["channel"][order], return_index=True)
-        ends = np.append(starts[1:], len(order))
-        heads["sequence"][order] = np.arange(len(order)) + np.repeat(counts[numbers] - starts, ends - starts)
-        counts[numbers] += ends - starts
-        entries = self._entries(heads)[order].tobytes()
+        numbers, starts, added = np.unique(heads["channel"][order], return_index=True, return_counts=True)
+        heads["sequence"][order] = np.arange(len(order)) + np.repeat(counts[numbers] - starts, added)
+        counts[numbers] += added
+        entries = np.split(self._entries(heads)[order], starts[1:])
         indexes = {
-            channel: _index(channel, entries[start * _ENTRY.itemsize : end * _ENTRY.itemsize])
-            for channel, start, end in zip(numbers.tolist(), starts.tolist(), ends.tolist(), strict=True)
+            channel: _index(channel, each) for channel, each in zip(numbers.tolist(), entries, strict=False)
         }
-        times = self._times or [0]
-        return Packed(self._joined(heads), indexes, min(times), max(times))
+        times = heads["log_time"] if len(heads) else np.zeros(1)
+        file.write(self._declared)
+        file.writelines(self._parts(heads))
+        return Contents(indexes, int(times.min()), int(times.max()))
 
     def _heads(self) -> np.ndarray:
         """What stands before the data of each message, but for the sequence number."""
@@ -94,7 +93,7 @@ class Chunk:
         heads["length"] = np.fromiter(map(len, self._data), np.uint64, len(self._data))
         heads["length"] += _HEAD.itemsize - _UNCOUNTED
         heads["channel"] = self._channels
-        heads["log_time"] = heads["publish_time"] = np.array(self._times, np.uint64)
+        heads["log_time"] = heads["publish_time"] = np.concatenate(self._times)
         return heads
 
     def _entries(self, heads: np.ndarray) -> np.ndarray:
@@ -105,15 +104,15 @@ class Chunk:
         entries["offset"] = len(self._declared) + np.cumsum(sizes) - sizes
         return entries
 
-    def _joined(self, heads: np.ndarray) -> bytes:
+    def _parts(self, heads: np.ndarray) -> list[bytes]:
         parts = [b""] * (2 * len(heads))
         parts[::2] = heads.view(f"V{_HEAD.itemsize}").tolist()
         parts[1::2] = self._data
-        return self._declared + b"".join(parts)
+        return parts
 
 
-def _index(channel: int, entries: bytes) -> bytes:
+def _index(channel: int, entries: np.ndarray) -> bytes:
     return (
-        _INDEX.pack(Opcode.MESSAGE_INDEX, _INDEX.size - _UNCOUNTED + len(entries), channel, len(entries))
-        + entries
+        _INDEX.pack(Opcode.MESSAGE_INDEX, _INDEX.size - _UNCOUNTED + entries.nbytes, channel, entries.nbytes)
+        + entries.tobytes()
     )

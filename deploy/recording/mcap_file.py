@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -31,7 +32,7 @@ from mcap.records import (
 from mcap.records import Chunk as ChunkRecord
 from mcap.writer import MCAP0_MAGIC
 
-from deploy.recording.chunk import Chunk, Packed
+from deploy.recording.chunk import Chunk, Times
 
 _CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
 _LEVEL = 1  # of compression, the fastest: for messages so much alike as small as the default
@@ -55,6 +56,9 @@ class McapFile:
         self._counts = np.zeros(_CHANNELS, np.int64)  # messages by channel, in closed chunks
         self._compressor = zstandard.ZstdCompressor(_LEVEL)
         self._chunk = Chunk()
+        self._records = (
+            BytesIO()
+        )  # of a chunk; the same memory for all, as to get it costs more than to fill it
         self._put(MCAP0_MAGIC + packed(Header("", library)))
 
     def schema(self, name: str, data: bytes) -> int:
@@ -72,9 +76,9 @@ class McapFile:
         self._chunk.declare(packed(record))
         return number
 
-    def messages(self, channels: Sequence[int], times: Sequence[int], data: Sequence[bytes]) -> None:
-        """Add messages, each with its channel's number and published and logged at its time, ns."""
-        self._chunk.add(channels, times, data)
+    def messages(self, channels: Sequence[int], times: Times, lines: bytes) -> None:
+        """See `Chunk.add`."""
+        self._chunk.add(channels, times, lines)
         if self._chunk.size > _CHUNK:
             self._close_chunk()
 
@@ -107,30 +111,33 @@ class McapFile:
     def _close_chunk(self) -> None:
         if not self._chunk.size:
             return
-        chunk, self._chunk = self._chunk.packed(self._counts), Chunk()
-        data = self._compressor.compress(chunk.records)
-        place, checksum = self._place, zlib.crc32(chunk.records)
-        self._put(packed(ChunkRecord("zstd", data, chunk.end, chunk.start, checksum, len(chunk.records))))
+        chunk, self._chunk = self._chunk, Chunk()
+        self._records.seek(0)
+        contents = chunk.write(self._records, self._counts)
+        with self._records.getbuffer()[: chunk.size] as records:
+            data, checksum = self._compressor.compress(records), zlib.crc32(records)
+        place = self._place
+        self._put(packed(ChunkRecord("zstd", data, contents.end, contents.start, checksum, chunk.size)))
         length = self._place - place
-        offsets = self._put_indexes(chunk)
+        offsets = self._put_indexes(contents.indexes)
         self._chunks.append(
             ChunkIndex(
                 chunk_length=length,
                 chunk_start_offset=place,
                 compression="zstd",
                 compressed_size=len(data),
-                message_end_time=chunk.end,
+                message_end_time=contents.end,
                 message_index_length=self._place - place - length,
                 message_index_offsets=offsets,
-                message_start_time=chunk.start,
-                uncompressed_size=len(chunk.records),
+                message_start_time=contents.start,
+                uncompressed_size=chunk.size,
             )
         )
 
-    def _put_indexes(self, chunk: Packed) -> dict[int, int]:
+    def _put_indexes(self, indexes: Mapping[int, bytes]) -> dict[int, int]:
         """Add the message indexes; returns where each channel's stands."""
         offsets = {}
-        for channel, index in chunk.indexes.items():
+        for channel, index in indexes.items():
             offsets[channel] = self._place
             self._put(index)
         return offsets

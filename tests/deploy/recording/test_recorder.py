@@ -17,7 +17,7 @@ from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.events import Sample
 from protocol.keys import everything, robot_key, world_key
-from protocol.messages import Command, Result
+from protocol.messages import Command, Health, Result
 from tests.deploy.recorded import scenario
 from tests.deploy.recording.fake_world import FakeWorld
 
@@ -57,6 +57,44 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
         "key": 1,
         "oversize": 1,
     }
+
+
+def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path):
+    file = RecordingFile(tmp_path / "x.mcap")
+    file.begin("r", scenario())
+    key = robot_key("r", 1, "command")
+    good = [Command(1, 1, tick, (0.1, float(tick))) for tick in range(2000)]
+    bad = encode(Command(1, 1, 0, (0.1, float("inf")))), encode(Command(2, 1, 0, (0.1, 0.2))), b"\x93"
+    batch = []
+    for command in good:
+        batch.append((key, encode(command)))
+        batch.append((key, bad[command.tick % 3]))
+    note = encode(Health(1, 1, 3, 0.0, 1, 1, {}, (), (), "null"))
+    batch.append((robot_key("r", 1, "health"), note))  # a word, and no number
+    file.write(batch)
+    file.finish(None)
+    found = read(tmp_path / "x.mcap")
+    assert found.commands[1] == good
+    assert [each.note for each in found.health[1]] == ["null"]
+    assert file.rejected == {"not-finite": 667, "identity": 667, "shape": 666}
+
+
+def test_a_tick_beyond_all_time_does_not_end_the_recording(tmp_path):
+    file = RecordingFile(tmp_path / "x.mcap")
+    file.begin("r", scenario())
+    file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 2**53, (0.1, 0.2))))])
+    file.finish(None)
+    assert read(tmp_path / "x.mcap").commands[1] == [Command(1, 1, 2**53, (0.1, 0.2))]
+
+
+def test_a_chunk_without_messages_is_whole(tmp_path):
+    file = RecordingFile(tmp_path / "x.mcap")
+    file.begin("r", scenario())
+    file.write([(robot_key("r", 1, "command"), b"\x93")])
+    file.flush()
+    file.finish(None)
+    found = read(tmp_path / "x.mcap")
+    assert (found.entries, found.cut) == ([], False)
 
 
 def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
