@@ -77,9 +77,12 @@ class Chunk:
         numbers, starts, added = np.unique(heads["channel"][order], return_index=True, return_counts=True)
         heads["sequence"][order] = np.arange(len(order)) + np.repeat(counts[numbers] - starts, added)
         counts[numbers] += added
-        entries = np.split(self._entries(heads)[order], starts[1:])
+        entries = self._entries(heads)[order].tobytes()
+        ends = np.cumsum(added) * _ENTRY.itemsize
+        begins = ends - added * _ENTRY.itemsize
         indexes = {
-            channel: _index(channel, each) for channel, each in zip(numbers.tolist(), entries, strict=False)
+            channel: _index(channel, entries[begin:end])
+            for channel, begin, end in zip(numbers.tolist(), begins.tolist(), ends.tolist(), strict=True)
         }
         times = heads["log_time"] if len(heads) else np.zeros(1)
         file.write(self._declared)
@@ -111,8 +114,6 @@ class Chunk:
         return parts
 
 
-def _index(channel: int, entries: np.ndarray) -> bytes:
-    return (
-        _INDEX.pack(Opcode.MESSAGE_INDEX, _INDEX.size - _UNCOUNTED + entries.nbytes, channel, entries.nbytes)
-        + entries.tobytes()
-    )
+def _index(channel: int, entries: bytes) -> bytes:
+    size = len(entries)
+    return _INDEX.pack(Opcode.MESSAGE_INDEX, _INDEX.size - _UNCOUNTED + size, channel, size) + entries
