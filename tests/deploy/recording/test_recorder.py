@@ -15,7 +15,6 @@ from deploy.recording.writer import RecordingFile
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
-from protocol.events import Sample
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
 from tests.deploy.recorded import scenario
@@ -108,7 +107,7 @@ def test_the_same_when_another_process_writes(tmp_path):
     here, beside = RecordingFile(tmp_path / "here.mcap"), FileBeside(tmp_path / "beside.mcap")
     for file in (here, beside):
         file.begin("r", scenario())
-        file.write([Sample(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
+        file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
         file.flush()
         file.finish('{"verdict": "arrived"}')
     assert (tmp_path / "here.mcap").read_bytes() == (tmp_path / "beside.mcap").read_bytes()
