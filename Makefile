@@ -9,7 +9,7 @@ INNER := $(addprefix protocol/,events.py codec.py drive.py bus_local.py bus_zeno
   pace.py deadlock.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
   lines/line.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/ledger.py) \
   $(addprefix world/,commands.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
-  outlet.py pacing.py node.py) $(addprefix deploy/recording/,channel.py writer.py)
+  outlet.py pacing.py node.py) $(addprefix deploy/recording/,mcap_file.py channel.py writer.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compile demo test fast check bench fuzz figures clean

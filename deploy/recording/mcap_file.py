@@ -56,9 +56,7 @@ class McapFile:
         self._counts = np.zeros(_CHANNELS, np.int64)  # messages by channel, in closed chunks
         self._compressor = zstandard.ZstdCompressor(_LEVEL)
         self._chunk = Chunk()
-        self._records = (
-            BytesIO()
-        )  # of a chunk; the same memory for all, as to get it costs more than to fill it
+        self._records = BytesIO()  # of a chunk; the same memory for all, for to get it costs most
         self._put(MCAP0_MAGIC + packed(Header("", library)))
 
     def schema(self, name: str, data: bytes) -> int:

@@ -91,9 +91,8 @@ class RecordingFile:
         lines = _JSON.encode_lines(
             [channel.form(message) for channel, message in zip(channels, messages, strict=True)]
         )
-        if _hold_null(
-            lines
-        ):  # what is no number in JSON; checking the others first costs as much as decoding
+        # What is no number is null in JSON; to look at every number first costs as much as decoding.
+        if _hold_null(lines):
             finite = list(map(self._is_finite, channels, messages))
             if not all(finite):
                 self._add(list(compress(channels, finite)), list(compress(messages, finite)))
