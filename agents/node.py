@@ -17,11 +17,12 @@ from agents.peer_state import PeerState
 from agents.robot import Robot
 from protocol import joining
 from protocol.bus import Bus
-from protocol.codec import check_finite, decode_unchecked, encode
+from protocol.codec import check_finite, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.events import Event, Presence, Sample
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.keys import every_robot, robot_key, world_key
 from protocol.messages import Health, Measurement, State
+from protocol.reader import reader
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
@@ -154,10 +155,10 @@ class RobotNode:
 
     def _on_sample(self, key: str, payload: bytes) -> None:
         try:
-            message = decode_unchecked(key, payload)
+            message = reader(key).read(payload)
             heard = PeerState(message) if isinstance(message, State) else None
             if heard is None or not isfinite(heard.total):
-                check_finite(parse(key).stream, message)
+                check_finite(reader(key).stream, message)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return

@@ -7,9 +7,11 @@ on the thread that owns the bus: a callback that computed would be starved by a 
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -39,6 +41,7 @@ _LINKED = "(rx:(worker_threads:4))"
 _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
 _CAPACITY = 1 << 16  # events that may wait; of more, the older half is dropped and counted
 
+_KEPT: set[int] = set()  # threads of zenoh that Python keeps
 _Arrived = zenoh.Sample | zenoh.Query | Presence
 
 
@@ -130,8 +133,10 @@ class ZenohBus:
         try:
             if waiting:  # the usual case, and the quicker call
                 arrived = self._queue.get_nowait()
+            elif timeout > 0.0:
+                arrived = self._queue.get(True, min(timeout, _LONGEST))
             else:
-                arrived = self._queue.get(timeout > 0.0, min(timeout, _LONGEST))
+                return None
         except Empty:
             return None
         if isinstance(arrived, zenoh.Sample):
@@ -173,7 +178,19 @@ class ZenohBus:
         self.dropped += _CAPACITY // 2
 
     def _presence(self, sample: zenoh.Sample) -> None:
+        _keep_thread_state()
         self._queue.put(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+
+
+def _keep_thread_state() -> None:
+    """Keep what Python knows of this thread of zenoh's: else it is made, and thrown away, for every sample.
+
+    To be called on that thread; it never gives back what it takes once.
+    """
+    thread = threading.get_native_id()
+    if thread not in _KEPT:
+        _KEPT.add(thread)
+        ctypes.pythonapi.PyGILState_Ensure()
 
 
 def _sample(arrived: zenoh.Sample) -> Sample:

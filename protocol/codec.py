@@ -6,17 +6,13 @@ numbers are right and it speaks under its own key; else MessageError names one o
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from math import isfinite
-from typing import Any
 
 import msgspec
 
-from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import parse
+from protocol.errors import MessageError
 from protocol.messages import (
-    VERSION,
     AnyMessage,
     Clock,
     Command,
@@ -25,14 +21,9 @@ from protocol.messages import (
     State,
     Truth,
 )
-from protocol.streams import STREAMS
+from protocol.reader import reader
 
 REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity")
-
-_READERS: dict[str, tuple[msgspec.msgpack.Decoder[Any], int]] = {
-    name: (msgspec.msgpack.Decoder(stream.message), stream.limit) for name, stream in STREAMS.items()
-}
-_TAG = re.compile(r"([a-z]+)/([0-9]+)")
 
 encode = msgspec.msgpack.encode
 
@@ -43,44 +34,9 @@ def decode(key: str, payload: bytes) -> AnyMessage:
     Raises:
         MessageError: with `reason` in `REASONS`.
     """
-    message = decode_unchecked(key, payload)
-    check_finite(parse(key).stream, message)
-    return message
-
-
-def decode_unchecked(key: str, payload: bytes) -> AnyMessage:
-    """See `decode`; but numbers may be infinite, or none. For who sees that later anyway."""
-    try:
-        address = parse(key)
-    except KeyGrammarError as error:
-        raise MessageError("key", str(error)) from None
-    return decode_numbers(address.stream, address.robot, payload)
-
-
-def decode_stream(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
-    """Decode a payload of `stream`; `robot` is the id in its key (None for the world's streams).
-
-    Raises:
-        MessageError: with `reason` in `REASONS`.
-    """
-    message = decode_numbers(stream, robot, payload)
-    check_finite(stream, message)
-    return message
-
-
-def decode_numbers(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
-    """See `decode_stream`; but numbers may be infinite, or none. For who sees that later anyway."""
-    if stream not in _READERS:
-        raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
-    decoder, limit = _READERS[stream]
-    if len(payload) > limit:
-        raise MessageError("oversize", f"{stream}: {len(payload)} bytes, at most {limit} are read")
-    try:
-        message: AnyMessage = decoder.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise _refusal(stream, payload, error) from None
-    if getattr(message, "robot", robot) != robot:
-        raise MessageError("identity", f"{stream}: names another robot than its key, which says {robot}")
+    of_key = reader(key)
+    message = of_key.read(payload)
+    check_finite(of_key.stream, message)
     return message
 
 
@@ -92,25 +48,6 @@ def check_finite(stream: str, message: AnyMessage) -> None:
     """
     if not _is_finite(message):
         raise MessageError("not-finite", f"{stream}: holds a number that is infinite or not a number")
-
-
-def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
-    """Say why a payload did not decode: of another version, another type, or of the wrong shape."""
-    try:
-        content = msgspec.msgpack.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-        return MessageError("shape", f"{stream}: not msgpack ({error})")
-    tag = content[0] if isinstance(content, list) and content else None
-    found = _TAG.fullmatch(tag) if isinstance(tag, str) else None
-    if found is None:
-        return MessageError(
-            "type", f"{stream}: does not begin with a type and version such as '{stream}/{VERSION}'"
-        )
-    if found[2] != str(VERSION):
-        return MessageError("version", f"{stream}: protocol version {found[2]}, this is version {VERSION}")
-    if found[1] != stream:
-        return MessageError("type", f"{stream}: holds a {found[1]}")
-    return MessageError("shape", f"{stream}: {error}")
 
 
 def _is_finite(message: AnyMessage) -> bool:

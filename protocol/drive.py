@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from protocol.bus import Bus, Node
 
+_TOGETHER = 64  # events that are handled before the clock is looked at again
 _SIGNALS = (signal.SIGTERM, signal.SIGINT)
 
 
@@ -77,5 +78,10 @@ def follow(node: Node, bus: Bus) -> None:
             node.wake(now)
             continue
         event = bus.receive(node.deadline - now)
-        if event is not None:
+        handled = 0
+        while event is not None:
             node.handle(event)
+            handled += 1
+            if handled == _TOGETHER or node.finished:
+                break
+            event = bus.receive(0.0)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import msgspec
-
 from deploy.recording.form import to_object
-from protocol.codec import decode_numbers
 from protocol.keys import Address
+from protocol.reader import Reader
 from protocol.streams import STREAMS
 
 
@@ -17,29 +13,11 @@ class Channel:
 
     Attributes:
         number: of the channel in the file.
+        read: makes a message of a payload, see `Reader`.
         form: turns a message into what JSON writes.
     """
 
     def __init__(self, address: Address, number: int) -> None:
-        stream = STREAMS[address.stream]
-        self.stream, self.robot, self.number = address.stream, address.robot, number
-        self.form = to_object(stream.message)
-        self._decode = msgspec.msgpack.Decoder(stream.message).decode
-        self._limit = stream.limit
-        self._speaker = "robot" in stream.message.__struct_fields__
-
-    def read(self, payload: bytes) -> Any:
-        """The message that `payload` is; its numbers may be infinite, or none.
-
-        Raises:
-            MessageError: it is none, or another robot's.
-        """
-        if len(payload) <= self._limit:
-            try:
-                message: Any = self._decode(payload)
-            except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-                pass
-            else:
-                if not self._speaker or message.robot == self.robot:
-                    return message
-        return decode_numbers(self.stream, self.robot, payload)  # which says what is wrong
+        self.stream, self.number = address.stream, number
+        self.read = Reader(address.stream, address.robot).read
+        self.form = to_object(STREAMS[address.stream].message)

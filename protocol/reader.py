@@ -1,0 +1,103 @@
+"""What arrives under one key: a payload is untrusted until its size, version, type and shape are right,
+and it speaks under its own key. What the key says is settled once."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, final
+
+import msgspec
+
+from protocol.errors import KeyGrammarError, MessageError
+from protocol.keys import parse
+from protocol.messages import VERSION, AnyMessage
+from protocol.streams import STREAMS
+
+_TAG = re.compile(r"([a-z]+)/([0-9]+)")
+_MOST = 1 << 14  # keys that are remembered
+_DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+
+
+@final
+class Reader:
+    """Decodes the payloads of one key.
+
+    Args:
+        stream: its last chunk.
+        robot: the id in it, None in the world's.
+
+    Raises:
+        MessageError: nothing is published under such keys.
+    """
+
+    __slots__ = ("_decode", "_limit", "_speaks", "robot", "stream")
+
+    def __init__(self, stream: str, robot: int | None) -> None:
+        declared = STREAMS.get(stream)
+        if declared is None:
+            raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
+        self.stream, self.robot = stream, robot
+        self._decode: Any = msgspec.msgpack.Decoder(declared.message).decode
+        self._limit = declared.limit
+        self._speaks = "robot" in declared.message.__struct_fields__
+
+    def read(self, payload: bytes) -> AnyMessage:
+        """The message that `payload` is; its numbers may be infinite, or none.
+
+        Raises:
+            MessageError: it is none, or another robot's.
+        """
+        if len(payload) > self._limit:
+            raise MessageError(
+                "oversize", f"{self.stream}: {len(payload)} bytes, at most {self._limit} are read"
+            )
+        try:
+            message: Any = self._decode(payload)
+        except _DAMAGED as error:
+            raise _refusal(self.stream, payload, error) from None
+        if self._speaks and message.robot != self.robot:
+            raise MessageError(
+                "identity", f"{self.stream}: names another robot than its key, which says {self.robot}"
+            )
+        read: AnyMessage = message
+        return read
+
+
+_readers: dict[str, Reader] = {}
+
+
+def reader(key: str) -> Reader:
+    """The reader of a key.
+
+    Raises:
+        MessageError: it is none of this protocol, or nothing is published under it.
+    """
+    known = _readers.get(key)
+    if known is None:
+        try:
+            address = parse(key)
+        except KeyGrammarError as error:
+            raise MessageError("key", str(error)) from None
+        if len(_readers) >= _MOST:
+            _readers.clear()
+        known = _readers[key] = Reader(address.stream, address.robot)
+    return known
+
+
+def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
+    """Say why a payload did not decode: of another version, another type, or of the wrong shape."""
+    try:
+        content = msgspec.msgpack.decode(payload)
+    except _DAMAGED:
+        return MessageError("shape", f"{stream}: not msgpack ({error})")
+    tag = content[0] if isinstance(content, list) and content else None
+    found = _TAG.fullmatch(tag) if isinstance(tag, str) else None
+    if found is None:
+        return MessageError(
+            "type", f"{stream}: does not begin with a type and version such as '{stream}/{VERSION}'"
+        )
+    if found[2] != str(VERSION):
+        return MessageError("version", f"{stream}: protocol version {found[2]}, this is version {VERSION}")
+    if found[1] != stream:
+        return MessageError("type", f"{stream}: holds a {found[1]}")
+    return MessageError("shape", f"{stream}: {error}")
