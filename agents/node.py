@@ -156,7 +156,7 @@ class RobotNode:
     def _on_sample(self, key: str, payload: bytes) -> None:
         try:
             message = reader(key).read(payload)
-            heard = PeerState(message) if isinstance(message, State) else None
+            heard = PeerState(message, self._robot) if isinstance(message, State) else None
             if heard is None or not isfinite(heard.total):
                 check_finite(reader(key).stream, message)
         except MessageError as error:

@@ -60,7 +60,6 @@ class Ledger:
         starts: Mapping[int, tuple[float, float]] | None = None,
         first_lives: Mapping[int, int] = _NOBODY,
     ) -> None:
-        self._robot = robot
         self._radius = radii[robot]
         self._period, self._reach = period, speed * period
         self._bonds = {
@@ -174,19 +173,16 @@ class Ledger:
     def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
         life = state.incarnation
         for answer in state.answers:
-            if answer.peer == self._robot and end.hear(
-                life, answer.peer_incarnation, answer.held, answer.seen
-            ):
+            if end.hear(life, answer.peer_incarnation, answer.held, answer.seen):
                 bond.renew()
 
     def _hear_proposals(self, bond: Bond, end: Follower, state: PeerState) -> None:
         life = state.incarnation
         for offer in state.proposals:
-            if offer.peer == self._robot:
-                bond.answers_left = ANSWER_TICKS
-                line = Line(offer.nx, offer.ny, offer.offset)
-                if end.hear(life, offer.peer_incarnation, offer.number, line, self._follower_fits):
-                    bond.renew()
+            bond.answers_left = ANSWER_TICKS
+            line = Line(offer.nx, offer.ny, offer.offset)
+            if end.hear(life, offer.peer_incarnation, offer.number, line, self._follower_fits):
+                bond.renew()
 
     def _follower_fits(self, line: Line) -> bool:
         return self._fits(line, owner=False)

@@ -9,6 +9,7 @@ import numpy as np
 from agents.link import Link
 from agents.peer_state import PeerState
 from deploy.recording.reader import Recording
+from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
 
 
@@ -38,10 +39,10 @@ class Heard:
         self._sent = 0
         self._ids = recording.scenario.ids
         self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
-        self._said: dict[int, list[PeerState]] = defaultdict(list)
+        self._said: dict[int, list[State]] = defaultdict(list)
         for states in recording.states.values():
             for state in states:
-                self._said[state.tick].append(PeerState(state))
+                self._said[state.tick].append(state)
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
         """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
@@ -55,10 +56,10 @@ class Heard:
             for robot, link in self._links.items():
                 for state in self._said[tick]:
                     if state.robot != robot:
-                        link.put(state)
+                        link.put(PeerState(state, robot))
                         self._sent += 1
-                for state in link.take(tick):
-                    newest[robot][state.robot] = max(state.tick, newest[robot].get(state.robot, -1))
+                for heard in link.take(tick):
+                    newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
             rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
         return np.array(ticks), np.array(rows, dtype=float) * self._step
 

@@ -39,7 +39,7 @@ def run(scenario: Scenario) -> dict[str, Any]:
 def heard(x: float, y: float, velocity: tuple[float, float] = STILL, tick: int = 0) -> Neighbours:
     """Robot 2 as robot 1 last heard it."""
     known = Neighbours((2,))
-    known.hear(PeerState(State(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, (), ())))
+    known.hear(PeerState(State(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, (), ()), 1))
     return known
 
 

@@ -16,7 +16,7 @@ SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
 
 def state(robot: int, tick: int) -> PeerState:
-    return PeerState(State(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
+    return PeerState(State(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)), 1)
 
 
 def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:

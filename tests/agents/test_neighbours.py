@@ -6,7 +6,7 @@ from protocol.messages import Down, State
 
 
 def state(robot: int, incarnation: int, tick: int) -> PeerState:
-    return PeerState(State(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
+    return PeerState(State(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)), 1)
 
 
 def test_only_news_is_taken_over() -> None:

@@ -61,7 +61,7 @@ class Fleet:
     def _tell(self, own: int, robot: Robot) -> None:
         for peer, state in self.states.items():
             if peer != own:
-                robot.hear(PeerState(state))
+                robot.hear(PeerState(state, own))
 
     def robot_tick(self) -> Callable[[], Command]:
         """A function that is robot 1's next tick, with all others' States as they are."""
@@ -76,7 +76,7 @@ class Fleet:
                 Measurement(1, mine.incarnation, ahead[0], mine.position, ahead[0], (0.0, 0.0), active)
             )
             for state in peers:
-                robot.hear(PeerState(_at(state, ahead[0])))
+                robot.hear(PeerState(_at(state, ahead[0]), 1))
             return robot.command()
 
         return step
@@ -174,7 +174,7 @@ def _filter(fleet: Fleet) -> Callable[[], object]:
         spoken = ledger.speak(desired)
         for i, state in states.items():
             if i != 1:
-                ledger.hear(PeerState(_at(state, tick[0])))
+                ledger.hear(PeerState(_at(state, tick[0]), 1))
         planes = ledger.half_planes() if ledger.ready else []
         room = edge - radii[1]
         return spoken, safe_velocity(desired, own, planes, workspace=room, speed=speed, period=period)

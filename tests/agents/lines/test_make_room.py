@@ -15,7 +15,7 @@ def robot(identity: int, life: int = 1) -> Ledger:
 
 
 def said(identity: int, life: int, tick: int, x: float, bound: float, *proposals: Proposal) -> PeerState:
-    return PeerState(State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ()))
+    return PeerState(State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ()), 2)
 
 
 def test_no_room_is_asked_of_a_peer_that_is_far_enough() -> None:
