@@ -15,6 +15,9 @@ from protocol.streams import STREAMS
 
 _TAG = re.compile(r"([a-z]+)/([0-9]+)")
 _MOST = 1 << 14  # keys that are remembered
+_DECODE: dict[str, Any] = {
+    name: msgspec.msgpack.Decoder(stream.message).decode for name, stream in STREAMS.items()
+}
 _DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 
 
@@ -37,7 +40,7 @@ class Reader:
         if declared is None:
             raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
         self.stream, self.robot = stream, robot
-        self._decode: Any = msgspec.msgpack.Decoder(declared.message).decode
+        self._decode = _DECODE[stream]
         self._limit = declared.limit
         self._speaks = "robot" in declared.message.__struct_fields__
 
