@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 import psutil
 
-_REST = 49.0  # of the time a sample takes: the fleet shall not notice that it is looked at
 QUANTITIES = ("private_mb", "resident_mb", "handles", "threads")
 
 
@@ -25,6 +24,7 @@ class Samples:
     """
 
     period: float  # s between samples, at least
+    rest: float = 49.0  # times what a sample takes: the fleet shall not notice that it is looked at
     of: dict[str, dict[str, array[float]]] = field(default_factory=dict)
     _began: float = field(default_factory=time.monotonic)
     _due: float = 0.0
@@ -43,7 +43,7 @@ class Samples:
             except psutil.Error:
                 continue
         done = time.monotonic()
-        self._due = max(now + self.period, done + _REST * (done - now))
+        self._due = max(now + self.period, done + self.rest * (done - now))
 
     def _sample(self, name: str, process: psutil.Process, now: float) -> None:
         memory = process.memory_full_info()

@@ -44,7 +44,7 @@ def test_too_few_samples_say_nothing() -> None:
 
 
 def test_samples_of_this_process_and_of_one_that_is_gone() -> None:
-    samples = Samples(0.0)
+    samples = Samples(0.0, rest=0.0)
     samples.take({"here": os.getpid(), "gone": 2**22 + 1})
     samples.take({"here": os.getpid()})
     assert samples.of.keys() == {"here"}
