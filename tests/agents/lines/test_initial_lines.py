@@ -1,0 +1,86 @@
+"""Lines that both know from the start positions: held without a word, and renewed a few at a time."""
+
+import math
+
+from agents.lines.ledger import RENEWALS, Ledger
+from agents.peer_state import PeerState
+from protocol.messages import Answer, Proposal, State
+
+ROBOTS = 16
+RADII = dict.fromkeys(range(1, ROBOTS + 1), 0.02)
+STARTS = {
+    i: (0.8 * math.cos(math.tau * i / ROBOTS), 0.8 * math.sin(math.tau * i / ROBOTS)) for i in RADII
+}  # far apart
+LIVES = dict.fromkeys(RADII, 7)
+DESIRED = (0.05, 0.02)
+
+
+def ledger(robot: int) -> Ledger:
+    made = Ledger(robot, 7, RADII, speed=0.1, period=0.05, starts=STARTS, first_lives=LIVES)
+    made.locate(0, STARTS[robot], 0.0)
+    return made
+
+
+def tell(
+    listener: Ledger,
+    own: int,
+    speaker: int,
+    tick: int,
+    proposals: tuple[Proposal, ...] = (),
+    answers: tuple[Answer, ...] = (),
+) -> None:
+    state = State(speaker, 7, tick, STARTS[speaker], 0.0, 0.0, 0.0, DESIRED, proposals, answers)
+    listener.hear(PeerState(state, own))
+
+
+def test_all_are_ready_before_a_word_is_said() -> None:
+    assert all(ledger(robot).ready for robot in RADII)
+
+
+def test_an_owner_renews_a_few_a_tick_until_all_are_renewed_once() -> None:
+    owner = ledger(1)
+    followers = {peer: ledger(peer) for peer in RADII if peer != 1}
+    proposed: list[int] = []
+    for tick in range(8):
+        owner.locate(tick, STARTS[1], 0.0)
+        for peer, follower in followers.items():
+            _, answers = follower.speak(DESIRED)
+            tell(owner, 1, peer, tick, answers=answers)
+        proposals, _ = owner.speak(DESIRED)
+        new = [each.peer for each in proposals if each.peer not in proposed]
+        assert len(new) <= RENEWALS
+        proposed += new
+        for peer, follower in followers.items():
+            tell(follower, peer, 1, tick, proposals)
+    assert sorted(proposed) == sorted(followers)
+    assert owner.speak(DESIRED) == ((), ())
+    assert owner.ready
+
+
+def test_the_lines_of_the_two_ends_are_the_same_from_the_start() -> None:
+    (mine,) = (side for side in ledger(1).sides() if side[0] == 2)
+    (theirs,) = (side for side in ledger(2).sides() if side[0] == 1)
+    assert mine[1:] == (-theirs[1], -theirs[2], -theirs[3])
+    owner = ledger(1)
+    tell(owner, 1, 2, 0)
+    assert mine in owner.sides()
+
+
+def test_a_state_is_kept_without_what_it_says_to_others() -> None:
+    said = State(
+        1,
+        7,
+        3,
+        (0.1, 0.2),
+        0.0,
+        1.0,
+        2.0,
+        DESIRED,
+        (Proposal(2, 7, 1, 1.0, 0.0, 0.0), Proposal(3, 7, 1, 0.0, 1.0, math.inf)),
+        (Answer(4, 7, 1, 1), Answer(2, 7, 0, 0)),
+    )
+    heard = PeerState(said, 2)
+    assert heard.proposals == said.proposals[:1]
+    assert heard.answers == said.answers[1:]
+    assert math.isfinite(heard.total)
+    assert not math.isfinite(PeerState(said, 3).total)
