@@ -24,8 +24,8 @@ class Samples:
     """
 
     period: float  # s between samples, at least
-    rest: float = 49.0  # times what a sample takes: the fleet shall not notice that it is looked at
     of: dict[str, dict[str, array[float]]] = field(default_factory=dict)
+    rest: float = 49.0  # times what a sample takes: the fleet shall not notice that it is looked at
     _began: float = field(default_factory=time.monotonic)
     _due: float = 0.0
     _known: dict[int, psutil.Process] = field(default_factory=dict)
