@@ -66,7 +66,8 @@ class Bond:
         return (*self.sides, self.disk.half_plane)
 
     def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
-        """How far to back off, m, so that a line fits between this robot and a peer's new life.
+        """How far to back off, m, so that a line fits between this robot and a peer's new life; to be
+        asked while there is none.
 
         A line needs room for both error bounds. A life that has just begun may know its place less well
         than the one before it, and cannot move until it has a line with everybody.
@@ -75,7 +76,7 @@ class Bond:
             x, y, bound: own position, m, and its error bound, m.
         """
         state = self.state
-        if not self.anew or self.end.linked or state is None or not state.placed:
+        if state is None or not state.placed:
             return 0.0, 0.0
         dx, dy = x - state.x, y - state.y
         distance = math.hypot(dx, dy)
