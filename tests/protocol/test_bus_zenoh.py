@@ -282,10 +282,14 @@ class Node:
 
 
 def test_driving_ends_with_the_node(connect: Connect) -> None:
-    bus = connect()
-    node = Node(1, deadline=time.monotonic())
+    class Announced(Node):
+        def wake(self, now: float) -> None:
+            super().wake(now)
+            other.announce(ALIVE)
+
+    bus, other = connect(), connect()
     bus.watch(ALIVE)
-    connect().announce(ALIVE)
+    node = Announced(1, deadline=time.monotonic())
     drive(node, bus)
     assert (node.left, node.woken) == (0, 1)
     assert bus._session.is_closed()
