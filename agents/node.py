@@ -11,18 +11,18 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable
-from math import inf, isfinite
+from math import inf
 
+from agents.peer_reader import PeerReader
 from agents.peer_state import PeerState
 from agents.robot import Robot
 from protocol import joining
 from protocol.bus import Bus
-from protocol.codec import check_finite, encode
+from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.events import Event, Presence, Sample
 from protocol.keys import every_robot, robot_key, world_key
 from protocol.messages import Health, Measurement, State
-from protocol.reader import reader
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
@@ -67,6 +67,7 @@ class RobotNode:
         self._declared = self._over = False
         self._refused = 0
         self._rejected: Counter[str] = Counter()
+        self._peers: dict[str, PeerReader] = {}  # by the key of the State
         self._published = self._received = 0
         self._heard_world = self._reported = time.monotonic()
         self.deadline = self._heard_world
@@ -110,6 +111,11 @@ class RobotNode:
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
+        self._peers = {
+            robot_key(self._run, spec.id, "state"): PeerReader(self._robot, spec.id, spec.radius)
+            for spec in admission.scenario.robots
+            if spec.id != self._robot
+        }
         self._lockstep, self._oldest = admission.lockstep, admission.oldest
         self._refused = self._published = self._received = 0
         self._rejected.clear()
@@ -155,10 +161,9 @@ class RobotNode:
 
     def _on_sample(self, key: str, payload: bytes) -> None:
         try:
-            message = reader(key).read(payload)
-            heard = PeerState(message, self._robot) if isinstance(message, State) else None
-            if heard is None or not isfinite(heard.total):
-                check_finite(reader(key).stream, message)
+            peer = self._peers.get(key)
+            heard = None if peer is None else peer.read(payload)
+            message = decode(key, payload) if peer is None else None
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -170,13 +175,14 @@ class RobotNode:
             self._on_state(core, heard)
         elif isinstance(message, Measurement):
             self._on_measurement(core, message)
+        elif isinstance(message, State):
+            self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_state(self, core: Robot, state: PeerState) -> None:
         if state.incarnation < self._oldest.get(state.robot, 0):
             return  # of an earlier turn
-        if not core.hear(state):
-            self._rejected["identity"] += 1
-        elif not self._commanded and core.complete:
+        core.hear(state)
+        if not self._commanded and core.complete:
             self._command()
 
     def _on_measurement(self, core: Robot, measurement: Measurement) -> None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import final
 
-from protocol.messages import State
+from agents.slice import Peer
+from protocol.messages import Answer, Proposal, State
 
 Vector = tuple[float, float]
 
 
 @final
-class PeerState:
-    """See `protocol.messages.State` for the fields.
+class PeerState(Peer):
+    """What a State says to one of those who hear it; see `protocol.messages.State` for the arguments.
 
     Args:
-        state: the peer's.
-        robot: own id; what the State says of other pairs is left out.
+        radius: the peer's, m.
 
     Attributes:
         placed: whether the peer knows where it is.
@@ -26,7 +26,6 @@ class PeerState:
     __slots__ = (
         "answers",
         "bound",
-        "gamma",
         "incarnation",
         "placed",
         "proposals",
@@ -35,19 +34,29 @@ class PeerState:
         "tick",
         "vx",
         "vy",
-        "x",
-        "y",
     )
 
-    def __init__(self, state: State, robot: int) -> None:
-        self.robot, self.incarnation, self.tick = state.robot, state.incarnation, state.tick
-        position = state.position
+    def __init__(
+        self,
+        robot: int,
+        incarnation: int,
+        tick: int,
+        position: Vector | None,
+        bound: float,
+        gamma: float,
+        slice_norm: float,
+        desired: Vector,
+        *,
+        radius: float,
+        proposals: tuple[Proposal, ...] = (),
+        answers: tuple[Answer, ...] = (),
+    ) -> None:
+        self.robot, self.incarnation, self.tick = robot, incarnation, tick
         self.placed = position is not None
         self.x, self.y = (0.0, 0.0) if position is None else position
-        self.bound, self.gamma, self.slice = state.bound, state.gamma, state.slice
-        self.vx, self.vy = state.desired
-        self.proposals = tuple([each for each in state.proposals if each.peer == robot])
-        self.answers = tuple([each for each in state.answers if each.peer == robot])
+        self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
+        self.vx, self.vy = desired
+        self.proposals, self.answers = proposals, answers
 
     @property
     def position(self) -> Vector | None:
@@ -66,3 +75,20 @@ class PeerState:
         for line in self.proposals:
             total += line.nx + line.ny + line.offset
         return total
+
+
+def said_to(robot: int, state: State, radius: float) -> PeerState:
+    """What `state` says to `robot`, without lines of other pairs; `radius` (m) is the speaker's."""
+    return PeerState(
+        state.robot,
+        state.incarnation,
+        state.tick,
+        state.position,
+        state.bound,
+        state.gamma,
+        state.slice,
+        state.desired,
+        radius=radius,
+        proposals=tuple([each for each in state.proposals if each.peer == robot]),
+        answers=tuple([each for each in state.answers if each.peer == robot]),
+    )

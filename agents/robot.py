@@ -60,7 +60,7 @@ class Robot:
             first_lives=first_lives,
         )
         self._awaited: set[int] = set()
-        self._arrived: dict[int, int] = {}
+        self._arrived = dict.fromkeys(self._radii, -1)  # newest tick, by peer
         self._desired = self._moved = STILL
 
     # -- phase 1
@@ -112,10 +112,11 @@ class Robot:
     def hear(self, state: PeerState) -> bool:
         """A peer's State has arrived; False if it is no peer of this run."""
         robot, tick = state.robot, state.tick
-        if not self._neighbours.knows(robot):
+        last = self._arrived.get(robot)
+        if last is None:
             return False
         self._link.put(state)
-        if tick > self._arrived.get(robot, -1):
+        if tick > last:
             self._arrived[robot] = tick
         if tick >= self.tick:
             self._awaited.discard(robot)
@@ -171,7 +172,7 @@ class Robot:
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
-        heard = tuple((peer, state.tick) for peer, state in sorted(self._neighbours.states.items()))
+        heard = tuple(sorted((state.robot, state.tick) for state in self._neighbours.heard()))
         position, bound = self._estimate.position, self._estimate.bound
         lines = self._lines.sides() if self._filtered else ()
         return Health(

@@ -13,15 +13,15 @@ Plain floats: below about 40 peers a loop beats numpy several times, and at 200 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import final
 
 # 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
 # per metre of radius, and along its tangent from there on (see `Slice`).
 CONTACT = 1e-9
+_LIMIT = 1.0 + CONTACT
 
 
-@final
 class Peer:
     """A disk as a robot knows it: centre and radius in m, gamma_j = |b_j - g_j|^2 in m^2 (0 if fixed)."""
 
@@ -40,17 +40,6 @@ class Gradient:
     def __init__(self, dx: float, dy: float, xx: float, xy: float, yx: float, yy: float) -> None:
         self.dx, self.dy = dx, dy
         self.xx, self.xy, self.yx, self.yy = xx, xy, yx, yy
-
-
-@final
-class _Disk:
-    """A peer's centre (m), and the squared distances (m^2) of contact and of where 1/beta is continued."""
-
-    __slots__ = ("contact", "limit", "x", "y")
-
-    def __init__(self, x: float, y: float, contact: float) -> None:
-        self.x, self.y = x, y
-        self.contact, self.limit = contact, contact * (1.0 + CONTACT)
 
 
 class Slice:
@@ -72,7 +61,7 @@ class Slice:
         goal: as given.
     """
 
-    __slots__ = ("_disks", "_edge", "_inverse_k", "_others", "goal")
+    __slots__ = ("_edge", "_inverse_k", "_others", "_peers", "_radius", "goal")
 
     def __init__(
         self,
@@ -80,18 +69,17 @@ class Slice:
         radius: float,
         workspace: float,
         k: float,
-        peers: Iterable[Peer],
+        peers: Sequence[Peer],
     ) -> None:
         self.goal = goal
+        self._radius = radius
         self._inverse_k = 1.0 / k
         self._edge = (workspace - radius) ** 2
+        self._peers = peers
         others = 0.0
-        disks = []
         for peer in peers:
             others += peer.gamma
-            disks.append(_Disk(peer.x, peer.y, (radius + peer.radius) ** 2))
         self._others = others
-        self._disks = disks
 
     def gamma(self, x: float, y: float) -> float:
         """gamma = sum of all squared distances to the goals, m^2, with this robot at (x, y)."""
@@ -100,14 +88,16 @@ class Slice:
     def __call__(self, x: float, y: float) -> tuple[float, float]:
         """D_i at (x, y), m. The law is u_i = -D_i up to a positive scale."""
         log_x = log_y = 0.0  # half the gradient of log beta
-        for disk in self._disks:
-            ax = x - disk.x
-            ay = y - disk.y
+        for peer in self._peers:
+            ax = x - peer.x
+            ay = y - peer.y
+            reach = self._radius + peer.radius
+            contact = reach * reach
             square = ax * ax + ay * ay
-            if square > disk.limit:
-                inverse = 1.0 / (square - disk.contact)
+            if square > contact * _LIMIT:
+                inverse = 1.0 / (square - contact)
             else:
-                inverse, _ = _beyond(square - disk.contact, disk.limit - disk.contact)
+                inverse, _ = _beyond(square - contact, contact * _LIMIT - contact)
             log_x += ax * inverse
             log_y += ay * inverse
         inverse = self._edge_inverse(x, y)[0]
@@ -121,15 +111,17 @@ class Slice:
     def gradient(self, x: float, y: float) -> Gradient:
         """D_i and its Jacobian at (x, y), in one pass."""
         log_x = log_y = trace = xx = xy = yy = 0.0  # second derivatives of half log beta
-        for disk in self._disks:
-            ax = x - disk.x
-            ay = y - disk.y
+        for peer in self._peers:
+            ax = x - peer.x
+            ay = y - peer.y
+            reach = self._radius + peer.radius
+            contact = reach * reach
             square = ax * ax + ay * ay
-            if square > disk.limit:
-                inverse = 1.0 / (square - disk.contact)
+            if square > contact * _LIMIT:
+                inverse = 1.0 / (square - contact)
                 slope = -2.0 * inverse * inverse
             else:
-                inverse, slope = _beyond(square - disk.contact, disk.limit - disk.contact)
+                inverse, slope = _beyond(square - contact, contact * _LIMIT - contact)
                 slope *= 2.0
             log_x += ax * inverse
             log_y += ay * inverse

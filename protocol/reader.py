@@ -18,7 +18,8 @@ _MOST = 1 << 14  # keys that are remembered
 _DECODE: dict[str, Any] = {
     name: msgspec.msgpack.Decoder(stream.message).decode for name, stream in STREAMS.items()
 }
-_DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+# What decoding may raise.
+DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 
 
 @final
@@ -29,11 +30,14 @@ class Reader:
         stream: its last chunk.
         robot: the id in it, None in the world's.
 
+    Attributes:
+        limit: bytes of a payload that are read at most.
+
     Raises:
         MessageError: nothing is published under such keys.
     """
 
-    __slots__ = ("_decode", "_limit", "_speaks", "robot", "stream")
+    __slots__ = ("_decode", "_speaks", "limit", "robot", "stream")
 
     def __init__(self, stream: str, robot: int | None) -> None:
         declared = STREAMS.get(stream)
@@ -41,7 +45,7 @@ class Reader:
             raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
         self.stream, self.robot = stream, robot
         self._decode = _DECODE[stream]
-        self._limit = declared.limit
+        self.limit = declared.limit
         self._speaks = "robot" in declared.message.__struct_fields__
 
     def read(self, payload: bytes) -> AnyMessage:
@@ -50,13 +54,13 @@ class Reader:
         Raises:
             MessageError: it is none, or another robot's.
         """
-        if len(payload) > self._limit:
+        if len(payload) > self.limit:
             raise MessageError(
-                "oversize", f"{self.stream}: {len(payload)} bytes, at most {self._limit} are read"
+                "oversize", f"{self.stream}: {len(payload)} bytes, at most {self.limit} are read"
             )
         try:
             message: Any = self._decode(payload)
-        except _DAMAGED as error:
+        except DAMAGED as error:
             raise _refusal(self.stream, payload, error) from None
         if self._speaks and message.robot != self.robot:
             raise MessageError(
@@ -91,7 +95,7 @@ def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
     """Say why a payload did not decode: of another version, another type, or of the wrong shape."""
     try:
         content = msgspec.msgpack.decode(payload)
-    except _DAMAGED:
+    except DAMAGED:
         return MessageError("shape", f"{stream}: not msgpack ({error})")
     tag = content[0] if isinstance(content, list) and content else None
     found = _TAG.fullmatch(tag) if isinstance(tag, str) else None

@@ -71,8 +71,9 @@ class BarrierLaw:
             if place is None:
                 continue
             apart, share = own - np.array(place), 1.0
-            if peer not in neighbours.down:
-                state, share = neighbours.states[peer], 0.5
+            state = None if peer in neighbours.down else neighbours.state(peer)
+            if state is not None:
+                share = 0.5
                 apart -= (tick - state.tick) * self._period * np.array(state.desired)
             rows.append(-apart)
             limits.append(0.5 * share * self._gain * (float(apart @ apart) - (radius + self._radius) ** 2))

@@ -22,7 +22,6 @@ class GradientLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._goal, self._radius = spec.goal, spec.radius
-        self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
         self._workspace, self._k = scenario.workspace.radius, scenario.gain
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
@@ -34,7 +33,7 @@ class GradientLaw:
 
     def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:
         """See `agents.laws.law.Law`."""
-        peers = self._peers(neighbours)
+        peers = neighbours.disks()
         field = self._slice = Slice(self._goal, self._radius, self._workspace, self._k, peers)
         begin = field.gradient(*position)
         moving = neighbours.moving()
@@ -54,19 +53,6 @@ class GradientLaw:
 
     def _follow(self, flow: Flow, position: Vector, begin: Gradient) -> Vector:
         return desired_velocity(flow, position, period=self._period, speed=self._speed, begin=begin)
-
-    def _peers(self, neighbours: Neighbours) -> list[Peer]:
-        states, down = neighbours.states, neighbours.down
-        peers = []
-        for peer, radius in self._radii.items():
-            if peer in down:
-                # An obstacle: that it never arrives must not keep the others off their goals.
-                peers.append(Peer(*down[peer].position, radius, 0.0))
-            elif peer in states:
-                state = states[peer]
-                if state.placed:
-                    peers.append(Peer(state.x, state.y, radius, state.gamma))
-        return peers
 
     def _scale(self, slice_norm: float, position: Vector, moving: Sequence[PeerState]) -> float:
         if not self._common:

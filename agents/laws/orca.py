@@ -70,8 +70,8 @@ class OrcaLaw:
             self._simulator.set_agent_radius(agent, self._radii[peer])
             self._simulator.set_agent_max_neighbors(agent, 0)  # what a peer will do is not asked
         vx, vy = 0.0, 0.0
-        if peer not in neighbours.down:
-            state = neighbours.states[peer]
+        state = None if peer in neighbours.down else neighbours.state(peer)
+        if state is not None:
             vx, vy = state.desired
             age = (tick - state.tick) * self._period
             place = (place[0] + age * vx, place[1] + age * vy)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import final
 
 from agents.lines.fixed_disk import FixedDisk
 from agents.lines.line import HalfPlane, Line
@@ -12,10 +13,12 @@ from agents.peer_state import PeerState
 _ROOM = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
 
 
+@final
 class Bond:
     """What binds this robot to one peer.
 
     Args:
+        peer: its id.
         life: own incarnation.
         owns: whether this robot has the lower id.
         own_radius, radius: of this robot and of the peer, m.
@@ -31,10 +34,22 @@ class Bond:
         anew: whether the peer is not in the first life that was known of it.
     """
 
-    __slots__ = ("anew", "answers_left", "disk", "end", "own_radius", "owns", "radius", "sides", "state")
+    __slots__ = (
+        "anew",
+        "answers_left",
+        "disk",
+        "end",
+        "own_radius",
+        "owns",
+        "peer",
+        "radius",
+        "sides",
+        "state",
+    )
 
     def __init__(
         self,
+        peer: int,
         life: int,
         *,
         owns: bool,
@@ -43,7 +58,7 @@ class Bond:
         initial: Line | None,
         peer_life: int = 0,
     ) -> None:
-        self.owns = owns
+        self.peer, self.owns = peer, owns
         self.own_radius, self.radius = own_radius, radius
         self.end: Owner | Follower = (Owner if owns else Follower)(life, initial, peer_life)
         self.state: PeerState | None = None

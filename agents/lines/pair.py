@@ -23,10 +23,12 @@ never had a line in this life stands still. It asks nothing of delay, order or d
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import final
 
 from agents.lines.line import Line
 
 
+@final
 class Owner:
     """The end with the lower id, in one life (incarnation) of its robot.
 
@@ -105,6 +107,7 @@ class Owner:
         self.peer_life, self.met = peer_life, False
 
 
+@final
 class Follower:
     """The end with the higher id, in one life (incarnation) of its robot; arguments as of `Owner`."""
 

@@ -83,14 +83,18 @@ def _closest(one: Disk, other: Disk, time: float) -> Span:
             point = (px + s * ux, py + s * uy)
             return point, point
     uu, vv = ux * ux + uy * uy, vx * vx + vy * vy
-    pairs = (
+    shortest, nearest = math.inf, ((px, py), (qx, qy))
+    for s, t in (
         (_clamped(wx * ux + wy * uy, uu), 0.0),
         (_clamped((wx + vx) * ux + (wy + vy) * uy, uu), 1.0),
         (0.0, _clamped(-wx * vx - wy * vy, vv)),
         (1.0, _clamped((ux - wx) * vx + (uy - wy) * vy, vv)),
-    )
-    spans = (((px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy)) for s, t in pairs)
-    return min(spans, key=_length)
+    ):
+        span = ((px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy))
+        length = _length(span)
+        if length < shortest:
+            shortest, nearest = length, span
+    return nearest
 
 
 def _clamped(part: float, whole: float) -> float:

@@ -7,7 +7,7 @@ from collections import defaultdict
 import numpy as np
 
 from agents.link import Link
-from agents.peer_state import PeerState
+from agents.peer_state import said_to
 from deploy.recording.reader import Recording
 from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
@@ -38,6 +38,7 @@ class Heard:
         self._step = recording.scenario.time.step
         self._sent = 0
         self._ids = recording.scenario.ids
+        self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
         self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
         self._said: dict[int, list[State]] = defaultdict(list)
         for states in recording.states.values():
@@ -56,7 +57,7 @@ class Heard:
             for robot, link in self._links.items():
                 for state in self._said[tick]:
                     if state.robot != robot:
-                        link.put(PeerState(state, robot))
+                        link.put(said_to(robot, state, self._radii[state.robot]))
                         self._sent += 1
                 for heard in link.take(tick):
                     newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))

@@ -17,7 +17,7 @@ from agents.peer_state import PeerState
 from deploy.load import load
 from deploy.local import LocalFleet
 from protocol.errors import UsageError
-from protocol.messages import Down, State
+from protocol.messages import Down
 from protocol.scenario import Control, RobotSpec, Scenario, Time
 
 LAWS = ("orca", "barrier")
@@ -38,8 +38,8 @@ def run(scenario: Scenario) -> dict[str, Any]:
 
 def heard(x: float, y: float, velocity: tuple[float, float] = STILL, tick: int = 0) -> Neighbours:
     """Robot 2 as robot 1 last heard it."""
-    known = Neighbours((2,))
-    known.hear(PeerState(State(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, (), ()), 1))
+    known = Neighbours({2: 0.04})
+    known.hear(PeerState(2, 1, tick, (x, y), 0.0, 0.0, 0.0, velocity, radius=0.04))
     return known
 
 
@@ -85,7 +85,7 @@ def lonely(law: str) -> Law:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_alone_it_goes_straight_to_the_goal_and_slows_to_arrive(law: str) -> None:
-    own, nobody = lonely(law), Neighbours(())
+    own, nobody = lonely(law), Neighbours({})
     assert own.velocity((-0.2, 0.0), STILL, nobody, 0) == pytest.approx((0.1, 0.0), abs=1e-6)
     assert own.velocity((0.197, 0.0), (0.005, 0.0), nobody, 1) == pytest.approx((0.06, 0.0), abs=1e-6)
     assert own.velocity((0.2, 0.0), STILL, nobody, 2) == pytest.approx(STILL, abs=1e-6)

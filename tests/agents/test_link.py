@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from agents.link import Link
 from agents.peer_state import PeerState
-from protocol.messages import State
 from protocol.scenario import Link as LinkFaults
 from protocol.scenario import Partition, RobotSpec, Scenario
 
@@ -16,7 +15,7 @@ SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
 
 def state(robot: int, tick: int) -> PeerState:
-    return PeerState(State(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)), 1)
+    return PeerState(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), radius=0.1)
 
 
 def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:

@@ -2,15 +2,15 @@
 
 from agents.neighbours import Neighbours
 from agents.peer_state import PeerState
-from protocol.messages import Down, State
+from protocol.messages import Down
 
 
 def state(robot: int, incarnation: int, tick: int) -> PeerState:
-    return PeerState(State(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)), 1)
+    return PeerState(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), radius=0.1)
 
 
 def test_only_news_is_taken_over() -> None:
-    known = Neighbours([2, 3])
+    known = Neighbours({2: 0.1, 3: 0.1})
     assert known.hear(state(2, 1, 5))
     assert not known.hear(state(2, 1, 4))
     assert not known.hear(state(2, 1, 5))
@@ -21,7 +21,7 @@ def test_only_news_is_taken_over() -> None:
 
 
 def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() -> None:
-    known = Neighbours([2])
+    known = Neighbours({2: 0.1})
     known.hear(state(2, 1, 5))
     down = Down(2, 1, (7.0, 7.0))
     assert known.fence([down]) == [down]
@@ -32,7 +32,18 @@ def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() 
     assert known.fence([down]) == []
 
 
-def test_strangers_are_not_known() -> None:
-    known = Neighbours([2])
-    assert known.knows(2)
-    assert not known.knows(9)
+def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
+    known = Neighbours({2: 0.3, 3: 0.2, 4: 0.1})
+    for each in (4, 3):
+        known.hear(state(each, 1, each))
+    known.fence([Down(3, 1, (7.0, 7.0)), Down(2, 1, (8.0, 8.0))])
+    assert [peer.robot for peer in known.moving()] == [4]
+    disks = [(disk.x, disk.y, disk.radius, disk.gamma) for disk in known.disks()]
+    assert disks == [(8.0, 8.0, 0.3, 0.0), (7.0, 7.0, 0.2, 0.0), (4.0, 0.0, 0.1, 1.0)]
+
+
+def test_who_is_lost_is_no_obstacle() -> None:
+    known = Neighbours({2: 0.1})
+    known.hear(PeerState(2, 1, 5, None, 0.0, 0.0, 0.0, (0.0, 0.0), radius=0.1))
+    assert known.disks() == []
+    assert known.position(2) is None

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.lines.ledger import Ledger
-from agents.peer_state import PeerState
+from agents.peer_state import said_to
 from agents.robot import Robot
 from agents.safe_velocity import safe_velocity
 from agents.slice import Peer, Slice
@@ -47,6 +47,7 @@ class Fleet:
         lives = {robot: self.world.join(robot) for robot in scenario.ids}
         self.robots = {i: Robot(scenario, i, life, lives) for i, life in lives.items()}
         self.states: dict[int, State] = {}
+        self.radii = {spec.id: spec.radius for spec in scenario.robots}
 
     def tick(self) -> None:
         """One tick of everybody."""
@@ -61,7 +62,7 @@ class Fleet:
     def _tell(self, own: int, robot: Robot) -> None:
         for peer, state in self.states.items():
             if peer != own:
-                robot.hear(PeerState(state, own))
+                robot.hear(said_to(own, state, self.radii[peer]))
 
     def robot_tick(self) -> Callable[[], Command]:
         """A function that is robot 1's next tick, with all others' States as they are."""
@@ -76,7 +77,7 @@ class Fleet:
                 Measurement(1, mine.incarnation, ahead[0], mine.position, ahead[0], (0.0, 0.0), active)
             )
             for state in peers:
-                robot.hear(PeerState(_at(state, ahead[0]), 1))
+                robot.hear(said_to(1, _at(state, ahead[0]), self.radii[state.robot]))
             return robot.command()
 
         return step
@@ -174,7 +175,7 @@ def _filter(fleet: Fleet) -> Callable[[], object]:
         spoken = ledger.speak(desired)
         for i, state in states.items():
             if i != 1:
-                ledger.hear(PeerState(_at(state, tick[0]), 1))
+                ledger.hear(said_to(1, _at(state, tick[0]), radii[state.robot]))
         planes = ledger.half_planes() if ledger.ready else []
         room = edge - radii[1]
         return spoken, safe_velocity(desired, own, planes, workspace=room, speed=speed, period=period)

@@ -3,7 +3,7 @@
 import math
 
 from agents.lines.ledger import RENEWALS, Ledger
-from agents.peer_state import PeerState
+from agents.peer_state import said_to
 from protocol.messages import Answer, Proposal, State
 
 ROBOTS = 16
@@ -30,7 +30,7 @@ def tell(
     answers: tuple[Answer, ...] = (),
 ) -> None:
     state = State(speaker, 7, tick, STARTS[speaker], 0.0, 0.0, 0.0, DESIRED, proposals, answers)
-    listener.hear(PeerState(state, own))
+    listener.hear(said_to(own, state, RADII[state.robot]))
 
 
 def test_all_are_ready_before_a_word_is_said() -> None:
@@ -79,8 +79,8 @@ def test_a_state_is_kept_without_what_it_says_to_others() -> None:
         (Proposal(2, 7, 1, 1.0, 0.0, 0.0), Proposal(3, 7, 1, 0.0, 1.0, math.inf)),
         (Answer(4, 7, 1, 1), Answer(2, 7, 0, 0)),
     )
-    heard = PeerState(said, 2)
+    heard = said_to(2, said, 0.1)
     assert heard.proposals == said.proposals[:1]
     assert heard.answers == said.answers[1:]
     assert math.isfinite(heard.total)
-    assert not math.isfinite(PeerState(said, 3).total)
+    assert not math.isfinite(said_to(3, said, 0.1).total)

@@ -18,7 +18,7 @@ from hypothesis.stateful import (
 )
 
 from agents.lines.ledger import Ledger
-from agents.peer_state import PeerState
+from agents.peer_state import said_to
 from agents.safe_velocity import safe_velocity
 from protocol.messages import Down, State
 
@@ -99,7 +99,7 @@ class Fleet(RuleBasedStateMachine):
     def deliver(self, back: int, robot: int) -> None:
         state = self.sent[-1 - back % len(self.sent)]
         if state.robot != robot:
-            self.ledger[robot].hear(PeerState(state, robot))
+            self.ledger[robot].hear(said_to(robot, state, RADII[state.robot]))
 
     @rule(wish=wishes, ticks=st.integers(1, 4))
     def drive(self, wish: dict[int, float], ticks: int) -> None:
@@ -120,7 +120,7 @@ class Fleet(RuleBasedStateMachine):
                 self.speak(robot, turn)
             for state, robot in itertools.product(self.sent[states:], RADII):
                 if state.robot != robot:
-                    self.ledger[robot].hear(PeerState(state, robot))
+                    self.ledger[robot].hear(said_to(robot, state, RADII[state.robot]))
             self.drive(wish, 1)
 
     def executed(self, robot: int, turn: float) -> tuple[float, float]:

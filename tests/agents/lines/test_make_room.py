@@ -3,7 +3,7 @@
 import math
 
 from agents.lines.ledger import Ledger
-from agents.peer_state import PeerState
+from agents.peer_state import PeerState, said_to
 from protocol.messages import Down, Proposal, State
 
 RADII = {1: 0.04, 2: 0.04}
@@ -15,7 +15,8 @@ def robot(identity: int, life: int = 1) -> Ledger:
 
 
 def said(identity: int, life: int, tick: int, x: float, bound: float, *proposals: Proposal) -> PeerState:
-    return PeerState(State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ()), 2)
+    state = State(identity, life, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ())
+    return said_to(2, state, RADII[identity])
 
 
 def test_no_room_is_asked_of_a_peer_that_is_far_enough() -> None:
