@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from mypy_extensions import mypyc_attr
 from typing import final
 
 from protocol.messages import Measurement
@@ -20,6 +21,7 @@ Vector = tuple[float, float]
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Disk:
     """All points within `radius` of (x, y), m."""
 

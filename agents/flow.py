@@ -9,6 +9,7 @@ estimate, with the slice's exact Jacobian. Away from contact a period is one ste
 from __future__ import annotations
 
 import math
+from mypy_extensions import mypyc_attr
 from typing import final
 
 from agents.slice import Gradient, Slice
@@ -22,6 +23,7 @@ Vector = tuple[float, float]
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Flow:
     """The autonomous field y' = -scale D(y) + drift, m/s."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mypy_extensions import mypyc_attr
 from typing import final
 
 from agents.slice import Peer
@@ -11,6 +12,7 @@ Vector = tuple[float, float]
 
 
 @final
+@mypyc_attr(acyclic=True)
 class PeerState(Peer):
     """What a State says to one of those who hear it; see `protocol.messages.State` for the arguments.
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from mypy_extensions import mypyc_attr
 from typing import final
 
 # 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
@@ -22,6 +23,7 @@ CONTACT = 1e-9
 _LIMIT = 1.0 + CONTACT
 
 
+@mypyc_attr(acyclic=True)
 class Peer:
     """A disk as a robot knows it: centre and radius in m, gamma_j = |b_j - g_j|^2 in m^2 (0 if fixed)."""
 
@@ -32,6 +34,7 @@ class Peer:
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Gradient:
     """D_i (m) at a point and its Jacobian dD_i/dx, row by row (dimensionless)."""
 

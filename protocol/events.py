@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from mypy_extensions import mypyc_attr
 from typing import NamedTuple, final
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Sample:
     """Something was published under `key`. Immutable."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from mypy_extensions import mypyc_attr
 from typing import final
 
 ROUNDING = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
@@ -10,6 +11,7 @@ _UNIT = 1e-12  # how far a normal's length may be from one
 
 
 @final
+@mypyc_attr(acyclic=True)
 class HalfPlane:
     """Points x with nx x + ny y <= limit (m), (nx, ny) a unit vector. Immutable."""
 
@@ -27,6 +29,7 @@ class HalfPlane:
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Line:
     """Unit normal (nx, ny) from the owner to the follower, and offset, m. Immutable.
 

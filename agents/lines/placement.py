@@ -7,6 +7,7 @@ follower adopts only those that its own disk satisfies.
 from __future__ import annotations
 
 import math
+from mypy_extensions import mypyc_attr
 from typing import final
 
 from agents.lines.line import ROUNDING, Line
@@ -19,6 +20,7 @@ _NEED = 4.0 * ROUNDING  # gap that a line takes, m
 
 
 @final
+@mypyc_attr(acyclic=True)
 class Disk:
     """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity."""
 
