@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from agents.slice import Peer
 
@@ -19,17 +20,19 @@ Vector = tuple[float, float]
 Mean = tuple[Vector, Vector]  # averaged once, averaged twice
 MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 
-SLOW = 0.1  # below this fraction of the free speed there is no progress
-WINDOW = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
-SWING = 3.0  # the window grows by this times the latency: robots that repel each other late swing slowly
-STALEST = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
-PATIENCE = 1.0  # s without progress before the escape begins, with fresh information
-TRIPS = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
-RISE = 0.5  # s from no drift to full drift
-BURST = 3.0  # s that an escape lasts at most; then the robot is patient again, for a drift too can hold it
-RELEASE = 1.0  # s from full drift to none, once there is progress or the burst is over
-FALL = 0.98  # gamma has fallen when it is below this fraction of where it last had
-ADJACENT = 1.25  # closest neighbours have beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij
+SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
+WINDOW: Final = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
+SWING: Final = 3.0  # the window grows by this times the latency: who is repelled late swings slowly
+STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
+PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
+TRIPS: Final = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
+RISE: Final = 0.5  # s from no drift to full drift
+BURST: Final = (
+    3.0  # s that an escape lasts at most; then comes patience again, for a drift too can hold a robot
+)
+RELEASE: Final = 1.0  # s from full drift to none, once there is progress or the burst is over
+FALL: Final = 0.98  # gamma has fallen when it is below this fraction of where it last had
+ADJACENT: Final = 1.25  # closest neighbours: beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij
 
 
 @dataclass

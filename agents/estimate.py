@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from typing import Final, final
+
 from mypy_extensions import mypyc_attr
-from typing import final
 
 from protocol.messages import Measurement
 
-HISTORY = 1024  # ticks of odometry that are kept; a measurement older than that is ignored
-_TOUCH = 1e-9  # m; disks this far apart still count as touching
+HISTORY: Final = 1024  # ticks of odometry that are kept; a measurement older than that is ignored
+_TOUCH: Final = 1e-9  # m; disks this far apart still count as touching
 
 Vector = tuple[float, float]
 

@@ -9,15 +9,16 @@ estimate, with the slice's exact Jacobian. Away from contact a period is one ste
 from __future__ import annotations
 
 import math
+from typing import Final, final
+
 from mypy_extensions import mypyc_attr
-from typing import final
 
 from agents.slice import Gradient, Slice
 
-TOLERANCE = 2e-3  # error of one step, as a fraction of the way that the speed limit allows in a period
-MAX_STEPS = 60  # attempted steps per period; what was reached by then is returned
-_D = 1.0 / (2.0 + math.sqrt(2.0))
-_E32 = 6.0 + math.sqrt(2.0)
+TOLERANCE: Final = 2e-3  # error of one step, as a fraction of the way that the speed limit allows in a period
+MAX_STEPS: Final = 60  # attempted steps per period; what was reached by then is returned
+_D: Final = 1.0 / (2.0 + math.sqrt(2.0))
+_E32: Final = 6.0 + math.sqrt(2.0)
 
 Vector = tuple[float, float]
 

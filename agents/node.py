@@ -12,6 +12,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from math import inf
+from typing import Final
 
 from agents.peer_reader import PeerReader
 from agents.peer_state import PeerState
@@ -26,8 +27,8 @@ from protocol.messages import Health, Measurement, State
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
 
-PATIENCE = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
-REPORT_PERIOD = 0.5  # s between health messages
+PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
+REPORT_PERIOD: Final = 0.5  # s between health messages
 _ASK_TIMEOUT = 5.0
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 

@@ -3,7 +3,6 @@ other pairs, and stays unread."""
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any, Literal, final, get_type_hints
 
 import msgspec
@@ -49,11 +48,12 @@ class PeerReader:
         radius: of the peer, m.
     """
 
-    __slots__ = ("_mark", "_peer", "_radius", "_reader", "_robot")
+    __slots__ = ("_decode", "_mark", "_peer", "_radius", "_reader", "_robot")
 
     def __init__(self, robot: int, peer: int, radius: float) -> None:
         self._robot, self._peer, self._radius = robot, peer, radius
         self._reader = Reader("state", peer)
+        self._decode = _decode
         self._mark = _mark(robot, owned=peer < robot)
 
     def read(self, payload: bytes) -> PeerState:
@@ -70,7 +70,7 @@ class PeerReader:
         message = self._reader.read(payload)
         assert isinstance(message, State)
         state = said_to(self._robot, message, self._radius)
-        if not isfinite(state.total):
+        if not state.is_finite:
             check_finite("state", message)
         return state
 
@@ -79,7 +79,7 @@ class PeerReader:
         if len(payload) > self._reader.limit:
             return None
         try:
-            fields: _Unlined = _decode(payload)
+            fields: _Unlined = self._decode(payload)
         except DAMAGED:
             return None
         _, robot, incarnation, tick, position, bound, gamma, slice_norm, desired, _, _ = fields
@@ -88,4 +88,4 @@ class PeerReader:
         state = PeerState(
             robot, incarnation, tick, position, bound, gamma, slice_norm, desired, radius=self._radius
         )
-        return state if isfinite(state.total) else None
+        return state if state.is_finite else None

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final, final
+
 from mypy_extensions import mypyc_attr
-from typing import final
 
 from agents.slice import Peer
 from protocol.messages import Answer, Proposal, State
 
 Vector = tuple[float, float]
+
+_INFINITE: Final = math.inf
 
 
 @final
@@ -71,12 +75,12 @@ class PeerState(Peer):
         return self.vx, self.vy
 
     @property
-    def total(self) -> float:
-        """The sum of all numbers here that may be infinite, or none: finite only if all of them are."""
+    def is_finite(self) -> bool:
+        """Whether the sum of all numbers is finite, which it is only if all of them are."""
         total = self.x + self.y + self.bound + self.gamma + self.slice + self.vx + self.vy
         for line in self.proposals:
             total += line.nx + line.ny + line.offset
-        return total
+        return -_INFINITE < total < _INFINITE
 
 
 def said_to(robot: int, state: State, radius: float) -> PeerState:

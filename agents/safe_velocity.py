@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from agents.lines.line import HalfPlane
 
-_CUTS = 12  # tangents of the workspace boundary that are tried
+_CUTS: Final = 12  # tangents of the workspace boundary that are tried
 _SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
 
 Vector = tuple[float, float]

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final, final
+
 from mypy_extensions import mypyc_attr
-from typing import final
 
 # 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
 # per metre of radius, and along its tangent from there on (see `Slice`).
-CONTACT = 1e-9
-_LIMIT = 1.0 + CONTACT
+CONTACT: Final = 1e-9
+_LIMIT: Final = 1.0 + CONTACT
 
 
 @mypyc_attr(acyclic=True)

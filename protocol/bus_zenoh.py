@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from queue import Empty, SimpleQueue
+from typing import Final
 
 # zenoh reads this once, at the first `open` of a process: four threads instead of seven, and faster.
 os.environ.setdefault(
@@ -34,19 +35,27 @@ from protocol.streams import Stream
 
 _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so the first attempts are short
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
-_LONGEST = 3600.0  # s, longest single wait for the queue
+_LONGEST: Final = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s a peer waits for its links before it announces itself
 # With one thread to receive, a router whose link to another is cut may cease to relay for good.
 _LINKED = "(rx:(worker_threads:4))"
 _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
-_CAPACITY = 1 << 16  # events that may wait; of more, the older half is dropped and counted
+_CAPACITY: Final = 1 << 16
 
 _KEPT: set[int] = set()  # threads of zenoh that Python keeps
 _Arrived = zenoh.Sample | zenoh.Query | Presence
+_ZenohSample: Final = zenoh.Sample
 
 
 class ZenohBus:
     """One zenoh session behind the `protocol.bus.Bus` interface.
+
+    Args:
+        connection: with whom, and how.
+        capacity: events that may wait; of more, the older half is dropped and counted.
+
+    Attributes:
+        dropped: events lost to a full queue.
 
     Raises:
         EndpointTakenError: another process listens on an endpoint of `connection.listen`.
@@ -54,14 +63,15 @@ class ZenohBus:
         BusError: nobody could be reached within `connection.timeout`.
     """
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: Connection, capacity: int = _CAPACITY) -> None:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
         self._connection = connection
         if connection.mode == "router":
             _prepare_router(connection)
         self._session = _open(connection)
-        self.dropped = 0  # events lost to a full queue
+        self._capacity = capacity
+        self.dropped = 0
 
     def publisher(self, stream: Stream, key: str) -> Publish:
         publisher = self._session.declare_publisher(
@@ -89,7 +99,7 @@ class ZenohBus:
         It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
         costs. Of too many the oldest are dropped.
         """
-        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(_CAPACITY)
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(self._capacity)
         subscriber = self._session.declare_subscriber(key_expression, ring)
         self._declared.append(subscriber)
         return lambda: [
@@ -128,7 +138,7 @@ class ZenohBus:
 
     def receive(self, timeout: float) -> Event | None:
         waiting = self._queue.qsize()
-        if waiting > _CAPACITY:
+        if waiting > self._capacity:
             self._shed()
         try:
             if waiting:  # the usual case, and the quicker call
@@ -139,7 +149,7 @@ class ZenohBus:
                 return None
         except Empty:
             return None
-        if isinstance(arrived, zenoh.Sample):
+        if isinstance(arrived, _ZenohSample):
             return _sample(arrived)
         if isinstance(arrived, zenoh.Query):
             return _request(arrived)
@@ -173,9 +183,9 @@ class ZenohBus:
 
     def _shed(self) -> None:
         """Drop the older half of a queue that has grown too long: nobody can be meant to catch up with it."""
-        for _ in range(_CAPACITY // 2):
+        for _ in range(self._capacity // 2):
             self._queue.get_nowait()
-        self.dropped += _CAPACITY // 2
+        self.dropped += self._capacity // 2
 
     def _presence(self, sample: zenoh.Sample) -> None:
         _keep_thread_state()

@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import NoReturn
+from typing import Final, NoReturn
 
 from protocol.bus import Bus, Node
 
-_TOGETHER = 256  # events that are handled before the clock is looked at again
+_TOGETHER: Final = 256  # events that are handled before the clock is looked at again
 _SIGNALS = (signal.SIGTERM, signal.SIGINT)
 
 
@@ -75,15 +75,16 @@ def follow(node: Node, bus: Bus) -> None:
 
     What has arrived comes before a deadline that is over: the node was late, not who spoke.
     """
+    receive, handle = bus.receive, node.handle  # looked up once: this goes round for every message
     while not node.finished:
-        event = bus.receive(max(0.0, node.deadline - time.monotonic()))
+        event = receive(max(0.0, node.deadline - time.monotonic()))
         handled = 0
         while event is not None:
-            node.handle(event)
+            handle(event)
             handled += 1
             if handled == _TOGETHER or node.finished:
                 break
-            event = bus.receive(0.0)
+            event = receive(0.0)
         now = time.monotonic()
         if now >= node.deadline and not node.finished:
             node.wake(now)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from mypy_extensions import mypyc_attr
 from typing import NamedTuple, final
+
+from mypy_extensions import mypyc_attr
 
 
 @final

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import final
+from typing import Final, final
 
 from agents.lines.fixed_disk import FixedDisk
 from agents.lines.line import HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from agents.peer_state import PeerState
 
-_ROOM = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
+_ROOM: Final = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
 
 
 @final

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Final
 
 from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
@@ -26,11 +27,11 @@ from agents.lines.placement import Disk, is_same, place
 from agents.peer_state import PeerState
 from protocol.messages import Answer, Down, Proposal
 
-ANSWER_TICKS = 3  # an answer stands in this many States after the proposal was last heard
-OUTSTANDING = 32  # most unanswered proposals of one pair
+ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
+OUTSTANDING: Final = 32  # most unanswered proposals of one pair
 _NOBODY: Mapping[int, int] = MappingProxyType({})
-RENEWALS = 5  # initial lines that an owner replaces in one tick although nobody is near; see the module
-UNCHANGED = 1e-2  # of what a robot moves in a tick; a line that differs by less is not worth a proposal
+RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
 
 class Ledger:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from mypy_extensions import mypyc_attr
-from typing import final
+from typing import Final, final
 
-ROUNDING = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
-_UNIT = 1e-12  # how far a normal's length may be from one
+from mypy_extensions import mypyc_attr
+
+ROUNDING: Final = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
+_UNIT: Final = 1e-12  # how far a normal's length may be from one
 
 
 @final

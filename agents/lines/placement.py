@@ -7,16 +7,17 @@ follower adopts only those that its own disk satisfies.
 from __future__ import annotations
 
 import math
+from typing import Final, final
+
 from mypy_extensions import mypyc_attr
-from typing import final
 
 from agents.lines.line import ROUNDING, Line
 
 Vector = tuple[float, float]
 Span = tuple[Vector, Vector]  # a point of each of two segments
 
-_BISECTIONS = 8
-_NEED = 4.0 * ROUNDING  # gap that a line takes, m
+_BISECTIONS: Final = 8
+_NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
 
 
 @final

@@ -16,7 +16,6 @@ import pytest
 
 from deploy.router import listening
 from deploy.supervisor import Supervisor
-from protocol import bus_zenoh
 from protocol.bus_zenoh import ZenohBus
 from protocol.connection import Connection, configuration
 from protocol.drive import Stop, drive, stop_on_signal
@@ -31,7 +30,7 @@ STATE, ALIVE = "disknav/t/robot/1/state", "disknav/t/robot/1/alive"
 SCENARIO = "disknav/t/world/scenario"
 PATIENCE = 10.0
 
-Connect = Callable[[], ZenohBus]
+Connect = Callable[..., ZenohBus]
 
 
 @pytest.fixture
@@ -44,7 +43,8 @@ def endpoint() -> Iterator[str]:
 @pytest.fixture
 def connect(endpoint: str) -> Iterator[Connect]:
     with ExitStack() as stack:
-        yield lambda: stack.enter_context(closing(ZenohBus(Connection(connect=(endpoint,)))))
+        connection = Connection(connect=(endpoint,))
+        yield lambda **how: stack.enter_context(closing(ZenohBus(connection, **how)))
 
 
 def exchange(first: ZenohBus, second: ZenohBus) -> None:
@@ -219,9 +219,8 @@ def test_zenohs_threads_leave_signals_alone(connect: Connect) -> None:
     assert all(int(mask, 16) >> (signal.SIGTERM - 1) & 1 for mask in blocked)
 
 
-def test_a_flood_is_shed_and_counted(connect: Connect, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bus_zenoh, "_CAPACITY", 8)
-    speaker, listener = connect(), connect()
+def test_a_flood_is_shed_and_counted(connect: Connect) -> None:
+    speaker, listener = connect(), connect(capacity=8)
     listener.subscribe(STATE)
     listener.watch(ALIVE)
     publish = speaker.publisher(STREAMS["state"], STATE)
