@@ -63,7 +63,7 @@ class PeerReader:
             MessageError: it is none, or another robot's; or a number in what concerns this robot is
                 infinite, or none.
         """
-        if self._mark not in payload:
+        if payload.find(self._mark) < 0:  # `in` would first try whether the mark is a number
             state = self._unlined(payload)
             if state is not None:
                 return state
