@@ -113,11 +113,13 @@ class RobotNode:
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
         self._peers = {
-            robot_key(self._run, spec.id, "state"): PeerReader(self._robot, spec.id, spec.radius)
+            robot_key(self._run, spec.id, "state"): PeerReader(
+                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0)
+            )
             for spec in admission.scenario.robots
             if spec.id != self._robot
         }
-        self._lockstep, self._oldest = admission.lockstep, admission.oldest
+        self._lockstep = admission.lockstep
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
@@ -172,16 +174,15 @@ class RobotNode:
         core = self.core
         if core is None or self._ended:
             return
-        if heard is not None:
-            self._on_state(core, heard)
+        if heard is not None and peer is not None:
+            if heard.incarnation >= peer.oldest:  # else it is of an earlier turn
+                self._on_state(core, heard)
         elif isinstance(message, Measurement):
             self._on_measurement(core, message)
         elif isinstance(message, State):
             self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_state(self, core: Robot, state: PeerState) -> None:
-        if state.incarnation < self._oldest.get(state.robot, 0):
-            return  # of an earlier turn
         core.hear(state)
         if not self._commanded and core.complete:
             self._command()

@@ -46,12 +46,17 @@ class PeerReader:
         robot: own id.
         peer: the speaker's.
         radius: of the peer, m.
+        oldest: its first incarnation in this run.
+
+    Attributes:
+        oldest: as given; earlier lives are no concern of this run.
     """
 
-    __slots__ = ("_decode", "_mark", "_peer", "_radius", "_reader", "_robot")
+    __slots__ = ("_decode", "_mark", "_peer", "_radius", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, radius: float) -> None:
+    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0) -> None:
         self._robot, self._peer, self._radius = robot, peer, radius
+        self.oldest = oldest
         self._reader = Reader("state", peer)
         self._decode = _decode
         self._mark = _mark(robot, owned=peer < robot)

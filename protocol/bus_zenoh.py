@@ -52,7 +52,7 @@ class ZenohBus:
 
     Args:
         connection: with whom, and how.
-        capacity: events that may wait; of more, the older half is dropped and counted.
+        capacity: events that may wait; of more, only the newest half of as many are kept.
 
     Attributes:
         dropped: events lost to a full queue.
@@ -65,6 +65,8 @@ class ZenohBus:
 
     def __init__(self, connection: Connection, capacity: int = _CAPACITY) -> None:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
+        self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once, called for all
+        self._there = 0  # events that were waiting when it was last asked, without those taken since
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
         self._connection = connection
         if connection.mode == "router":
@@ -137,17 +139,17 @@ class ZenohBus:
         )
 
     def receive(self, timeout: float) -> Event | None:
-        waiting = self._queue.qsize()
-        if waiting > self._capacity:
-            self._shed()
-        try:
-            if waiting:  # the usual case, and the quicker call
-                arrived = self._queue.get_nowait()
-            elif timeout > 0.0:
+        if not self._there:
+            self._there = self._count()
+        if self._there:  # the usual case, and the quicker call
+            self._there -= 1
+            arrived = self._take()
+        elif timeout > 0.0:
+            try:
                 arrived = self._queue.get(True, min(timeout, _LONGEST))
-            else:
+            except Empty:
                 return None
-        except Empty:
+        else:
             return None
         if isinstance(arrived, _ZenohSample):
             return _sample(arrived)
@@ -181,11 +183,16 @@ class ZenohBus:
         while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
             time.sleep(0.005)
 
-    def _shed(self) -> None:
-        """Drop the older half of a queue that has grown too long: nobody can be meant to catch up with it."""
-        for _ in range(self._capacity // 2):
-            self._queue.get_nowait()
-        self.dropped += self._capacity // 2
+    def _count(self) -> int:
+        """How many events wait, after the oldest of too many are dropped: nobody can catch up with those."""
+        waiting = self._queue.qsize()
+        if waiting <= self._capacity:
+            return waiting
+        excess = waiting - self._capacity // 2
+        for _ in range(excess):
+            self._take()
+        self.dropped += excess
+        return waiting - excess
 
     def _presence(self, sample: zenoh.Sample) -> None:
         _keep_thread_state()
