@@ -30,6 +30,10 @@ class Bond:
         state: newest State heard of the peer's present life.
         disk: the peer's, while it is fenced.
         sides: where the own centre must stay because of the lines obeyed.
+        settled: whether both obey one and the same line, and nothing about it is open. Then
+            nx, ny: its normal, away from this robot.
+            offset: of the line along that, m.
+            limit: of the own centre along that, m.
         answers_left: States that still have to carry the answer.
         anew: whether the peer is not in the first life that was known of it.
     """
@@ -39,10 +43,15 @@ class Bond:
         "answers_left",
         "disk",
         "end",
+        "limit",
+        "nx",
+        "ny",
+        "offset",
         "own_radius",
         "owns",
         "peer",
         "radius",
+        "settled",
         "sides",
         "state",
     )
@@ -64,6 +73,8 @@ class Bond:
         self.state: PeerState | None = None
         self.disk: FixedDisk | None = None
         self.sides: tuple[HalfPlane, ...] = ()
+        self.settled = False
+        self.nx = self.ny = self.limit = self.offset = 0.0
         self.answers_left = 0
         self.anew = False
         self.renew()
@@ -109,15 +120,22 @@ class Bond:
                 return False
             self.anew = self.anew or known is not None
             self.state = state
+            self.renew()
         elif state.tick > known.tick:
             self.state = state
         return True
 
     def renew(self) -> None:
         """What is obeyed has changed."""
-        self.sides = tuple(line.side(self.own_radius, self.owns) for line in self.end.obeyed)
+        self.sides = tuple([line.side(self.own_radius, self.owns) for line in self.end.obeyed])
         if self.end.agreed:
             self.disk = None
+        self.settled = self.end.settled and self.disk is None
+        if self.settled:
+            side = self.sides[0]
+            self.nx, self.ny, self.limit = side.nx, side.ny, side.limit
+            line = self.end.obeyed[0]
+            self.offset = line.offset if self.owns else -line.offset
 
     def bury(self, life: int, place: tuple[float, float]) -> None:
         """The peer's `life` is fenced with its centre at `place`, m; old or repeated news does no harm."""

@@ -77,6 +77,7 @@ class Ledger:
             if peer != robot
         }
         self._each = list(self._bonds.values())
+        self._disturbed = False  # whether any peer was ever fenced, or began anew
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
@@ -86,7 +87,7 @@ class Ledger:
         self._tick = tick
         self._x, self._y = position
         self._bound = bound
-        for bond in self._each:
+        for bond in self._each if self._disturbed else ():
             if bond.disk is not None:
                 bond.disk.renew(self._x, self._y, bound)
 
@@ -95,16 +96,19 @@ class Ledger:
         bond = self._bonds.get(state.robot)
         if bond is None or not bond.meet(state):
             return
+        self._disturbed = self._disturbed or bond.anew
+        if not state.answers and not state.proposals:
+            return
         if isinstance(bond.end, Owner):
-            if state.answers:
-                self._hear_answers(bond, bond.end, state)
-        elif state.proposals:
+            self._hear_answers(bond, bond.end, state)
+        else:
             self._hear_proposals(bond, bond.end, state)
 
     def peer_down(self, down: Down) -> None:
         """The world announces to this life that a peer's is fenced; old or repeated news does no harm."""
         bond = self._bonds.get(down.robot)
         if bond is not None:
+            self._disturbed = True
             bond.bury(down.incarnation, down.position)
             if bond.disk is not None:
                 bond.disk.renew(self._x, self._y, self._bound)
@@ -118,14 +122,14 @@ class Ledger:
     def ready(self) -> bool:
         """Whether there is a line with every live peer; a robot that is not ready must stand still."""
         for bond in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
-            if not (bond.end.agreed or bond.ready):
+            if not (bond.settled or bond.ready):
                 return False
         return True
 
     def make_room(self, desired: tuple[float, float]) -> tuple[float, float]:
         """The desired velocity (m/s), turned away from peers whose new life is too close for a line."""
         vx, vy = desired
-        for bond in self._each:
+        for bond in self._each if self._disturbed else ():
             if not bond.anew or bond.end.linked:
                 continue
             dx, dy = bond.crowding(self._x, self._y, self._bound)
@@ -143,12 +147,16 @@ class Ledger:
         """
         x, y, margin = self._x, self._y, self._bound + 2.0 * ROUNDING
         near = margin + 2.0 * self._reach
-        return [
-            HalfPlane(side.nx, side.ny, side.limit - margin)
-            for bond in self._each
-            for side in (bond.sides if bond.disk is None else bond.half_planes)
-            if side.slack(x, y) < near
-        ]
+        found = []
+        for bond in self._each:
+            if bond.settled:
+                if bond.limit - bond.nx * x - bond.ny * y < near:
+                    found.append(HalfPlane(bond.nx, bond.ny, bond.limit - margin))
+                continue
+            for side in bond.half_planes:
+                if side.slack(x, y) < near:
+                    found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
+        return found
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
         """All obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit."""
@@ -167,17 +175,13 @@ class Ledger:
         answers: list[Answer] = []
         renewals = RENEWALS
         for bond in self._each:
-            end = bond.end
-            if isinstance(end, Owner):
-                renewals -= self._consider(bond, end, me, standing, renewals)
-                if end.proposed:
-                    for number, line in end.proposed.items():
-                        proposals.append(
-                            Proposal(bond.peer, end.peer_life, number, line.nx, line.ny, line.offset)
-                        )
+            if bond.owns:
+                renewals -= self._consider(bond, me, standing, renewals)
+                if not bond.settled:
+                    proposals += _proposals(bond)
             elif bond.answers_left:
                 bond.answers_left -= 1
-                answers.append(Answer(bond.peer, end.peer_life, end.held_number, end.seen))
+                answers.append(_answer(bond))
         return tuple(proposals), tuple(answers)
 
     def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
@@ -202,23 +206,30 @@ class Ledger:
         side = line.side(self._radius, owner)
         return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
 
-    def _consider(self, bond: Bond, end: Owner, me: Disk, standing: bool, renewals: int) -> int:
+    def _consider(self, bond: Bond, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.
 
         Returns 1 if it is one of the `renewals`, else 0.
         """
         state = bond.state
-        if state is None or not state.placed or not end.met or len(end.proposed) >= OUTSTANDING:
+        if state is None or not state.placed:
             return 0
-        newest, renewal = end.newest, 0
         ticks = max(0, self._tick - state.tick) + 2
         apart = 2.0 * ticks * self._reach
+        # A pair is left alone if neither comes near the line before a new one could be agreed.
+        mine, theirs = apart + me.radius, apart + bond.radius + state.bound
         if (
-            newest is not None
-            and newest.gap(me.x, me.y) > apart + me.radius
-            and -newest.gap(state.x, state.y) > apart + bond.radius + state.bound
+            bond.settled
+            and bond.offset - bond.nx * me.x - bond.ny * me.y > mine
+            and -(bond.offset - bond.nx * state.x - bond.ny * state.y) > theirs
         ):
-            # Neither comes near the line before a new one could be agreed.
+            return 0
+        end = bond.end
+        assert isinstance(end, Owner)
+        if not end.met or len(end.proposed) >= OUTSTANDING:
+            return 0
+        newest, renewal = end.newest, 0
+        if newest is not None and newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
             if end.number > 0 or renewals == 0:
                 return 0
             renewal = 1
@@ -232,6 +243,23 @@ class Ledger:
             end.propose(line)
             bond.renew()
         return renewal
+
+
+def _proposals(bond: Bond) -> list[Proposal]:
+    """What an owner has to repeat until it is answered."""
+    end = bond.end
+    assert isinstance(end, Owner)
+    return [
+        Proposal(bond.peer, end.peer_life, number, line.nx, line.ny, line.offset)
+        for number, line in end.proposed.items()
+    ]
+
+
+def _answer(bond: Bond) -> Answer:
+    """What a follower says of what it was offered."""
+    end = bond.end
+    assert isinstance(end, Follower)
+    return Answer(bond.peer, end.peer_life, end.held_number, end.seen)
 
 
 def _initial(

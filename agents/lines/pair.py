@@ -66,6 +66,11 @@ class Owner:
         """The line that the follower will hold if it adopts all it is offered."""
         return next(reversed(self.proposed.values())) if self.proposed else self.held
 
+    @property
+    def settled(self) -> bool:
+        """Whether it obeys one line, which is not the initial one, and which the follower holds."""
+        return self.held is not None and self.number > 0 and not self.proposed
+
     def meet(self, peer_life: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
         if peer_life > self.peer_life:
@@ -131,6 +136,11 @@ class Follower:
     @property
     def agreed(self) -> bool:
         """Whether it holds a line."""
+        return self._held is not None
+
+    @property
+    def settled(self) -> bool:
+        """Whether it obeys a line."""
         return self._held is not None
 
     def meet(self, peer_life: int) -> bool:
