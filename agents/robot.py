@@ -7,7 +7,7 @@ these two places, when every earlier command is settled, so no command is ever o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from agents.estimate import Estimate
 from agents.laws import choose
@@ -60,7 +60,7 @@ class Robot:
             first_lives=first_lives,
         )
         self._awaited: set[int] = set()
-        self._arrived = dict.fromkeys(self._radii, -1)  # newest tick, by peer
+        self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
 
     # -- phase 1
@@ -68,9 +68,7 @@ class Robot:
     def measure(self, measurement: Measurement) -> State:
         """Open a tick; returns the State to publish."""
         self.tick = measurement.tick
-        self._awaited = {
-            j for j in measurement.active if j != self.robot and self._arrived.get(j, -1) < self.tick
-        }
+        self._await(measurement.active)
         self._estimate.update(measurement)
         self._moved = measurement.displacement
         if self._estimate.position is not None:
@@ -79,6 +77,14 @@ class Robot:
             self._lines.peer_down(down)
         self._take_over(self.tick - 1)
         return self._state()
+
+    def _await(self, active: Iterable[int]) -> None:
+        """Await this tick's State of all that take part and have not sent it yet."""
+        self._awaited = set(active)
+        self._awaited.discard(self.robot)
+        if self._ahead:
+            self._ahead = {peer: tick for peer, tick in self._ahead.items() if tick >= self.tick}
+            self._awaited.difference_update(self._ahead)
 
     def _state(self) -> State:
         position = self._estimate.position
@@ -112,14 +118,13 @@ class Robot:
     def hear(self, state: PeerState) -> bool:
         """A peer's State has arrived; False if it is no peer of this run."""
         robot, tick = state.robot, state.tick
-        last = self._arrived.get(robot)
-        if last is None:
+        if robot not in self._radii:
             return False
         self._link.put(state)
-        if tick > last:
-            self._arrived[robot] = tick
         if tick >= self.tick:
             self._awaited.discard(robot)
+            if tick > self._ahead.get(robot, self.tick):
+                self._ahead[robot] = tick
         return True
 
     @property

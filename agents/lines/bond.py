@@ -67,16 +67,17 @@ class Bond:
         initial: Line | None,
         peer_life: int = 0,
     ) -> None:
-        self.peer, self.owns = peer, owns
-        self.own_radius, self.radius = own_radius, radius
-        self.end: Owner | Follower = (Owner if owns else Follower)(life, initial, peer_life)
+        # What is looked at in every tick comes first, so that it lies together in memory.
+        self.owns = owns
+        self.settled = self.anew = False
+        self.answers_left = 0
         self.state: PeerState | None = None
+        self.nx = self.ny = self.limit = self.offset = 0.0
+        self.radius, self.own_radius = radius, own_radius
+        self.peer = peer
+        self.end: Owner | Follower = (Owner if owns else Follower)(life, initial, peer_life)
         self.disk: FixedDisk | None = None
         self.sides: tuple[HalfPlane, ...] = ()
-        self.settled = False
-        self.nx = self.ny = self.limit = self.offset = 0.0
-        self.answers_left = 0
-        self.anew = False
         self.renew()
 
     @property
