@@ -1,5 +1,6 @@
 """Messages: what travels under each key. On the wire each is one msgpack array: a tag
 that names type and version (`"state/1"`), then the fields in the order in which they stand here.
+Integers are in their shortest form: a robot finds the lines addressed to it by their first bytes.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.

@@ -23,7 +23,8 @@ from typing import Final
 from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
-from agents.lines.placement import Disk, is_same, place
+from agents.lines.placement import Disk, initial_line, is_same, place
+from agents.lines.spoken import answer_of, proposals_of
 from agents.peer_state import PeerState
 from protocol.messages import Answer, Down, Proposal
 
@@ -70,7 +71,7 @@ class Ledger:
                 owns=robot < peer,
                 own_radius=self._radius,
                 radius=radii[peer],
-                initial=None if starts is None else _initial(robot, peer, starts, radii),
+                initial=None if starts is None else initial_line(robot, peer, starts, radii),
                 peer_life=0 if starts is None else first_lives.get(peer, 0),
             )
             for peer in sorted(radii)
@@ -178,10 +179,10 @@ class Ledger:
             if bond.owns:
                 renewals -= self._consider(bond, me, standing, renewals)
                 if not bond.settled:
-                    proposals += _proposals(bond)
+                    proposals += proposals_of(bond)
             elif bond.answers_left:
                 bond.answers_left -= 1
-                answers.append(_answer(bond))
+                answers.append(answer_of(bond))
         return tuple(proposals), tuple(answers)
 
     def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
@@ -243,28 +244,3 @@ class Ledger:
             end.propose(line)
             bond.renew()
         return renewal
-
-
-def _proposals(bond: Bond) -> list[Proposal]:
-    """What an owner has to repeat until it is answered."""
-    end = bond.end
-    assert isinstance(end, Owner)
-    return [
-        Proposal(bond.peer, end.peer_life, number, line.nx, line.ny, line.offset)
-        for number, line in end.proposed.items()
-    ]
-
-
-def _answer(bond: Bond) -> Answer:
-    """What a follower says of what it was offered."""
-    end = bond.end
-    assert isinstance(end, Follower)
-    return Answer(bond.peer, end.peer_life, end.held_number, end.seen)
-
-
-def _initial(
-    robot: int, peer: int, starts: Mapping[int, tuple[float, float]], radii: Mapping[int, float]
-) -> Line | None:
-    """The line between two robots at the start, the same for both."""
-    owner, follower = sorted((robot, peer))
-    return place(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))

@@ -7,6 +7,7 @@ follower adopts only those that its own disk satisfies.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Final, final
 
 from mypy_extensions import mypyc_attr
@@ -68,6 +69,14 @@ def place(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -
     nx, ny = (bx - ax) / length, (by - ay) / length
     edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED
     return Line(nx, ny, edge + share * (length - need))
+
+
+def initial_line(
+    robot: int, peer: int, starts: Mapping[int, tuple[float, float]], radii: Mapping[int, float]
+) -> Line | None:
+    """The line between two robots at the start, the same for both."""
+    owner, follower = sorted((robot, peer))
+    return place(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))
 
 
 def _length(span: Span) -> float:
