@@ -20,7 +20,12 @@ _KEPT = 4096  # ticks of draws that are remembered
 
 
 class Link:
-    """States on their way to one robot."""
+    """States on their way to one robot.
+
+    Attributes:
+        ideal: whether there are no faults: every State is heard at its own tick.
+        lost, delayed, duplicated: States so far.
+    """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self.lost = 0
@@ -30,7 +35,7 @@ class Link:
         self._faults = scenario.link
         self._robot = robot
         self._column = {peer: column for column, peer in enumerate(scenario.ids)}
-        self._ideal = _is_ideal(scenario.link)
+        self.ideal = scenario.link == LinkFaults()
         self._draws: dict[int, np.ndarray] = {}
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(
             list
@@ -38,7 +43,7 @@ class Link:
 
     def put(self, state: PeerState) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
-        if self._ideal:
+        if self.ideal:
             self._waiting[state.tick].append(state)
             return
         for tick in self._due(state):
@@ -52,7 +57,7 @@ class Link:
             return taken
         for due in sorted([each for each in self._waiting if each <= tick]):
             states = self._waiting.pop(due)
-            taken += states if self._ideal else sorted(states, key=_by_sender)
+            taken += states if self.ideal else sorted(states, key=_by_sender)
         return taken
 
     def _due(self, state: PeerState) -> list[int]:
@@ -86,10 +91,6 @@ class Link:
 
 def _by_sender(state: PeerState) -> tuple[int, int]:
     return state.robot, state.tick
-
-
-def _is_ideal(faults: LinkFaults) -> bool:
-    return faults == LinkFaults()
 
 
 def _parted(partition: Partition, time: float, one: int, other: int) -> bool:

@@ -1,8 +1,8 @@
 """The core of a robot: messages and ticks go in, messages come out; no socket, no clock, no global state.
 
 A tick has two phases. `measure` takes the Measurement and gives the State; `command`, once the peers'
-States are heard (or right away, in real time), gives the Command. Line messages are taken over only in
-these two places, when every earlier command is settled, so no command is ever outstanding (`agents.lines`).
+States are heard (or right away, in real time), gives the Command. Line messages are taken over only from
+the one to the other, when every earlier command is settled: none is ever outstanding (`agents.lines`).
 """
 
 from __future__ import annotations
@@ -62,6 +62,7 @@ class Robot:
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
+        self._open = False  # whether the tick's State is out and its Command is not
 
     # -- phase 1
 
@@ -76,6 +77,7 @@ class Robot:
         for down in self._neighbours.fence(measurement.down):
             self._lines.peer_down(down)
         self._take_over(self.tick - 1)
+        self._open = True
         return self._state()
 
     def _await(self, active: Iterable[int]) -> None:
@@ -120,7 +122,10 @@ class Robot:
         robot, tick = state.robot, state.tick
         if robot not in self._radii:
             return False
-        self._link.put(state)
+        if self._open and tick <= self.tick and self._link.ideal:
+            self._learn(state)  # as `command` would in a moment
+        else:
+            self._link.put(state)
         if tick >= self.tick:
             self._awaited.discard(robot)
             if tick > self._ahead.get(robot, self.tick):
@@ -136,6 +141,7 @@ class Robot:
 
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
+        self._open = False
         self._take_over(self.tick)
         position = self._estimate.position
         velocity = STILL
@@ -149,8 +155,11 @@ class Robot:
     def _take_over(self, tick: int) -> None:
         """Hear all States that are due by `tick`."""
         for state in self._link.take(tick):
-            self._neighbours.hear(state)
-            self._lines.hear(state)
+            self._learn(state)
+
+    def _learn(self, state: PeerState) -> None:
+        self._neighbours.hear(state)
+        self._lines.hear(state)
 
     def _allowed(self, position: Vector, desired: Vector) -> Vector:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""

@@ -56,9 +56,11 @@ def _is_finite(message: AnyMessage) -> bool:
     if isinstance(message, State):
         total = _state_sum(message)
     elif isinstance(message, Command):
-        total = sum(message.velocity)
+        total = message.velocity[0] + message.velocity[1]
     elif isinstance(message, Measurement) and not message.down:
-        total = sum(message.displacement, sum(message.position or ()))
+        total = message.displacement[0] + message.displacement[1]
+        if message.position is not None:
+            total += message.position[0] + message.position[1]
     else:
         return all(map(isfinite, _numbers(message)))
     return isfinite(total) or all(map(isfinite, _numbers(message)))

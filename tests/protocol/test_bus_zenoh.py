@@ -56,12 +56,12 @@ def exchange(first: ZenohBus, second: ZenohBus) -> None:
     publish = second.publisher(STREAMS["state"], STATE)
     second.announce(ALIVE)
     assert first.receive(PATIENCE) == Presence(ALIVE, True)
-    publish(b"here")
-    assert first.receive(PATIENCE) == Sample(STATE, b"here")
     answering = threading.Thread(target=answer, args=(first, b"yes"))
     answering.start()
     assert second.ask(SCENARIO, b"may I?", PATIENCE) == b"yes"
     answering.join()
+    publish(b"here")  # the answer came after the subscription: before, nobody might be known to listen
+    assert first.receive(PATIENCE) == Sample(STATE, b"here")
     second.close()
     assert first.receive(PATIENCE) == Presence(ALIVE, False)
 
