@@ -16,6 +16,8 @@ from typing import Any
 
 import msgspec
 
+from agents.peer_reader import PeerReader
+from agents.peer_state import PeerState
 from deploy.library.demonstrations import crash
 from deploy.load import read
 from deploy.local import LocalFleet
@@ -25,7 +27,7 @@ from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
 from protocol.events import Event, Sample
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
-from protocol.messages import Health
+from protocol.messages import Health, State
 from protocol.scenario import Scenario
 from protocol.scenario_file import (
     apply_settings,
@@ -115,6 +117,7 @@ def _draw_message(rng: Random) -> tuple[str, bytes]:
 
 def _read_message(drawn: tuple[str, bytes]) -> bool:
     key, payload = drawn
+    heard = _heard(key, payload)
     try:
         message = decode(key, payload)
     except MessageError as error:
@@ -122,7 +125,29 @@ def _read_message(drawn: tuple[str, bytes]) -> bool:
         assert str(error)
         raise
     assert decode(key, encode(message)) == message
+    if isinstance(message, State):
+        assert heard is not None
+        assert (heard.tick, heard.position, heard.desired) == (
+            message.tick,
+            message.position,
+            message.desired,
+        )
     return True
+
+
+def _heard(key: str, payload: bytes) -> PeerState | None:
+    """What the robot after the speaker of a State makes of it; None if it refuses."""
+    try:
+        address = keys.parse(key)
+    except KeyGrammarError:
+        return None
+    if address.stream != "state" or address.robot is None:
+        return None
+    try:
+        return PeerReader(address.robot + 1, address.robot, 0.1).read(payload)
+    except MessageError as error:
+        assert error.reason in REASONS, error.reason
+        return None
 
 
 # -- requests
