@@ -27,9 +27,7 @@ STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the o
 PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
 TRIPS: Final = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
 RISE: Final = 0.5  # s from no drift to full drift
-BURST: Final = (
-    3.0  # s that an escape lasts at most; then comes patience again, for a drift too can hold a robot
-)
+BURST: Final = 3.0  # s that an escape lasts at most; then patience again, for a drift can hold a robot too
 RELEASE: Final = 1.0  # s from full drift to none, once there is progress or the burst is over
 FALL: Final = 0.98  # gamma has fallen when it is below this fraction of where it last had
 ADJACENT: Final = 1.25  # closest neighbours: beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij

@@ -171,6 +171,20 @@ class Fleet(RuleBasedStateMachine):
             if owner.end.agreed and follower.end.agreed and not self.down.keys() & {one, other}:
                 assert set(follower.end.obeyed) <= set(owner.end.obeyed)
 
+    @invariant()
+    def settled(self) -> None:
+        """What a settled pair keeps at hand is the only line that it obeys; nothing else is left of it."""
+        for bond in itertools.chain.from_iterable(ledger._bonds.values() for ledger in self.ledger.values()):
+            if bond.settled:
+                (line,) = bond.end.obeyed
+                side = line.side(bond.own_radius, bond.owns)
+                assert (bond.nx, bond.ny, bond.limit) == (side.nx, side.ny, side.limit)
+                assert line.gap(0.3, 0.2) == pytest.approx(
+                    (bond.offset - bond.nx * 0.3 - bond.ny * 0.2) * (1.0 if bond.owns else -1.0)
+                )
+                assert bond.end.agreed
+                assert bond.disk is None
+
 
 Fleet.TestCase.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
 TestFleet = Fleet.TestCase
