@@ -1,43 +1,20 @@
 """Reads a peer's States for one robot. In a large fleet nearly all that they say of lines concerns
-other pairs, and stays unread."""
+other pairs, and nothing is made of that."""
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal, final, get_type_hints
-
-import msgspec
+from typing import Final, final
 
 from agents.peer_state import PeerState, said_to
 from protocol.codec import check_finite, encode
-from protocol.messages import Answer, Proposal, State
-from protocol.reader import DAMAGED, Reader
+from protocol.cursor import Cursor
+from protocol.messages import HIGHEST_ID, Answer, Proposal, State
+from protocol.reader import Reader
 from protocol.streams import STREAMS
 
-Vector = tuple[float, float]
-_Unlined = tuple[
-    str, int, int, int, Vector | None, float, float, float, Vector, msgspec.Raw, msgspec.Raw
-]  # a State whose proposals and answers are not looked into
-
-
-def _decoder() -> Any:
-    """Of a State: its last two fields are left as they are, and all others read as declared."""
-    form: Any = tuple
-    literal: Any = Literal
-    declared = get_type_hints(State, include_extras=True)
-    fields = [declared[name] for name in State.__struct_fields__[:-2]]
-    tag = literal[State.__struct_config__.tag]
-    return msgspec.msgpack.Decoder(form[(tag, *fields, msgspec.Raw, msgspec.Raw)]).decode
-
-
-def _mark(robot: int, *, owned: bool) -> bytes:
-    """How a line addressed to `robot` begins in a State: a proposal if the speaker has `owned` it, else an
-    answer. Where this is not found there is none; where it is found, there may be one."""
-    line = Proposal(robot, 0, 0, 0.0, 0.0, 0.0) if owned else Answer(robot, 0, 0, 0)
-    return encode(line)[: 1 + len(encode(robot))]
-
-
-_decode = _decoder()
+_COMPILED: Final = not __file__.endswith(".py")  # as Python, a cursor is slower than msgspec
 _LIMIT: Final = STREAMS["state"].limit
+_FIELDS = 1 + len(State.__struct_fields__)  # the tag and all others
 
 
 @final
@@ -54,14 +31,13 @@ class PeerReader:
         oldest: as given; earlier lives are no concern of this run.
     """
 
-    __slots__ = ("_decode", "_mark", "_peer", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_peer", "_radius", "_reader", "_robot", "oldest")
 
     def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0) -> None:
         self._robot, self._peer, self._radius = robot, peer, radius
         self.oldest = oldest
         self._reader = Reader("state", peer)
-        self._decode = _decode
-        self._mark = _mark(robot, owned=peer < robot)
+        self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
 
     def read(self, payload: bytes) -> PeerState:
         """What the State in `payload` says to this robot.
@@ -70,9 +46,68 @@ class PeerReader:
             MessageError: it is none, or another robot's; or a number in what concerns this robot is
                 infinite, or none.
         """
-        state = self._unlined(payload)
-        if state is not None:
-            return state
+        try:
+            state = self._usual(payload) if _COMPILED else None
+        except IndexError:
+            state = None
+        return self._any(payload) if state is None else state
+
+    def _usual(self, payload: bytes) -> PeerState | None:
+        """A sound State as libraries write it; None, or IndexError, if it is anything else."""
+        if len(payload) > _LIMIT or not payload.startswith(self._begin):
+            return None
+        cursor = Cursor(payload, len(self._begin))
+        incarnation, tick = cursor.count(), cursor.count()
+        placed, x, y = not cursor.none(), 0.0, 0.0
+        if placed:
+            cursor.enter(2)
+            x, y = cursor.number(), cursor.number()
+        bound, gamma, slice_norm = cursor.number(), cursor.number(), cursor.number()
+        cursor.enter(2)
+        vx, vy = cursor.number(), cursor.number()
+        proposals, answers = self._proposals(cursor), self._answers(cursor)
+        if cursor.at != len(payload) or bound < 0.0 or gamma < 0.0 or slice_norm < 0.0:
+            return None
+        state = PeerState(
+            self._peer,
+            incarnation,
+            tick,
+            placed,
+            x,
+            y,
+            bound,
+            gamma,
+            slice_norm,
+            vx,
+            vy,
+            radius=self._radius,
+            proposals=proposals,
+            answers=answers,
+        )
+        return state if state.is_finite else None
+
+    def _proposals(self, cursor: Cursor) -> tuple[Proposal, ...]:
+        """Those to this robot."""
+        found: tuple[Proposal, ...] = ()
+        for _ in range(cursor.array()):
+            cursor.enter(6)
+            peer, life, number = _identity(cursor), cursor.count(), cursor.count()
+            nx, ny, offset = cursor.number(), cursor.number(), cursor.number()
+            if peer == self._robot:
+                found = (*found, Proposal(peer, life, number, nx, ny, offset))
+        return found
+
+    def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
+        """Those to this robot."""
+        found: tuple[Answer, ...] = ()
+        for _ in range(cursor.array()):
+            cursor.enter(4)
+            peer, life, held, seen = _identity(cursor), cursor.count(), cursor.count(), cursor.count()
+            if peer == self._robot:
+                found = (*found, Answer(peer, life, held, seen))
+        return found
+
+    def _any(self, payload: bytes) -> PeerState:
         message = self._reader.read(payload)
         assert isinstance(message, State)
         state = said_to(self._robot, message, self._radius)
@@ -80,22 +115,9 @@ class PeerReader:
             check_finite("state", message)
         return state
 
-    def _unlined(self, payload: bytes) -> PeerState | None:
-        """A sound State without lines for this robot; None if there may be one, or anything to find fault
-        with."""
-        if len(payload) > _LIMIT:
-            return None
-        try:
-            fields: _Unlined = self._decode(payload)
-        except DAMAGED:
-            return None
-        _, robot, incarnation, tick, position, bound, gamma, slice_norm, desired, proposals, answers = fields
-        if robot != self._peer:
-            return None
-        # One byte is an empty array. `in` would first try whether the mark is a number: `find` is quicker.
-        if (len(proposals) > 1 or len(answers) > 1) and payload.find(self._mark) >= 0:
-            return None
-        state = PeerState(
-            robot, incarnation, tick, position, bound, gamma, slice_norm, desired, radius=self._radius
-        )
-        return state if state.is_finite else None
+
+def _identity(cursor: Cursor) -> int:
+    robot = cursor.count()
+    if not 1 <= robot <= HIGHEST_ID:
+        raise IndexError("nobody's id")
+    return robot

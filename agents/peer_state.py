@@ -18,15 +18,15 @@ _INFINITE: Final = math.inf
 @final
 @mypyc_attr(acyclic=True)
 class PeerState(Peer):
-    """What a State says to one of those who hear it; see `protocol.messages.State` for the arguments.
+    """What a State says to one of those who hear it; see `protocol.messages.State` for what is not here.
 
     Args:
-        radius: the peer's, m.
-
-    Attributes:
         placed: whether the peer knows where it is.
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
+        radius: the peer's, m.
+
+    Attributes: as given.
     """
 
     __slots__ = (
@@ -47,21 +47,23 @@ class PeerState(Peer):
         robot: int,
         incarnation: int,
         tick: int,
-        position: Vector | None,
+        placed: bool,
+        x: float,
+        y: float,
         bound: float,
         gamma: float,
         slice_norm: float,
-        desired: Vector,
+        vx: float,
+        vy: float,
         *,
         radius: float,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
-        self.placed = position is not None
-        self.x, self.y = (0.0, 0.0) if position is None else position
+        self.placed, self.x, self.y = placed, x, y
         self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
-        self.vx, self.vy = desired
+        self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
 
     @property
@@ -85,15 +87,19 @@ class PeerState(Peer):
 
 def said_to(robot: int, state: State, radius: float) -> PeerState:
     """What `state` says to `robot`, without lines of other pairs; `radius` (m) is the speaker's."""
+    placed = state.position is not None
+    x, y = state.position or (0.0, 0.0)
     return PeerState(
         state.robot,
         state.incarnation,
         state.tick,
-        state.position,
+        placed,
+        x,
+        y,
         state.bound,
         state.gamma,
         state.slice,
-        state.desired,
+        *state.desired,
         radius=radius,
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),

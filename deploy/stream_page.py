@@ -39,9 +39,7 @@ declarations in `protocol/` by `python -m deploy.stream_page`; do not edit.
 
 Every payload is one [msgpack](https://msgpack.org) array: first a text that names type and protocol
 version, such as `"state/{version}"`, then the fields in the order of the tables below. A reader should
-ignore what has another version, and may ignore fields after those it knows. A writer gives integers their
-shortest form, as every msgpack library does: a robot finds lines that concern it in a State by their
-first bytes, and reads no others.
+ignore what has another version, and may ignore fields after those it knows.
 
 A complete subscriber, with nothing but `pip install eclipse-zenoh msgpack`:
 

@@ -1,6 +1,5 @@
 """Messages: what travels under each key. On the wire each is one msgpack array: a tag
 that names type and version (`"state/1"`), then the fields in the order in which they stand here.
-Integers are in their shortest form: a robot finds the lines addressed to it by their first bytes.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
@@ -9,14 +8,15 @@ The comment beside a field begins with its unit, if it has one; `docs/streams.md
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 import msgspec
 from msgspec import Meta
 
 VERSION = 1
+HIGHEST_ID: Final = 999_999_999
 
-Id = Annotated[int, Meta(ge=1, le=999_999_999)]
+Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 Vector = tuple[float, float]
 Size = Annotated[float, Meta(ge=0)]

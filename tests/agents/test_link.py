@@ -15,7 +15,7 @@ SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
 
 def state(robot: int, tick: int) -> PeerState:
-    return PeerState(robot, 1, tick, (0.0, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), radius=0.1)
+    return PeerState(robot, 1, tick, True, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
 
 def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:

@@ -6,7 +6,7 @@ from protocol.messages import Down
 
 
 def state(robot: int, incarnation: int, tick: int) -> PeerState:
-    return PeerState(robot, incarnation, tick, (float(tick), 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), radius=0.1)
+    return PeerState(robot, incarnation, tick, True, float(tick), 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
 
 def test_only_news_is_taken_over() -> None:
@@ -44,6 +44,6 @@ def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
 
 def test_who_is_lost_is_no_obstacle() -> None:
     known = Neighbours({2: 0.1})
-    known.hear(PeerState(2, 1, 5, None, 0.0, 0.0, 0.0, (0.0, 0.0), radius=0.1))
+    known.hear(PeerState(2, 1, 5, False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, radius=0.1))
     assert known.disks() == []
     assert known.position(2) is None
