@@ -37,28 +37,33 @@ class Link:
         self._column = {peer: column for column, peer in enumerate(scenario.ids)}
         self.ideal = scenario.link == LinkFaults()
         self._draws: dict[int, np.ndarray] = {}
-        self._waiting: defaultdict[int, list[PeerState]] = defaultdict(
-            list
-        )  # by the tick at which they are due
+        self._early: list[PeerState] = []  # without faults: those that this robot's own tick is behind
+        self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
 
     def put(self, state: PeerState) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
         if self.ideal:
-            self._waiting[state.tick].append(state)
+            self._early.append(state)
             return
         for tick in self._due(state):
             self._waiting[tick].append(state)
 
     def take(self, tick: int) -> list[PeerState]:
-        """All States due up to and including `tick`, by due tick; those of one due tick by sender and
-        age, so that older ones come first, which without faults they do anyway."""
+        """All States due up to and including `tick`, by due tick, then by sender and age; without faults
+        as they came, which for each sender is by age too."""
+        if self.ideal:
+            return self._take_early(tick)
         taken: list[PeerState] = []
-        if not self._waiting:
-            return taken
         for due in sorted([each for each in self._waiting if each <= tick]):
-            states = self._waiting.pop(due)
-            taken += states if self.ideal else sorted(states, key=_by_sender)
+            taken += sorted(self._waiting.pop(due), key=_by_sender)
         return taken
+
+    def _take_early(self, tick: int) -> list[PeerState]:
+        early, self._early = self._early, []
+        if not early:
+            return early
+        self._early = [state for state in early if state.tick > tick]
+        return [state for state in early if state.tick <= tick] if self._early else early
 
     def _due(self, state: PeerState) -> list[int]:
         """Ticks at which copies of this State are heard; empty when it is lost."""

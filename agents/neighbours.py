@@ -29,8 +29,11 @@ class Neighbours:
 
     def hear(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
-        place = self._place[state.robot]
+        place = state.place
         known = self._states[place]
+        if known is None or known.robot != state.robot:
+            place = self._place[state.robot]
+            known = self._states[place]
         if known is not None and not is_newer(state, known):
             return False
         self._states[place] = state

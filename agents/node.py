@@ -22,7 +22,7 @@ from protocol.bus import Bus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.events import Event, Presence, Sample
-from protocol.keys import every_robot, robot_key, world_key
+from protocol.keys import robot_key, world_key
 from protocol.messages import Health, Measurement, State
 from protocol.scenario import Scenario
 from protocol.streams import STREAMS
@@ -112,12 +112,12 @@ class RobotNode:
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
+        others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
-                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0)
+                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), place
             )
-            for spec in admission.scenario.robots
-            if spec.id != self._robot
+            for place, spec in enumerate(others)
         }
         self._lockstep = admission.lockstep
         self._refused = self._published = self._received = 0
@@ -132,10 +132,8 @@ class RobotNode:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
-        measurement = robot_key(run, robot, "measurement")
-        bus.expect([measurement, *[robot_key(run, i, "state") for i in scenario.ids if i != robot]])
-        bus.subscribe(measurement)
-        bus.subscribe(every_robot(run, "state"))
+        bus.subscribe(robot_key(run, robot, "measurement"))
+        bus.subscribe(*[robot_key(run, i, "state") for i in scenario.ids if i != robot])
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))

@@ -26,15 +26,16 @@ class PeerReader:
         peer: the speaker's.
         radius: of the peer, m.
         oldest: its first incarnation in this run.
+        place: see `PeerState`.
 
     Attributes:
         oldest: as given; earlier lives are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_peer", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_peer", "_place", "_radius", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0) -> None:
-        self._robot, self._peer, self._radius = robot, peer, radius
+    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, place: int = 0) -> None:
+        self._robot, self._peer, self._radius, self._place = robot, peer, radius, place
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
@@ -83,6 +84,7 @@ class PeerReader:
             radius=self._radius,
             proposals=proposals,
             answers=answers,
+            place=self._place,
         )
         return state if state.is_finite else None
 
@@ -110,7 +112,7 @@ class PeerReader:
     def _any(self, payload: bytes) -> PeerState:
         message = self._reader.read(payload)
         assert isinstance(message, State)
-        state = said_to(self._robot, message, self._radius)
+        state = said_to(self._robot, message, self._radius, self._place)
         if not state.is_finite:
             check_finite("state", message)
         return state

@@ -41,14 +41,13 @@ class Robot:
         self.robot, self.incarnation = robot, incarnation
         self._scenario, self._control = scenario, scenario.control
         self._goal, self._radius = spec.goal, spec.radius
-        self._radii = {peer.id: peer.radius for peer in scenario.robots if peer.id != robot}
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         speed, period = scenario.control.speed * (1.0 + scenario.actuation.bound), scenario.time.step
         self._estimate = Estimate(scenario.sensing_of(robot).bound, speed * period)
-        self._neighbours = Neighbours(self._radii)
-        self._link = Link(scenario, robot)
         radii = {peer.id: peer.radius for peer in scenario.robots}
+        self._neighbours = Neighbours({peer: radii[peer] for peer in radii if peer != robot})
+        self._link = Link(scenario, robot)
         first = incarnation == first_lives.get(robot)
         self._lines = Ledger(
             robot,
@@ -117,20 +116,17 @@ class Robot:
 
     # -- between the phases
 
-    def hear(self, state: PeerState) -> bool:
-        """A peer's State has arrived; False if it is no peer of this run."""
+    def hear(self, state: PeerState) -> None:
+        """The State of a peer of this run has arrived."""
         robot, tick = state.robot, state.tick
-        if robot not in self._radii:
-            return False
         if self._open and tick <= self.tick and self._link.ideal:
             self._learn(state)  # as `command` would in a moment
         else:
             self._link.put(state)
         if tick >= self.tick:
             self._awaited.discard(robot)
-            if tick > self._ahead.get(robot, self.tick):
-                self._ahead[robot] = tick
-        return True
+        if tick > self.tick and tick > self._ahead.get(robot, -1):
+            self._ahead[robot] = tick
 
     @property
     def complete(self) -> bool:

@@ -22,11 +22,11 @@ class Bus(Protocol):
     def publisher(self, stream: Stream, key: str) -> Publish:
         """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
 
-    def subscribe(self, key_expression: str) -> None:
-        """Ask for samples under a key expression."""
+    def subscribe(self, *key_expressions: str) -> None:
+        """Ask for samples under key expressions; under plain keys they cost least."""
 
     def expect(self, keys: Iterable[str]) -> None:
-        """Say which keys will be heard; under those a sample costs less to hear."""
+        """Say which keys will be heard by way of a pattern; under those a sample costs less to hear."""
 
     def watch(self, key_expression: str) -> None:
         """Ask for presence of liveliness tokens, those already there included."""

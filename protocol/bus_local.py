@@ -91,7 +91,8 @@ class LocalBus:
         self.served: set[str] = set()
         self._network = network
         self._inbox: deque[Event] = deque()
-        self._subscriptions: list[re.Pattern[str]] = []
+        self._keys: set[str] = set()
+        self._patterns: list[re.Pattern[str]] = []
         self._watches: list[re.Pattern[str]] = []
 
     def publisher(self, stream: Stream, key: str) -> Publish:  # noqa: ARG002
@@ -109,8 +110,9 @@ class LocalBus:
 
         return publish
 
-    def subscribe(self, key_expression: str) -> None:
-        self._subscriptions.append(_pattern(key_expression))
+    def subscribe(self, *key_expressions: str) -> None:
+        self._keys.update(each for each in key_expressions if "*" not in each)
+        self._patterns += [_pattern(each) for each in key_expressions if "*" in each]
         self._network.generation += 1
 
     def expect(self, keys: Iterable[str]) -> None:
@@ -151,7 +153,7 @@ class LocalBus:
 
     def hears(self, key: str) -> bool:
         """Whether a subscription matches `key`."""
-        return any(pattern.fullmatch(key) for pattern in self._subscriptions)
+        return key in self._keys or any(pattern.fullmatch(key) for pattern in self._patterns)
 
     def watches(self, key: str) -> bool:
         """Whether presence under `key` is asked for."""

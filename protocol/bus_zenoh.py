@@ -87,13 +87,15 @@ class ZenohBus:
         self._declared.append(publisher)
         return publisher.put
 
+    def subscribe(self, *key_expressions: str) -> None:
+        # A key that was declared is a number in a sample; of any other the text is sent, and searched for.
+        for each in key_expressions:
+            handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
+            self._declared.append(self._session.declare_subscriber(each, handler))
+
     def expect(self, keys: Iterable[str]) -> None:
         # Of a declared key the route is kept; that of any other is searched for again with every sample.
         self._declared += [self._session.declare_keyexpr(key) for key in keys]
-
-    def subscribe(self, key_expression: str) -> None:
-        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
-        self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
     def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
         """Subscribe for somebody in no hurry: the function returned gives keys and payloads so far.

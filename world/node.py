@@ -82,8 +82,7 @@ class WorldNode:
         self._reception = Reception(run, self._roster, lockstep)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
         self._begin(Turn(0, next(self._scenarios), {}))
-        bus.expect(robot_key(run, i, "command") for i in scenarios[0].ids)
-        bus.subscribe(every_robot(run, "command"))
+        bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
         for stream in ("control", "scenario"):
             bus.serve(world_key(run, stream))

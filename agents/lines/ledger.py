@@ -94,8 +94,10 @@ class Ledger:
 
     def hear(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
-        bond = self._bonds.get(state.robot)
-        if bond is None or not bond.meet(state):
+        bond = self._each[state.place]
+        if bond.peer != state.robot:
+            bond = self._bonds[state.robot]
+        if not bond.meet(state):
             return
         self._disturbed = self._disturbed or bond.anew
         if not state.answers and not state.proposals:
@@ -113,11 +115,6 @@ class Ledger:
             bond.bury(down.incarnation, down.position)
             if bond.disk is not None:
                 bond.disk.renew(self._x, self._y, self._bound)
-
-    def removed(self, peer: int) -> None:
-        """The operator has taken a peer out of the workspace."""
-        self._bonds.pop(peer, None)
-        self._each = list(self._bonds.values())
 
     @property
     def ready(self) -> bool:

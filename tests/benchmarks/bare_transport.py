@@ -133,9 +133,8 @@ def bus_robot(endpoint: str, robot: int, robots: int) -> int:
     """One robot on `ZenohBus`; ends when it is told to."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
     measurement = robot_key(RUN, robot, "measurement")
-    bus.expect([measurement, *[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot]])
     bus.subscribe(measurement)
-    bus.subscribe(every_robot(RUN, "state"))
+    bus.subscribe(*[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot])
     state = bus.publisher(STREAMS["state"], robot_key(RUN, robot, "state"))
     command = bus.publisher(STREAMS["command"], robot_key(RUN, robot, "command"))
     bus.announce(robot_key(RUN, robot, "alive"))
@@ -158,8 +157,7 @@ def bus_robot(endpoint: str, robot: int, robots: int) -> int:
 def bus_world(endpoint: str, robots: int, seconds: float, report: Callable[[str], None]) -> int:
     """The world on `ZenohBus`; reports the rate."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
-    bus.expect(robot_key(RUN, i, "command") for i in range(1, robots + 1))
-    bus.subscribe(every_robot(RUN, "command"))
+    bus.subscribe(*[robot_key(RUN, i, "command") for i in range(1, robots + 1)])
     stream = STREAMS["measurement"]
     measurements = [bus.publisher(stream, robot_key(RUN, i, "measurement")) for i in range(1, robots + 1)]
     bus.watch(every_robot(RUN, "alive"))

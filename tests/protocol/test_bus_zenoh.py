@@ -50,8 +50,7 @@ def connect(endpoint: str) -> Iterator[Connect]:
 def exchange(first: ZenohBus, second: ZenohBus) -> None:
     """Everything that a fleet does, from `second` to `first`."""
     first.watch("disknav/t/robot/*/alive")
-    first.expect((STATE, "disknav/t/robot/999/state"))
-    first.subscribe("disknav/t/robot/*/state")
+    first.subscribe(STATE, "disknav/t/robot/999/state")
     first.serve(SCENARIO)
     publish = second.publisher(STREAMS["state"], STATE)
     second.announce(ALIVE)

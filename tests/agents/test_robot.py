@@ -1,0 +1,88 @@
+"""The core of a robot: what it is told may come in any order in which a network can bring it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.peer_state import PeerState, said_to
+from agents.robot import Robot
+from deploy.load import load
+from protocol.messages import Command, Measurement, State
+from world.world import World
+
+SCENARIO = load("swap-4")
+IDS = SCENARIO.ids
+OWN, *OTHERS = IDS
+TICKS = 12
+orders = st.lists(st.permutations([OWN, *OTHERS]), min_size=TICKS, max_size=TICKS)
+
+
+def robots() -> tuple[World, dict[int, Robot]]:
+    world = World(SCENARIO)
+    lives = {robot: world.join(robot) for robot in IDS}
+    return world, {robot: Robot(SCENARIO, robot, life, lives) for robot, life in lives.items()}
+
+
+def heard(state: State) -> PeerState:
+    return said_to(OWN, state, SCENARIO.spec(state.robot).radius)
+
+
+@cache
+def said() -> list[tuple[Measurement, dict[int, State], Command]]:
+    """What robot OWN is told and commands, tick by tick, if everybody is in step."""
+    world, fleet = robots()
+    ticks = []
+    for _ in range(TICKS):
+        told = world.open_tick()
+        states = {i: robot.measure(told[i]) for i, robot in fleet.items()}
+        for i, robot in fleet.items():
+            for peer in IDS:
+                if peer != i:
+                    robot.hear(said_to(i, states[peer], SCENARIO.spec(peer).radius))
+        commands = {i: robot.command() for i, robot in fleet.items()}
+        for command in commands.values():
+            world.accept(command)
+        world.close_tick()
+        ticks.append((told[OWN], states, commands[OWN]))
+    return ticks
+
+
+@given(orders)
+def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: list[list[int]]) -> None:
+    robot = robots()[1][OWN]
+    for order, (measurement, states, command) in zip(orders, said(), strict=True):
+        for count, each in enumerate(order):
+            if each == OWN:
+                assert robot.measure(measurement) == states[OWN]
+            else:
+                robot.hear(heard(states[each]))
+            told = OWN in order[: count + 1]
+            assert not told or robot.complete == (count == len(order) - 1)
+        assert robot.command() == command
+
+
+def test_who_no_longer_takes_part_is_not_awaited() -> None:
+    robot = robots()[1][OWN]
+    measurement, states, _ = said()[0]
+    robot.measure(measurement)
+    for peer in OTHERS[1:]:
+        robot.hear(heard(states[peer]))
+    assert not robot.complete
+    robot.reconsider(Measurement(OWN, 1, 0, measurement.position, 0, (0.0, 0.0), (OWN, *OTHERS[1:])))
+    assert robot.complete
+
+
+def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
+    robot = robots()[1][OWN]
+    (first, states, _), (second, _, _) = said()[:2]
+    robot.measure(first)
+    for peer in OTHERS:
+        robot.hear(heard(states[peer]))
+    robot.command()
+    robot.measure(second)
+    for peer in OTHERS:
+        robot.hear(heard(states[peer]))
+    assert not robot.complete
