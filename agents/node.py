@@ -1,8 +1,9 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
 Lock-step: the State goes out when the Measurement arrives, the Command when the States of all that
-take part are there. Real time: both go out at once, and nobody is waited for. When a run ends, or
-the world has fenced this life, it joins again: as a new life, or to learn that it is over.
+take part are there; both again when the world tells the same tick again. Real time: both go out at
+once, and nobody is waited for. When a run ends, or the world has fenced this life, it joins again: as
+a new life, or to learn that it is over.
 """
 
 from __future__ import annotations
@@ -69,6 +70,7 @@ class RobotNode:
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
+        self._said_state = self._said_command = b""  # newest, as they were sent
         self._published = self._received = 0
         self._heard_world = self._reported = time.monotonic()
         self.deadline = self._heard_world
@@ -193,11 +195,13 @@ class RobotNode:
         elif core.is_down(measurement):
             self._rejoin()
         elif measurement.tick == core.tick:
+            self._repeat()
             core.reconsider(measurement)
             if not self._commanded and core.complete:
                 self._command()
         elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
-            self._tell_state(encode(core.measure(measurement)))
+            self._said_state = encode(core.measure(measurement))
+            self._tell_state(self._said_state)
             self._published += 1
             self._commanded = False
             if core.complete or not self._lockstep:
@@ -205,11 +209,18 @@ class RobotNode:
 
     def _command(self) -> None:
         assert self.core is not None
-        self._tell_command(encode(self.core.command()))
+        self._said_command = encode(self.core.command())
+        self._tell_command(self._said_command)
         self._published += 1
         self._commanded = True
         if self._heard_world >= self._reported + REPORT_PERIOD:
             self._report()
+
+    def _repeat(self) -> None:
+        """The world waits for somebody: perhaps for one who did not hear what this robot said."""
+        self._tell_state(self._said_state)
+        if self._commanded:
+            self._tell_command(self._said_command)
 
     def _rejoin(self) -> None:
         """This life is over; ask for the next. What still arrives is not for this life."""

@@ -23,10 +23,11 @@ class Stream(NamedTuple):
     limit: int  # largest payload accepted, bytes
 
 
+_EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("measurement", Measurement, "world", "once a tick and robot", True, True, 64 * 1024),
-    Stream("state", State, "robot", "once a tick and robot", True, True, 128 * 1024),
-    Stream("command", Command, "robot", "once a tick and robot", True, True, 1024),
+    Stream("measurement", Measurement, "world", _EACH_TICK, True, True, 64 * 1024),
+    Stream("state", State, "robot", _EACH_TICK, True, True, 128 * 1024),
+    Stream("command", Command, "robot", _EACH_TICK, True, True, 1024),
     Stream(
         "clock",
         Clock,

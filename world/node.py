@@ -2,7 +2,8 @@
 
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
-not heard in time is given up (it stands still, and is fenced) and named.
+not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
+to all again, for a message may have been lost with a link.
 """
 
 from __future__ import annotations
@@ -249,6 +250,8 @@ class WorldNode:
         if turn.opened:
             if now > self._pacing.since + self._patience:
                 self._give_up(turn.world.waiting)
+            elif self._pacing.repeats():
+                self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
             # Held back by a viewer, not by a robot.
             self._pacing.since = max(self._pacing.since, now - self._gathering)

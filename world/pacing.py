@@ -7,6 +7,9 @@ import time
 from protocol.steering import Steering
 
 BEAT = 0.1  # s between looks while nothing happens
+REPEAT = (
+    0.5  # s after which a tick is told again to all, if somebody has not commanded; then three times that
+)
 
 
 class Pacing:
@@ -25,6 +28,7 @@ class Pacing:
     def __init__(self, lockstep: bool, speed: float) -> None:
         self.lockstep = lockstep
         self.steering = Steering(speed=speed)
+        self._repeat = REPEAT
         self.wait()
 
     def wait(self) -> None:
@@ -40,6 +44,13 @@ class Pacing:
         """For how long, s."""
         return time.monotonic() - self.since
 
+    def repeats(self) -> bool:
+        """Whether it is time to tell the present tick again: what was said in it may be lost."""
+        if self.waited() < self._repeat:
+            return False
+        self._repeat *= 3.0
+        return True
+
     def holds(self, tick: int, step: float) -> bool:
         """Whether a viewer's pause or speed holds back `tick`, of `step` s."""
         steering = self.steering
@@ -54,7 +65,7 @@ class Pacing:
         """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""
         now = time.monotonic()
         if self.lockstep:
-            self.since = now
+            self.since, self._repeat = now, REPEAT
             self.look_again(now)
         else:
             due = self.since + step if tick > 0 else now
