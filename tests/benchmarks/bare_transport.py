@@ -26,9 +26,16 @@ from protocol.events import Presence, Sample
 from protocol.keys import every_robot, robot_key, world_key
 from protocol.streams import STREAMS
 
-MEASUREMENT, STATE, COMMAND = bytes(90), bytes(110), bytes(40)
 RUN = "bare"
 _MODULES = ("numpy", "zenoh", "protocol.bus_zenoh", "deploy.router", "tests.benchmarks.bare_transport")
+
+
+class Payloads(NamedTuple):
+    """What is sent, of the sizes that a fleet's messages have; the first byte says of which kind it is."""
+
+    measurement: bytes
+    state: bytes
+    command: bytes
 
 
 class Rate(NamedTuple):
@@ -43,15 +50,17 @@ class Rate(NamedTuple):
 
 def rate(robots: int, seconds: float = 3.0, bus: Literal["raw", "bus"] = "raw") -> Rate:
     """Lock-step ticks of `robots` processes through a router, on raw zenoh or on `ZenohBus`."""
-    module = "tests.benchmarks.bare_transport"
+    from tests.benchmarks.payloads import payloads  # here, so that the processes do without a fleet
+
+    module, say = "tests.benchmarks.bare_transport", payloads(robots)
     with Supervisor(Spawner(_MODULES)) as supervisor:
         supervisor.start([router(Connection("router"))])
         endpoint = supervisor.report("router", 10.0)
         supervisor.start(
-            Process(f"robot-{i}", f"{module}:{bus}_robot", (endpoint, i, robots))
+            Process(f"robot-{i}", f"{module}:{bus}_robot", (endpoint, i, robots, say))
             for i in range(1, robots + 1)
         )
-        world = Process("world", f"{module}:{bus}_world", (endpoint, robots, seconds), reports=True)
+        world = Process("world", f"{module}:{bus}_world", (endpoint, robots, seconds, say), reports=True)
         supervisor.start([world])
         ticks, frequency = map(float, supervisor.report("world", seconds + 30.0).split())
         cpu = sum(usage.cpu_s for usage in supervisor.usage())
@@ -87,7 +96,7 @@ def _publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
     )
 
 
-def raw_robot(endpoint: str, robot: int, robots: int) -> int:
+def raw_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     """One robot on raw zenoh; ends when it is told to."""
     session = _open(endpoint)
     fifo: zenoh.handlers.FifoChannel[zenoh.Sample] = zenoh.handlers.FifoChannel(4 * robots + 64)
@@ -98,14 +107,16 @@ def raw_robot(endpoint: str, robot: int, robots: int) -> int:
     token = session.liveliness().declare_token(robot_key(RUN, robot, "alive"))
     while token is not None:
         measurements.recv().payload.to_bytes()
-        state.put(STATE)
+        state.put(say.state)
         for _ in range(robots - 1):
             states.recv().payload.to_bytes()
-        command.put(COMMAND)
+        command.put(say.command)
     return 0
 
 
-def raw_world(endpoint: str, robots: int, seconds: float, report: Callable[[str], None]) -> int:
+def raw_world(
+    endpoint: str, robots: int, seconds: float, say: Payloads, report: Callable[[str], None]
+) -> int:
     """The world on raw zenoh; reports the rate."""
     session = _open(endpoint)
     commands = session.declare_subscriber(
@@ -118,7 +129,7 @@ def raw_world(endpoint: str, robots: int, seconds: float, report: Callable[[str]
 
     def tick() -> None:
         for measurement in measurements:
-            measurement.put(MEASUREMENT)
+            measurement.put(say.measurement)
         for _ in range(robots):
             commands.recv().payload.to_bytes()
 
@@ -129,7 +140,7 @@ def raw_world(endpoint: str, robots: int, seconds: float, report: Callable[[str]
 # -- the same through ZenohBus, every sample by way of `receive`
 
 
-def bus_robot(endpoint: str, robot: int, robots: int) -> int:
+def bus_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     """One robot on `ZenohBus`; ends when it is told to."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
     measurement = robot_key(RUN, robot, "measurement")
@@ -145,16 +156,18 @@ def bus_robot(endpoint: str, robot: int, robots: int) -> int:
         if not isinstance(event, Sample):
             return 1
         if event.key == measurement:
-            state(STATE)
+            state(say.state)
             measured = True
         else:
             heard += 1
         if measured and heard == robots - 1:
             heard, measured = 0, False
-            command(COMMAND)
+            command(say.command)
 
 
-def bus_world(endpoint: str, robots: int, seconds: float, report: Callable[[str], None]) -> int:
+def bus_world(
+    endpoint: str, robots: int, seconds: float, say: Payloads, report: Callable[[str], None]
+) -> int:
     """The world on `ZenohBus`; reports the rate."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
     bus.subscribe(*[robot_key(RUN, i, "command") for i in range(1, robots + 1)])
@@ -169,7 +182,7 @@ def bus_world(endpoint: str, robots: int, seconds: float, report: Callable[[str]
 
     def tick() -> None:
         for measurement in measurements:
-            measurement(MEASUREMENT)
+            measurement(say.measurement)
         hear(Sample)
 
     hear(Presence)

@@ -17,7 +17,7 @@ from typing import Literal, Protocol
 from deploy.process_table import Process
 from deploy.spawn import Spawner
 from deploy.supervisor import Supervisor
-from tests.benchmarks.bare_transport import COMMAND, MEASUREMENT, STATE, Rate, timed
+from tests.benchmarks.bare_transport import Payloads, Rate, timed
 
 Carrier = Literal["zmq", "pipes"]
 _MODULE = "tests.benchmarks.floors"
@@ -83,25 +83,32 @@ class PipeNode:
 _NODES: dict[Carrier, type[ZmqNode] | type[PipeNode]] = {"zmq": ZmqNode, "pipes": PipeNode}
 
 
-def robot(carrier: Carrier, folder: Path, own: int, robots: int) -> int:
+def robot(carrier: Carrier, folder: Path, own: int, robots: int, say: Payloads) -> int:
     """One robot; ends when it is told to."""
     node: Node = _NODES[carrier](folder, own, robots)
     others = [other for other in range(1, robots + 1) if other != own]
     heard, measured = 0, False
-    node.send(0, COMMAND)  # it is there
+    node.send(0, say.command)  # it is there
     while True:
-        if len(node.receive()) == len(MEASUREMENT):
+        if node.receive()[0] == say.measurement[0]:
             measured = True
             for other in others:
-                node.send(other, STATE)
+                node.send(other, say.state)
         else:
             heard += 1
         if measured and heard == len(others):
             heard, measured = 0, False
-            node.send(0, COMMAND)
+            node.send(0, say.command)
 
 
-def world(carrier: Carrier, folder: Path, robots: int, seconds: float, report: Callable[[str], None]) -> int:
+def world(
+    carrier: Carrier,
+    folder: Path,
+    robots: int,
+    seconds: float,
+    say: Payloads,
+    report: Callable[[str], None],
+) -> int:
     """The world; reports the rate."""
     node: Node = _NODES[carrier](folder, 0, robots)
 
@@ -111,7 +118,7 @@ def world(carrier: Carrier, folder: Path, robots: int, seconds: float, report: C
 
     def tick() -> None:
         for each in range(1, robots + 1):
-            node.send(each, MEASUREMENT)
+            node.send(each, say.measurement)
         hear()
 
     hear()
@@ -121,17 +128,20 @@ def world(carrier: Carrier, folder: Path, robots: int, seconds: float, report: C
 
 def rate(robots: int, seconds: float, carrier: Carrier) -> Rate:
     """Lock-step ticks of `robots` processes over another carrier."""
+    from tests.benchmarks.payloads import payloads  # here, so that the processes do without a fleet
+
+    say = payloads(robots)
     with (
         TemporaryDirectory(prefix="disknav-") as folder,
         Supervisor(Spawner(("zmq", "deploy.process_table", _MODULE))) as supervisor,
     ):
         path = Path(folder)
         supervisor.start(
-            Process(f"robot-{i}", f"{_MODULE}:robot", (carrier, path, i, robots))
+            Process(f"robot-{i}", f"{_MODULE}:robot", (carrier, path, i, robots, say))
             for i in range(1, robots + 1)
         )
         supervisor.start(
-            [Process("world", f"{_MODULE}:world", (carrier, path, robots, seconds), reports=True)]
+            [Process("world", f"{_MODULE}:world", (carrier, path, robots, seconds, say), reports=True)]
         )
         ticks, frequency = map(float, supervisor.report("world", seconds + 30.0).split())
         cpu = sum(usage.cpu_s for usage in supervisor.usage())
