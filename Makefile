@@ -26,7 +26,7 @@ $(COMPILED): $(READY) compile.py Makefile $(INNER)
 	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
 	  find protocol agents world deploy -name '*.so' -exec touch {} +; \
 	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world deploy -name '*.so' -delete; \
-	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at two thirds of the speed; to try again: touch compile.py"; fi
+	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at half to three quarters of the speed; to try again: touch compile.py"; fi
 	@touch $@
 
 $(READY): pyproject.toml
