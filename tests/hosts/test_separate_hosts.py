@@ -93,7 +93,7 @@ def _pull(hosts: Hosts, fleet: Field) -> None:
 def test_a_bad_cable(tmp_path: Path) -> None:
     """A command is back after twice the delay, half a tick; whoever misses it stands still for that tick."""
     scenario = load("figure-1", ["time.step=0.2", "control.speed=0.15", "time.limit=60"], 3)
-    with Hosts(3, tmp_path / "log", {3: Bad(delay=0.05, loss=0.03)}) as hosts:
+    with Hosts(3, tmp_path / "log", {3: Bad(delay=0.05, loss=0.1)}) as hosts:
         *_, last = Field(hosts, tmp_path, scenario).told()
     report = last["report"]
     assert report["verdict"] == "arrived"
