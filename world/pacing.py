@@ -7,9 +7,7 @@ import time
 from protocol.steering import Steering
 
 BEAT = 0.1  # s between looks while nothing happens
-REPEAT = (
-    0.5  # s after which a tick is told again to all, if somebody has not commanded; then three times that
-)
+REPEAT = 0.5  # s until a tick in which somebody has not commanded is told again; then three times that
 
 
 class Pacing:
