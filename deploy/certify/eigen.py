@@ -1,0 +1,87 @@
+"""Small dense linear algebra in plain floating point: what it finds is a proposal, never a bound."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.certify.kernel import compiled
+
+Array = NDArray[np.float64]
+
+_SWEEPS = 8
+
+
+@compiled
+def lowest(matrix: Array, vector: Array) -> float:
+    """Smallest eigenvalue of a symmetric matrix, which is overwritten, and a unit eigenvector, by Jacobi's rotations."""
+    n = len(matrix)
+    basis = np.eye(n)
+    for _ in range(_SWEEPS):
+        off = 0.0
+        for i in range(n):
+            for j in range(i):
+                off += matrix[i, j] * matrix[i, j]
+        if off < 1e-20:
+            break
+        for i in range(n):
+            for j in range(i):
+                _rotate(matrix, basis, i, j)
+    best = 0
+    for i in range(n):
+        if matrix[i, i] < matrix[best, best]:
+            best = i
+    vector[:] = basis[:, best]
+    return float(matrix[best, best])
+
+
+@compiled
+def _rotate(matrix: Array, basis: Array, i: int, j: int) -> None:
+    if matrix[i, j] == 0.0:
+        return
+    slope = (matrix[j, j] - matrix[i, i]) / (2.0 * matrix[i, j])
+    t = 1.0 / (abs(slope) + np.sqrt(1.0 + slope * slope))
+    if slope < 0.0:
+        t = -t
+    c = 1.0 / np.sqrt(1.0 + t * t)
+    s = t * c
+    for k in range(len(matrix)):
+        one, two = matrix[k, i], matrix[k, j]
+        matrix[k, i], matrix[k, j] = c * one - s * two, s * one + c * two
+    for k in range(len(matrix)):
+        one, two = matrix[i, k], matrix[j, k]
+        matrix[i, k], matrix[j, k] = c * one - s * two, s * one + c * two
+    for k in range(len(matrix)):
+        one, two = basis[k, i], basis[k, j]
+        basis[k, i], basis[k, j] = c * one - s * two, s * one + c * two
+
+
+@compiled
+def solve_into(matrix: Array, inverse: Array) -> bool:
+    """The inverse by Gauss and Jordan with row exchange; `matrix` is overwritten. False: singular."""
+    n = len(matrix)
+    inverse[:, :] = 0.0
+    for i in range(n):
+        inverse[i, i] = 1.0
+    for i in range(n):
+        pivot = i
+        for r in range(i + 1, n):
+            if abs(matrix[r, i]) > abs(matrix[pivot, i]):
+                pivot = r
+        if not abs(matrix[pivot, i]) > 1e-300:
+            return False
+        if pivot != i:
+            for c in range(n):
+                matrix[i, c], matrix[pivot, c] = matrix[pivot, c], matrix[i, c]
+                inverse[i, c], inverse[pivot, c] = inverse[pivot, c], inverse[i, c]
+        scale = 1.0 / matrix[i, i]
+        for c in range(n):
+            matrix[i, c] *= scale
+            inverse[i, c] *= scale
+        for r in range(n):
+            factor = matrix[r, i]
+            if r != i and factor != 0.0:
+                for c in range(n):
+                    matrix[r, c] -= factor * matrix[i, c]
+                    inverse[r, c] -= factor * inverse[i, c]
+    return True
