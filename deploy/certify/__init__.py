@@ -1,1 +1,1 @@
-"""Certificates for k: a proof by computation that the goal is the only minimum for every k from K on."""
+"""Certificates: proofs by computation that for every k from K on the goal is the only minimum of phi."""

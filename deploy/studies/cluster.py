@@ -42,7 +42,7 @@ class Cluster:
         """
         self._address = address
         self._name = fresh_run_name()
-        self._client = _connected(address)
+        self._client = connected(address)
         self._given: list[Future[list[Outcome]]] = []
         self._await_workers()
 
@@ -166,7 +166,7 @@ class StudyStoppedError(DisknavError):
     """Nobody waits for this batch any more."""
 
 
-def _connected(address: str) -> Client:
+def connected(address: str) -> Client:
     try:
         from distributed import Client
     except ModuleNotFoundError as error:

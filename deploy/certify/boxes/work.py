@@ -6,13 +6,15 @@ w_ij = |d_ij - g_ij / 2|^2 - |g_ij|^2 / 4, an exact range over a box of d_ij.
 
 from __future__ import annotations
 
-from deploy.certify.intervals import Interval, add, divide, mul, square, sub, up, weigh
-from deploy.certify.kernel import compiled
-from deploy.certify.scene import Box, Derived, Scene, lower, upper
+import numpy as np
+
+from deploy.certify.boxes.intervals import Interval, add, divide, square, sub, up, weigh
+from deploy.certify.boxes.kernel import compiled
+from deploy.certify.boxes.scene import Box, Derived, Scene, lower, upper
 
 
 @compiled
-def enclose_work(scene: Scene, box: Box, out: Derived) -> None:
+def enclose_work(scene: Scene, out: Derived) -> None:
     """Derive w_q of every factor."""
     for q in range(len(scene.first)):
         i, j = scene.first[q], scene.second[q]
@@ -35,10 +37,7 @@ def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
     for q in range(factors):
         most = out.work[q, 1]
         beta = out.beta[q, 0] if most > 0.0 else out.beta[q, 1]
-        if most > 0.0 and beta == 0.0:
-            k = float("inf")
-        else:
-            k = up(k + up(most / beta))
+        k = np.inf if most > 0.0 and beta == 0.0 else up(k + up(most / beta))
     if up(k * box[last, 1]) < 1.0:
         return False
     gamma = (out.total[0, 0], out.total[0, 1])

@@ -7,9 +7,9 @@ v^T H v / 2 = sum_i |v_i|^2 - sum lambda_ij |v_ij|^2 + sum lambda_0i |v_i|^2 - 2
 
 from __future__ import annotations
 
-from deploy.certify.intervals import Interval, add, down, mul, square, sub, up, weigh
-from deploy.certify.kernel import compiled
-from deploy.certify.scene import Box, Derived, Scene, lower, upper
+from deploy.certify.boxes.intervals import Interval, add, down, mul, square, sub, up
+from deploy.certify.boxes.kernel import compiled
+from deploy.certify.boxes.scene import Box, Derived, Scene, lower, upper
 
 
 @compiled
@@ -52,7 +52,7 @@ def _reach(scene: Scene, box: Box, row: int) -> float:
 
 @compiled
 def circles(scene: Scene, box: Box, out: Derived) -> bool:
-    """Whether some robot, by circling the robot or the centre at factor q, has negative curvature all over the box.
+    """Whether circling another robot, or the centre, has negative curvature for some robot all over the box.
 
     v = J d_q on robot i alone, for which grad beta_q . v = 0 exactly.
     """

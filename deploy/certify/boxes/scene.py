@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.navigation.function import Problem
-from deploy.certify.intervals import add, mul
-from deploy.certify.kernel import compiled
+from deploy.certify.boxes.intervals import add, mul
+from deploy.certify.boxes.kernel import compiled
 
 Box = NDArray[np.float64]
 
@@ -94,12 +94,19 @@ def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
 @compiled
 def lower(array: NDArray[np.float64], row: int, bound: float) -> None:
     """Raise a lower bound; nan changes nothing."""
-    if bound > array[row, 0]:
-        array[row, 0] = bound
+    array[row, 0] = max(array[row, 0], bound)
 
 
 @compiled
 def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
     """Lower an upper bound; nan changes nothing."""
-    if bound < array[row, 1]:
-        array[row, 1] = bound
+    array[row, 1] = min(array[row, 1], bound)
+
+
+@compiled
+def inverted(box: Box, rows: int) -> bool:
+    """Whether one of the first rows is empty."""
+    found = False
+    for row in range(rows):
+        found = found or box[row, 0] > box[row, 1]
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.certify.kernel import compiled
+from deploy.certify.boxes.kernel import compiled
 
 Array = NDArray[np.float64]
 
@@ -14,7 +14,7 @@ _SWEEPS = 8
 
 @compiled
 def lowest(matrix: Array, vector: Array) -> float:
-    """Smallest eigenvalue of a symmetric matrix, which is overwritten, and a unit eigenvector, by Jacobi's rotations."""
+    """Smallest eigenvalue of a symmetric matrix, which is overwritten, and its vector: Jacobi's rotations."""
     n = len(matrix)
     basis = np.eye(n)
     for _ in range(_SWEEPS):
@@ -64,16 +64,12 @@ def solve_into(matrix: Array, inverse: Array) -> bool:
     for i in range(n):
         inverse[i, i] = 1.0
     for i in range(n):
-        pivot = i
-        for r in range(i + 1, n):
-            if abs(matrix[r, i]) > abs(matrix[pivot, i]):
-                pivot = r
+        pivot = i + int(np.argmax(np.abs(matrix[i:, i])))
         if not abs(matrix[pivot, i]) > 1e-300:
             return False
-        if pivot != i:
-            for c in range(n):
-                matrix[i, c], matrix[pivot, c] = matrix[pivot, c], matrix[i, c]
-                inverse[i, c], inverse[pivot, c] = inverse[pivot, c], inverse[i, c]
+        for c in range(n):
+            matrix[i, c], matrix[pivot, c] = matrix[pivot, c], matrix[i, c]
+            inverse[i, c], inverse[pivot, c] = inverse[pivot, c], inverse[i, c]
         scale = 1.0 / matrix[i, i]
         for c in range(n):
             matrix[i, c] *= scale

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from deploy.certify.intervals import add, divide, down, mul, root_above, root_below, square, sub, up
-from deploy.certify.kernel import compiled
-from deploy.certify.scene import Box, Derived, Scene, lower, upper
+from deploy.certify.boxes.intervals import add, down, mul, root_above, root_below, square, sub, up
+from deploy.certify.boxes.kernel import compiled
+from deploy.certify.boxes.scene import Box, Derived, Scene, inverted, lower, upper
 
 
 @compiled
@@ -87,7 +85,4 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
                 moved = sub((box[one, 0], box[one, 1]), (low, high))
                 lower(box, two, moved[0])
                 upper(box, two, moved[1])
-    for row in range(len(scene.goals)):
-        if box[row, 0] > box[row, 1]:
-            return False
-    return True
+    return not inverted(box, len(scene.goals))

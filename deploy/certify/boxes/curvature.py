@@ -10,25 +10,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.certify.eigen import lowest, solve_into
-from deploy.certify.intervals import Interval, add, divide, down, middle, mul, square, sub, up, weigh
-from deploy.certify.kernel import compiled
-from deploy.certify.scene import Box, Derived, Scene
-from deploy.certify.turning import stiffness
+from deploy.certify.boxes.eigen import lowest, solve_into
+from deploy.certify.boxes.intervals import Interval, add, down, middle, mul, square, sub, up
+from deploy.certify.boxes.kernel import compiled
+from deploy.certify.boxes.scene import Box, Derived, Scene
+from deploy.certify.boxes.turning import stiffness
 
 Array = NDArray[np.float64]
 
-_STIFF = 1e4  # beside this, the soft part of a form is of no account; only a choice, never a claim
+# Choices; none bears on what is proven.
+_STIFF = 1e4  # weight of a stiff contact where the direction is sought
+_SOFT = 0.1  # what a contact may add to the form, by its distance's spread, and still be left uncorrected
 
 
 @compiled
-def falls(scene: Scene, box: Box, out: Derived, share: float) -> bool:
+def falls(scene: Scene, box: Box, out: Derived) -> bool:
     """Whether negative curvature is shown for the whole box."""
     n, factors = len(scene.goals), len(scene.first)
     stiff = np.zeros(factors, dtype=np.int64)
     count = 0
     for q in range(factors):
-        if stiffness(box, out, n, q) * _width(scene, box, q) ** 2 > share and count < n - 1:
+        if stiffness(box, out, n, q) * _width(scene, box, q) ** 2 > _SOFT and count < n - 1:
             stiff[count] = q
             count += 1
     v = np.zeros(n)
@@ -49,6 +51,11 @@ def _width(scene: Scene, box: Box, q: int) -> float:
         if j >= 0:
             width = max(width, box[2 * j + a, 1] - box[2 * j + a, 0])
     return width
+
+
+@compiled
+def _among(stiff: NDArray[np.int64], count: int, q: int) -> bool:
+    return bool((stiff[:count] == q).any())
 
 
 @compiled
@@ -73,9 +80,7 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
 
 
 @compiled
-def _direction(
-    scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, v: Array
-) -> bool:
+def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, v: Array) -> bool:
     """The most negative eigenvector of the midpoint's H / 2, stiff contacts made much stiffer."""
     n, factors = len(scene.goals), len(scene.first)
     form = np.zeros((n, n))
@@ -100,15 +105,10 @@ def _direction(
         size = (row * row).sum()
         if size == 0.0:
             continue
-        weight = _weight(box, n + q)
-        bend = 2.0 * weight / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
-        for place in range(count):
-            if stiff[place] == q:
-                bend = _STIFF * largest / size
-        bend = min(bend, _STIFF * largest / size)
-        for a in range(n):
-            for c in range(n):
-                form[a, c] += bend * row[a] * row[c]
+        most = _STIFF * largest / size
+        bend = 2.0 * _weight(box, n + q) / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
+        bend = most if _among(stiff, count, q) else min(bend, most)
+        form += bend * np.outer(row, row)
     return lowest(form, v) < 0.0
 
 
@@ -164,7 +164,7 @@ def _enclose_solution(
     inverse: Array,
     spread: Array,
 ) -> bool:
-    """Enclose every z with (A W) z = A v: with C close to (A W)^-1, |I - C A W| <= e < 1 in the maximum norm."""
+    """Enclose every z with (A W) z = A v, by C close to (A W)^-1 and |I - C A W| <= e < 1, maximum norm."""
     right = np.empty((count, 2))
     matrix = np.empty((count, count, 2))
     for r in range(count):
@@ -182,7 +182,7 @@ def _enclose_solution(
             off = up(off + max(abs(entry[0]), abs(entry[1])))
         spread[r] = value
         excess = max(excess, off)
-        reach = max(reach, max(abs(value[0]), abs(value[1])))
+        reach = max(reach, abs(value[0]), abs(value[1]))
     if not excess < 0.9:
         return False
     # z = C A v + (I - C A W) z, hence |z| <= reach / (1 - excess) and |z - C A v| <= excess |z|.
@@ -194,9 +194,7 @@ def _enclose_solution(
 
 
 @compiled
-def form(
-    scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, field: Array
-) -> float:
+def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, field: Array) -> float:
     """Upper bound of v^T H v / 2 over the box, for every v in `field` orthogonal to the stiff gradients."""
     n, factors = len(scene.goals), len(scene.first)
     total = 0.0
@@ -215,10 +213,7 @@ def form(
             total = up(total + up(box[n + q, 1] * speed[1]))
         else:
             total = up(total - down(box[n + q, 0] * max(0.0, speed[0])))
-        soft = True
-        for place in range(count):
-            soft = soft and stiff[place] != q
         bend = square(along)[1]
-        if soft and bend > 0.0:
+        if bend > 0.0 and not _among(stiff, count, q):
             total = up(total + up(2.0 * up(stiffness(box, out, n, q) * bend)))
     return total

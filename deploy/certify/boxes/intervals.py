@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from deploy.certify.kernel import compiled
+from deploy.certify.boxes.kernel import compiled
 
 Interval = tuple[float, float]
 
@@ -46,7 +46,7 @@ def sub(a: Interval, b: Interval) -> Interval:
 def mul(a: Interval, b: Interval) -> Interval:
     """a b, both finite."""
     s, t, u, v = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
-    return down(min(min(s, t), min(u, v))), up(max(max(s, t), max(u, v)))
+    return down(min(s, t, u, v)), up(max(s, t, u, v))
 
 
 @compiled
@@ -82,7 +82,7 @@ def root_above(x: float) -> float:
 def divide(a: Interval, b: Interval) -> Interval:
     """a / b; 0 is not in b, bounds of a may be infinite and those of b are finite."""
     s, t, u, v = a[0] / b[0], a[0] / b[1], a[1] / b[0], a[1] / b[1]
-    return down(min(min(s, t), min(u, v))), up(max(max(s, t), max(u, v)))
+    return down(min(s, t, u, v)), up(max(s, t, u, v))
 
 
 @compiled
