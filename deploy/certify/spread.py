@@ -25,7 +25,7 @@ _DESERTED = 60.0  # s without any worker
 
 
 class Spread:
-    """Works on every open box at once, as far as the cluster has threads. Dask repeats what a worker loses."""
+    """Works on every open box at once, as far as there are threads; Dask repeats what a worker loses."""
 
     def __init__(self, address: str) -> None:
         """Connect to the scheduler at `address`, such as `tcp://10.0.0.1:8786`.

@@ -37,7 +37,7 @@ def falls(scene: Scene, box: Box, out: Derived) -> bool:
     if not _direction(scene, box, out, stiff, count, v):
         return False
     field = np.empty((n, 2))
-    if not _corrected(scene, box, out, stiff, count, v, field):
+    if not corrected(scene, box, out, stiff, count, v, field):
         return False
     return form(scene, box, out, stiff, count, field) < 0.0
 
@@ -113,7 +113,7 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], c
 
 
 @compiled
-def _corrected(
+def corrected(
     scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, v: Array, field: Array
 ) -> bool:
     """Enclose v - W z, W the midpoint's gradients; False when z cannot be enclosed."""

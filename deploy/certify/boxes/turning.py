@@ -7,6 +7,8 @@ v^T H v / 2 = sum_i |v_i|^2 - sum lambda_ij |v_ij|^2 + sum lambda_0i |v_i|^2 - 2
 
 from __future__ import annotations
 
+import numpy as np
+
 from deploy.certify.boxes.intervals import Interval, add, down, mul, square, sub, up
 from deploy.certify.boxes.kernel import compiled
 from deploy.certify.boxes.scene import Box, Derived, Scene, lower, upper
@@ -17,7 +19,7 @@ def stiffness(box: Box, out: Derived, n: int, q: int) -> float:
     """Upper bound of lambda_q / beta_q, which is also kappa gamma / beta_q^2; may be +inf."""
     beta = out.beta[q, 0]
     if beta <= 0.0:
-        return float("inf")
+        return np.inf
     return min(up(box[n + q, 1] / beta), up(out.total[1, 1] / down(beta * beta)))
 
 
@@ -52,28 +54,27 @@ def _reach(scene: Scene, box: Box, row: int) -> float:
 
 @compiled
 def circles(scene: Scene, box: Box, out: Derived) -> bool:
-    """Whether circling another robot, or the centre, has negative curvature for some robot all over the box.
-
-    v = J d_q on robot i alone, for which grad beta_q . v = 0 exactly.
-    """
-    n = len(scene.goals)
+    """Whether a robot that circles another, or the centre, has negative curvature all over the box."""
     for q in range(len(scene.first)):
-        if _circle(scene, box, out, n, q, scene.first[q]):
+        if circle(scene, box, out, q, scene.first[q]) < 0.0:
             return True
-        if scene.second[q] >= 0 and _circle(scene, box, out, n, q, scene.second[q]):
+        if scene.second[q] >= 0 and circle(scene, box, out, q, scene.second[q]) < 0.0:
             return True
     return False
 
 
 @compiled
-def _circle(scene: Scene, box: Box, out: Derived, n: int, q: int, robot: int) -> bool:
-    gain, bend = 1.0, 0.0
+def circle(scene: Scene, box: Box, out: Derived, q: int, robot: int) -> float:
+    """Upper bound of v^T H v / 2 for v = J d_q on one robot alone, where grad beta_q . v = 0 exactly.
+
+    +inf, or anything above 0, where it is of no use.
+    """
+    n, gain, bend = len(scene.goals), 1.0, 0.0
     for r in range(len(scene.first)):
         if scene.first[r] == robot or scene.second[r] == robot:
             gain = up(gain - box[n + r, 0]) if scene.second[r] >= 0 else up(gain + box[n + r, 1])
     if gain >= 0.0:
-        return False
-    far = add(_square(out, q, 0), _square(out, q, 1))
+        return np.inf
     for r in range(len(scene.first)):
         if r != q and (scene.first[r] == robot or scene.second[r] == robot):
             cross = square(
@@ -81,7 +82,8 @@ def _circle(scene: Scene, box: Box, out: Derived, n: int, q: int, robot: int) ->
             )
             if cross[1] > 0.0:
                 bend = up(bend + up(2.0 * up(stiffness(box, out, n, r) * cross[1])))
-    return up(up(gain * far[0]) + bend) < 0.0
+    far = add(_square(out, q, 0), _square(out, q, 1))
+    return up(up(gain * far[0]) + bend)
 
 
 @compiled

@@ -127,7 +127,7 @@ class Walk:
             self._look(self._at)
         box = Conditions(self._goals, pending.rows)
         advice = self._next() if pending.stored else None
-        if self._settled(box):
+        if self.settled(box):
             if advice is not None:
                 self._skip(advice)
             return []
@@ -158,15 +158,17 @@ class Walk:
         p = len(self._goals.radii)
         return 2 * p + p * (p + 1) // 2 + 1
 
-    def _settled(self, box: Conditions) -> bool:
-        if not box.upright() or not self._narrowed(box):
+    def settled(self, box: Conditions) -> bool:
+        """Narrow a box in place; whether no minimum can be in it."""
+        if not box.upright() or not self.narrowed(box):
             return True
         span = max(_width(box, row) for row in range(box.n))
-        if span < _NEWTON_BELOW * self._unit and not (newton(box) and self._narrowed(box)):
+        if span < _NEWTON_BELOW * self._unit and not (newton(box) and self.narrowed(box)):
             return True
         return box.circling() or descends(box)
 
-    def _narrowed(self, box: Conditions) -> bool:
+    def narrowed(self, box: Conditions) -> bool:
+        """Narrow a box to where critical points may be. False: there are none."""
         for _ in range(_ROUNDS):
             before = _size(box)
             if not (box.derive() and box.distances() and box.work()):
