@@ -19,7 +19,17 @@ from deploy.check_render import render
 from protocol.scenario import Scenario
 from world.measures import tight
 
-__all__ = ["Assumption", "CheckReport", "Free", "Practice", "Shortfall", "render", "report", "to_json"]
+__all__ = [
+    "Assumption",
+    "Certified",
+    "CheckReport",
+    "Free",
+    "Practice",
+    "Shortfall",
+    "render",
+    "report",
+    "to_json",
+]
 
 LISTED = 5  # shortfalls that are spelled out
 
@@ -57,6 +67,15 @@ class Assumption:
 
 
 @dataclass(frozen=True)
+class Certified:
+    """What a stored certificate proves, None when nothing yet, or why it was refused."""
+
+    file: str
+    k: float | None
+    refused: str | None = None
+
+
+@dataclass(frozen=True)
 class CheckReport:
     """Everything `disknav check` says. Lengths in m, eps in m^2.
 
@@ -80,6 +99,7 @@ class CheckReport:
     assumption_2: Assumption
     bounds: Bounds | None
     practice: Practice | None
+    certificate: Certified | None
 
     @property
     def guaranteed(self) -> bool:
@@ -87,7 +107,7 @@ class CheckReport:
         return self.bounds is not None and self.k > self.bounds.polar
 
 
-def report(scenario: Scenario) -> CheckReport:
+def report(scenario: Scenario, certificate: Certified | None = None) -> CheckReport:
     """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
 
     Takes from milliseconds to a few seconds; the part about practice is left out beyond 32 robots.
@@ -114,6 +134,7 @@ def report(scenario: Scenario) -> CheckReport:
         assumption_2=_assumption(ids, found, found.second, several, lambda row: second_status(found, row)),
         bounds=best_bounds(problem),
         practice=practice(problem, start, scenario.seed),
+        certificate=certificate,
     )
 
 

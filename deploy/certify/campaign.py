@@ -8,9 +8,9 @@ from typing import Protocol
 
 from agents.navigation.function import obstacle_functions
 from deploy.certify.boxes.scene import Scene, scene_of, whole
-from deploy.certify.boxes.search import Open, grow
+from deploy.certify.boxes.search import grow
 from deploy.certify.certificate import Certificate, Goals
-from deploy.certify.frontier import Frontier
+from deploy.certify.frontier import Frontier, Open
 from protocol.errors import UsageError
 
 LADDER = (10_000.0, 3000.0, 1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0)
@@ -18,6 +18,24 @@ _FINER = 0.9  # ratio below the ladder
 _LOWEST = 1.0
 _TRIAL = 1e-3
 _PORTION = 20_000  # nodes between looks at the clock
+
+
+def beginning(scene: Scene, kappa: tuple[float, float]) -> Frontier:
+    """Everything is open."""
+    return Frontier(kappa, [Open(whole(scene, kappa), 0)])
+
+
+def advance(scene: Scene, frontier: Frontier, nodes: int) -> None:
+    """Work on the first open box."""
+    root = frontier.open[0]
+    frontier.put(root, grow(scene, root, frontier.kappa[1], nodes))
+
+
+def widen(scene: Scene, frontier: Frontier, count: int) -> None:
+    """Halve the largest open boxes until there are so many, or none."""
+    while 0 < len(frontier.open) < count:
+        root = min(frontier.open, key=lambda part: part.level)
+        frontier.put(root, grow(scene, root, frontier.kappa[1], 1))
 
 
 class Worker(Protocol):
@@ -34,7 +52,7 @@ class Here:
         """Depth first."""
         while frontier.open:
             began = time.process_time()
-            frontier.advance(scene, _PORTION)
+            advance(scene, frontier, _PORTION)
             yield time.process_time() - began
 
 
@@ -78,7 +96,7 @@ def prove(
         certificate.k, certificate.frontier = None, None  # further down than is asked for now
     for k in _remaining(certificate, target):
         if certificate.frontier is None:
-            certificate.begin(k, Frontier.beginning(scene, certificate.kappa(k)))
+            certificate.begin(k, beginning(scene, certificate.kappa(k)))
         assert certificate.frontier is not None
         for seconds in worker.work(scene, certificate.frontier):
             certificate.seconds += seconds

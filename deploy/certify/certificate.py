@@ -20,8 +20,7 @@ import msgspec
 import numpy as np
 
 from agents.navigation.function import Problem
-from deploy.certify.boxes.search import Open
-from deploy.certify.frontier import Frontier
+from deploy.certify.frontier import Frontier, Open
 from protocol.errors import DocumentError
 from protocol.errors import Problem as Fault
 from protocol.scenario import Scenario
@@ -151,6 +150,16 @@ def path_for(scenario: str) -> Path:
     """Where the certificate of a scenario file lies (beside it), or of a library name (here)."""
     path = Path(scenario)
     return path.with_name(path.stem + SUFFIX) if path.is_file() else Path(scenario + SUFFIX)
+
+
+def stored(name: str, scenario: Scenario) -> Certificate | None:
+    """The certificate of a scenario that goes by `name`, None when there is none.
+
+    Raises:
+        ProofError: it is damaged, or of other goals.
+    """
+    path = path_for(name)
+    return fetch(path, Goals.of(scenario)) if path.exists() else None
 
 
 def store(certificate: Certificate, path: Path) -> None:

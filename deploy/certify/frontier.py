@@ -9,23 +9,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from deploy.certify.boxes.scene import Scene, whole
-from deploy.certify.boxes.search import Grown, Open, grow
+import numpy as np
+from numpy.typing import NDArray
+
+EMPTY, FALLS = 255, 254  # leaves of the branching; every other byte is the row of the box that was halved
+
+
+class Open(NamedTuple):
+    """A box that is still to be looked at, rows by bounds; it is 2^-level of the whole."""
+
+    box: NDArray[np.float64]
+    level: int
+
+
+class Grown(NamedTuple):
+    """What came of a box, in preorder: the nodes that were done, then what is still open."""
+
+    branching: bytes
+    rest: list[Open]
 
 
 @dataclass
 class Frontier:
-    """parts: finished nodes and open boxes, in preorder."""
+    """kappa: the range of 1/k; parts: finished nodes and open boxes, in preorder."""
 
     kappa: tuple[float, float]
     parts: list[bytes | Open] = field(default_factory=list)
     nodes: int = 0
-
-    @classmethod
-    def beginning(cls, scene: Scene, kappa: tuple[float, float]) -> Frontier:
-        """Everything is open."""
-        return cls(kappa, [Open(whole(scene, kappa), 0)])
 
     @property
     def open(self) -> list[Open]:
@@ -48,17 +60,6 @@ class Frontier:
         merged = [*self.parts[:at], grown.branching, *grown.rest, *self.parts[at + 1 :]]
         self.parts = list(_joined(merged))
         self.nodes += len(grown.branching)
-
-    def advance(self, scene: Scene, nodes: int) -> None:
-        """Work on the first open box."""
-        root = self.open[0]
-        self.put(root, grow(scene, root, self.kappa[1], nodes))
-
-    def widen(self, scene: Scene, count: int) -> None:
-        """Halve the largest open boxes until there are so many, or none."""
-        while 0 < len(self.open) < count:
-            root = min(self.open, key=lambda part: part.level)
-            self.put(root, grow(scene, root, self.kappa[1], 1))
 
 
 def _joined(parts: list[bytes | Open]) -> Iterator[bytes | Open]:

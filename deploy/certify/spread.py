@@ -8,8 +8,9 @@ from concurrent.futures import CancelledError
 from typing import TYPE_CHECKING
 
 from deploy.certify.boxes.scene import Scene
-from deploy.certify.boxes.search import Grown, Open, grow
-from deploy.certify.frontier import Frontier
+from deploy.certify.boxes.search import grow
+from deploy.certify.campaign import widen
+from deploy.certify.frontier import Frontier, Grown, Open
 from deploy.studies.cluster import connected
 from protocol.errors import ProcessError
 
@@ -53,7 +54,7 @@ class Spread:
     def _give(self, scene: Scene, frontier: Frontier, given: dict[_Task, Open]) -> None:
         """Keep every thread busy: few open boxes are halved here first."""
         if not given:
-            frontier.widen(scene, _SHARES * max(1, sum(self._client.nthreads().values())))
+            widen(scene, frontier, _SHARES * max(1, sum(self._client.nthreads().values())))
         held = {id(root) for root in given.values()}
         for root in frontier.open:
             if id(root) not in held:

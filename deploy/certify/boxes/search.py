@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,8 +13,8 @@ from deploy.certify.boxes.newton import contract_newton
 from deploy.certify.boxes.scene import Box, Derived, Scene, derived
 from deploy.certify.boxes.turning import circles, contract_rotation
 from deploy.certify.boxes.work import contract_work, enclose_work
+from deploy.certify.frontier import EMPTY, FALLS, Grown, Open
 
-EMPTY, FALLS = 255, 254  # leaves of the branching; every other byte is the row of the box that was halved
 OPEN = -1
 
 # Choices that measurements made; none bears on what is proven.
@@ -25,20 +23,6 @@ _WORTH = 0.9  # contract again while the box shrinks below this share
 _NEWTON_BELOW = 0.75  # contact distances that b may span for interval Newton to be tried
 _KAPPA_WIDTH = 0.5  # contact distances that the whole range of kappa counts for when the widest row is sought
 _DEEPEST = 500
-
-
-class Open(NamedTuple):
-    """A box that is still to be looked at; it is 2^-level of the whole."""
-
-    box: Box
-    level: int
-
-
-class Grown(NamedTuple):
-    """Branching in preorder: the nodes that were done, then what is still open."""
-
-    branching: bytes
-    rest: list[Open]
 
 
 def grow(scene: Scene, root: Open, kappa: float, nodes: int) -> Grown:

@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from deploy.certify.boxes.scene import scene_of
-from deploy.certify.campaign import Here, ladder, prove
+from deploy.certify.campaign import Here, advance, beginning, ladder, prove, widen
 from deploy.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
-from deploy.certify.frontier import Frontier
 from deploy.certify.verifier.replay import replay
 from deploy.load import read
 from protocol.errors import UsageError
@@ -52,10 +51,10 @@ def test_interrupted_anywhere_the_branching_is_the_same(tmp_path: Path) -> None:
     scene, path = scene_of(TRIPLE.problem), tmp_path / "part.json"
     certificate = Certificate(TRIPLE, "test")
     for k in (10_000.0, 3000.0, 1000.0, 300.0):
-        certificate.begin(k, Frontier.beginning(scene, certificate.kappa(k)))
+        certificate.begin(k, beginning(scene, certificate.kappa(k)))
         while certificate.frontier is not None and certificate.frontier.open:
-            certificate.frontier.advance(scene, 313)
-            certificate.frontier.widen(scene, 3)
+            advance(scene, certificate.frontier, 313)
+            widen(scene, certificate.frontier, 3)
             store(certificate, path)
             certificate = fetch(path, TRIPLE)
         certificate.finish()
@@ -79,11 +78,11 @@ def test_what_is_told_stops_it_and_it_goes_on() -> None:
 
 def test_the_frontier_says_how_far_it_is() -> None:
     scene = scene_of(TRIPLE.problem)
-    frontier = Frontier.beginning(scene, (0.0, 0.001))
+    frontier = beginning(scene, (0.0, 0.001))
     assert frontier.done == 0.0
     shares = []
     while frontier.open:
-        frontier.advance(scene, 200)
+        advance(scene, frontier, 200)
         shares.append(frontier.done)
     assert shares == sorted(shares)
     assert shares[-1] == 1.0

@@ -8,9 +8,9 @@ from flint import arb
 
 from deploy.certify.boxes.newton import contract_newton
 from deploy.certify.boxes.scene import Derived, Scene, derived, scene_of, whole
-from deploy.certify.boxes.search import EMPTY, FALLS, OPEN, contract, grow, settle
-from deploy.certify.boxes.search import Open as OpenBox
+from deploy.certify.boxes.search import OPEN, contract, grow, settle
 from deploy.certify.certificate import Goals
+from deploy.certify.frontier import EMPTY, FALLS, Open
 from deploy.certify.verifier.conditions import Conditions
 from deploy.certify.verifier.replay import Walk
 from tests.deploy.certify.known import Known, blockade, boxes, holds, known
@@ -65,7 +65,7 @@ def test_below_the_threshold_the_minimum_stays_in_an_open_box() -> None:
     found = blockade(2.2)
     scene = scene_of(found.problem)
     kappa = (1.0 / 2.25, 1.0 / 2.15)
-    grown = grow(scene, OpenBox(whole(scene, kappa), 0), kappa[1], 30_000)
+    grown = grow(scene, Open(whole(scene, kappa), 0), kappa[1], 30_000)
     assert any(holds(part.box, found.row) for part in grown.rest)
 
 
