@@ -116,8 +116,8 @@ def _certificate(found: CheckReport) -> list[str]:
         return [f"{stored.file} proves nothing yet: the same `disknav certify` goes on with it."]
     use = "is covered" if found.k >= stored.k else "is not covered"
     return [
-        f"Certified by computation ({stored.file}): for every k >= {stored.k:.4g} the goal is the only minimum "
-        f"and every other critical point has a direction of descent. k = {found.k:.4g} {use}."
+        f"Certified by computation ({stored.file}): for every k >= {stored.k:.4g} the goal is the only "
+        f"minimum and every other critical point has a direction of descent. k = {found.k:.4g} {use}."
     ]
 
 

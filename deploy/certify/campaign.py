@@ -113,8 +113,8 @@ def _remaining(certificate: Certificate, target: float | None) -> Iterator[float
         return
     above = proven
     if certificate.k is not None:
-        yield certificate.k
         above = certificate.k
+        yield above
         if target is not None and above <= target:
             return
     yield from ladder(above, target)

@@ -137,8 +137,9 @@ class Certificate:
         assert self.k is not None
         assert not self.frontier.open
         branching = self.frontier.branching
-        self.slabs.append(Slab(self.k, len(branching), round(self.seconds, 3), _packed(branching)))
-        self.k, self.frontier, self.seconds = None, None, 0.0
+        slab = Slab(self.k, len(branching), round(self.seconds, 3), _packed(branching))
+        self.k, self.frontier, self.seconds = None, None, 0.0  # first: Ctrl-C may then lose it, not double it
+        self.slabs.append(slab)
 
     def kappa(self, k: float) -> tuple[float, float]:
         """1/k from the slab before down to k, rounded outward."""

@@ -114,7 +114,7 @@ class _Keeper:
         trying = "" if certificate.k is None else f"trying {certificate.k:g}"
         text = ", ".join(part for part in (proven, trying) if part)
         self._progress.update(self._task, completed=done, description=text, boxes=certificate.boxes + boxes)
-        if time.monotonic() > self._kept + _KEEP:
+        if frontier is None or time.monotonic() > self._kept + _KEEP:
             store(certificate, self._path)
             self._kept = time.monotonic()
         return time.monotonic() < self._until

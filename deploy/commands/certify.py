@@ -33,6 +33,11 @@ def certify(
         str | None, typer.Option(metavar="ADDRESS", help="Spread the search over the Dask cluster there.")
     ] = None,
     setting: Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")] = None,
+    starts: Annotated[
+        int | None,
+        typer.Option(min=1, help="No proof: how many of so many random starts fail at the scenario's k."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the random starts.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON instead.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
 ) -> None:
@@ -42,9 +47,14 @@ def certify(
     [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the
     search; with SCENARIO it also asks whether the certificate is of these goals.
 
-    Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json
+    [b]--starts N[/b] follows the exact flow from random starts instead, and bounds the failing fraction: for
+    five robots and more, whose proofs take long.
 
-    Exit status: 0 proven (K, or anything without --k), 1 not within the time, 2 invalid, 130 interrupted.
+    Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json;
+    disknav certify figure-3e --starts 300
+
+    Exit status: 0 proven (K, or anything without --k) or every start arrived, 1 not within the time or a
+    start failed, 2 invalid, 130 interrupted.
     """
     from deploy.load import read
     from protocol.errors import UsageError
@@ -60,12 +70,30 @@ def certify(
         raise typer.Exit(_status(checked.enough(k), checked.interrupted))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
+    if starts is not None:
+        raise typer.Exit(_statistics(scenario, setting or [], starts, seed, as_json))
     from deploy.certify.session import Request, to_json
     from deploy.certify.session import certify as perform
 
     outcome = perform(read_scenario, Request(scenario, k, minutes, file, scheduler, quiet))
     _say(_found(outcome), to_json(outcome), as_json)
     raise typer.Exit(_status(outcome.proven, outcome.interrupted))
+
+
+def _statistics(name: str, settings: list[str], starts: int, seed: int, as_json: bool) -> int:
+    from dataclasses import asdict, replace
+
+    from deploy.bar import bar
+    from deploy.certify.certificate import Goals
+    from deploy.certify.statistics import failing_fraction
+    from deploy.load import load
+
+    valid = load(name, settings)
+    with bar("random starts") as tell:
+        problem = replace(Goals.of(valid).problem, k=valid.gain)
+        found = failing_fraction(problem, starts, seed, tell)
+    _say(str(found), asdict(found), as_json)
+    return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED
 
 
 def _status(proven: bool, interrupted: bool) -> int:

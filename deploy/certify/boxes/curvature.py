@@ -27,19 +27,20 @@ _SOFT = 0.1  # what a contact may add to the form, by its distance's spread, and
 def falls(scene: Scene, box: Box, out: Derived) -> bool:
     """Whether negative curvature is shown for the whole box."""
     n, factors = len(scene.goals), len(scene.first)
-    stiff = np.zeros(factors, dtype=np.int64)
+    chosen = np.zeros(factors, dtype=np.int64)
     count = 0
     for q in range(factors):
         if stiffness(box, out, n, q) * _width(scene, box, q) ** 2 > _SOFT and count < n - 1:
-            stiff[count] = q
+            chosen[count] = q
             count += 1
+    stiff = chosen[:count]
     v = np.zeros(n)
-    if not _direction(scene, box, out, stiff, count, v):
+    if not _direction(scene, box, out, stiff, v):
         return False
     field = np.empty((n, 2))
-    if not corrected(scene, box, out, stiff, count, v, field):
+    if not corrected(scene, box, out, stiff, v, field):
         return False
-    return form(scene, box, out, stiff, count, field) < 0.0
+    return form(scene, box, out, stiff, field) < 0.0
 
 
 @compiled
@@ -54,8 +55,11 @@ def _width(scene: Scene, box: Box, q: int) -> float:
 
 
 @compiled
-def _among(stiff: NDArray[np.int64], count: int, q: int) -> bool:
-    return bool((stiff[:count] == q).any())
+def _among(stiff: NDArray[np.int64], q: int) -> bool:
+    found = False
+    for each in stiff:
+        found = found or each == q
+    return found
 
 
 @compiled
@@ -80,7 +84,7 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
 
 
 @compiled
-def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, v: Array) -> bool:
+def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array) -> bool:
     """The most negative eigenvector of the midpoint's H / 2, stiff contacts made much stiffer."""
     n, factors = len(scene.goals), len(scene.first)
     form = np.zeros((n, n))
@@ -102,35 +106,46 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], c
                 form[2 * j + a, 2 * i + a] += weight
     for q in range(factors):
         _gradient(scene, box, q, row)
-        size = (row * row).sum()
+        size = 0.0
+        for a in range(n):
+            size += row[a] * row[a]
         if size == 0.0:
             continue
         most = _STIFF * largest / size
         bend = 2.0 * _weight(box, n + q) / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
-        bend = most if _among(stiff, count, q) else min(bend, most)
-        form += bend * np.outer(row, row)
+        bend = most if _among(stiff, q) else min(bend, most)
+        _add_square(form, row, bend)
     return lowest(form, v) < 0.0
 
 
 @compiled
-def corrected(
-    scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, v: Array, field: Array
-) -> bool:
+def _add_square(form: Array, row: Array, weight: float) -> None:
+    """form + weight row row^T."""
+    for a in range(len(row)):
+        for c in range(len(row)):
+            form[a, c] += weight * row[a] * row[c]
+
+
+@compiled
+def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array, field: Array) -> bool:
     """Enclose v - W z, W the midpoint's gradients; False when z cannot be enclosed."""
-    n = len(scene.goals)
+    n, count = len(scene.goals), len(stiff)
     for row in range(n):
-        field[row] = v[row]
+        field[row] = v[row], v[row]
     if count == 0:
         return True
-    basis = np.empty((count, n))
+    basis, gram = np.empty((count, n)), np.zeros((count, count))
     for r in range(count):
         _gradient(scene, box, stiff[r], basis[r])
-    gram = basis @ basis.T
+        for c in range(r + 1):
+            for row in range(n):
+                gram[r, c] += basis[r, row] * basis[c, row]
+            gram[c, r] = gram[r, c]
     inverse = np.empty((count, count))
     if not solve_into(gram, inverse):
         return False
     spread = np.empty((count, 2))
-    if not _enclose_solution(scene, out, stiff, count, v, basis, inverse, spread):
+    if not _enclose_solution(scene, out, stiff, v, basis, inverse, spread):
         return False
     for row in range(n):
         value = (v[row], v[row])
@@ -158,13 +173,13 @@ def _enclose_solution(
     scene: Scene,
     out: Derived,
     stiff: NDArray[np.int64],
-    count: int,
     v: Array,
     basis: Array,
     inverse: Array,
     spread: Array,
 ) -> bool:
     """Enclose every z with (A W) z = A v, by C close to (A W)^-1 and |I - C A W| <= e < 1, maximum norm."""
+    count = len(stiff)
     right = np.empty((count, 2))
     matrix = np.empty((count, count, 2))
     for r in range(count):
@@ -194,7 +209,7 @@ def _enclose_solution(
 
 
 @compiled
-def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: int, field: Array) -> float:
+def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: Array) -> float:
     """Upper bound of v^T H v / 2 over the box, for every v in `field` orthogonal to the stiff gradients."""
     n, factors = len(scene.goals), len(scene.first)
     total = 0.0
@@ -214,6 +229,6 @@ def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], count: 
         else:
             total = up(total - down(box[n + q, 0] * max(0.0, speed[0])))
         bend = square(along)[1]
-        if bend > 0.0 and not _among(stiff, count, q):
+        if bend > 0.0 and not _among(stiff, q):
             total = up(total + up(2.0 * up(stiffness(box, out, n, q) * bend)))
     return total

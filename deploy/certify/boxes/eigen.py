@@ -16,13 +16,11 @@ _SWEEPS = 8
 def lowest(matrix: Array, vector: Array) -> float:
     """Smallest eigenvalue of a symmetric matrix, which is overwritten, and its vector: Jacobi's rotations."""
     n = len(matrix)
-    basis = np.eye(n)
+    basis = np.zeros((n, n))
+    for i in range(n):
+        basis[i, i] = 1.0
     for _ in range(_SWEEPS):
-        off = 0.0
-        for i in range(n):
-            for j in range(i):
-                off += matrix[i, j] * matrix[i, j]
-        if off < 1e-20:
+        if _off_diagonal(matrix) < 1e-20:
             break
         for i in range(n):
             for j in range(i):
@@ -31,8 +29,18 @@ def lowest(matrix: Array, vector: Array) -> float:
     for i in range(n):
         if matrix[i, i] < matrix[best, best]:
             best = i
-    vector[:] = basis[:, best]
+    for i in range(n):
+        vector[i] = basis[i, best]
     return float(matrix[best, best])
+
+
+@compiled
+def _off_diagonal(matrix: Array) -> float:
+    total = 0.0
+    for i in range(len(matrix)):
+        for j in range(i):
+            total += matrix[i, j] * matrix[i, j]
+    return total
 
 
 @compiled
@@ -57,14 +65,24 @@ def _rotate(matrix: Array, basis: Array, i: int, j: int) -> None:
 
 
 @compiled
+def _pivot(matrix: Array, i: int) -> int:
+    """Row of the largest entry of a column, from the diagonal down."""
+    best = i
+    for r in range(i + 1, len(matrix)):
+        if abs(matrix[r, i]) > abs(matrix[best, i]):
+            best = r
+    return best
+
+
+@compiled
 def solve_into(matrix: Array, inverse: Array) -> bool:
     """The inverse by Gauss and Jordan with row exchange; `matrix` is overwritten. False: singular."""
     n = len(matrix)
-    inverse[:, :] = 0.0
     for i in range(n):
-        inverse[i, i] = 1.0
+        for j in range(n):
+            inverse[i, j] = 1.0 if i == j else 0.0
     for i in range(n):
-        pivot = i + int(np.argmax(np.abs(matrix[i:, i])))
+        pivot = _pivot(matrix, i)
         if not abs(matrix[pivot, i]) > 1e-300:
             return False
         for c in range(n):

@@ -61,10 +61,9 @@ def fields_are_orthogonal(curvature: ModuleType, points: Iterable[Known]) -> Non
         draw = generator(number, Purpose.STUDY)
         scene, box, out = around(found, 3e-2)
         n = len(scene.goals)
-        stiff = np.zeros(len(scene.first), dtype=np.int64)
-        stiff[0] = draw.integers(len(scene.first))
+        stiff = draw.integers(len(scene.first), size=1)
         v, field = draw.standard_normal(n), np.empty((n, 2))
-        assert curvature.corrected(scene, box, out, stiff, 1, v, field)
+        assert curvature.corrected(scene, box, out, stiff, v, field)
         w = gradient(scene, box[:n].mean(axis=1), stiff[0])
         for _ in range(10):
             row = gradient(scene, draw.uniform(box[:n, 0], box[:n, 1]), stiff[0])
@@ -77,8 +76,8 @@ def form_is_bounded(curvature: ModuleType, points: Iterable[Known]) -> None:
     for number, found in enumerate(points):
         scene, box, out = around(found, 1e-9)
         v = generator(number, Purpose.STUDY).standard_normal(len(scene.goals))
-        none = np.zeros(len(scene.first), dtype=np.int64)
-        bound = curvature.form(scene, box, out, none, 0, np.stack([v, v], axis=1))
+        none = np.empty(0, dtype=np.int64)
+        bound = curvature.form(scene, box, out, none, np.stack([v, v], axis=1))
         exact = half_form(found, v)
         assert exact - 1e-9 * abs(exact) <= bound <= exact + 1e-3 * abs(exact) + 1e-3
 

@@ -131,7 +131,7 @@ def test_forged_claims_do_not_survive_a_second_opinion() -> None:
     empty = Slab(2.2, 1, 0.0, "eJz7DwABAAEA")  # one node: nothing there
     assert empty.nodes == b"\xff"
     forged = replace(honest, slabs=[slab, empty])
-    checked = replay(forged, 0.2)
+    checked = replay(forged, 0.04)
     assert checked.proven == 10_000.0
     assert not checked.enough(None)
     for nodes in (slab.nodes[:-1], slab.nodes + b"\xff"):

@@ -43,7 +43,7 @@ def test_no_known_minimum_is_ever_settled() -> None:
     assert len(minima) >= 10
     for number, found in enumerate(minima):
         scene = scene_of(found.problem)
-        for box in boxes(found, 100, number):
+        for box in boxes(found, 60, number):
             assert settle(scene, box, derived(scene)) == OPEN, found.point
             assert holds(box, found.row)
 
