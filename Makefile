@@ -12,7 +12,7 @@ INNER := $(addprefix protocol/,events.py cursor.py reader.py codec.py drive.py b
   outlet.py pacing.py node.py) $(addprefix deploy/recording/,mcap_file.py channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile demo test fast check bench fuzz figures clean
+.PHONY: help setup compile demo test fast check golden bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -51,6 +51,9 @@ fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minu
 test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
 	$(BIN)/python -m pytest -n 2 -m 'not process and not browser'
 	$(BIN)/python -m pytest -m 'process or browser'
+
+golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
+	$(BIN)/python -m tests.golden
 
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
