@@ -9,7 +9,7 @@ to all again, for a message may have been lost with a link.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 from typing import Any
 
@@ -56,6 +56,7 @@ class WorldNode:
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
+        clock: tells the time, s; for tests.
 
     Attributes:
         reports: one a scenario that has ended.
@@ -72,10 +73,11 @@ class WorldNode:
         patience: float = PATIENCE,
         speed: float = 0.0,
         restarts: int = 0,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
-        self._pacing = Pacing(lockstep, speed)
+        self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._scenarios = iter(scenarios)
         self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
@@ -208,7 +210,7 @@ class WorldNode:
             return False
         turn.opened = True
         if turn.world.tick == 0:
-            turn.began = time.monotonic()
+            turn.began = self._pacing.now()
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
         self._outlet.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
@@ -257,8 +259,7 @@ class WorldNode:
             elif self._pacing.repeats():
                 self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
-            # Held back by a viewer, not by a robot.
-            self._pacing.since = max(self._pacing.since, now - self._gathering)
+            self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 

@@ -1,9 +1,10 @@
 """All the lines of one robot: what it must obey now, what it says about them.
 
-Messages carry only what is open. A proposal is repeated in every State until it is answered. An
-answer is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner
-without an unanswered proposal needs no answer; one that has any repeats it for ever, so if every
-answer so far was lost, the next repetition that arrives brings about another.
+Messages carry only what is open. A proposal is repeated in every State until it is answered, or,
+if a State has no room for all, at least the newest of the pair (`spoken.fitting`). An answer is said when
+a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
+proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
+lost, the next repetition that arrives brings about another, and that settles all older ones.
 
 The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
 replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
@@ -23,13 +24,14 @@ from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from agents.lines.placement import Disk, initial_line, is_same, place
-from agents.lines.spoken import answer_of, proposals_of
+from agents.lines.spoken import answer_of, fitting, proposals_of
 from agents.peer_state import PeerState
 from protocol.messages import Answer, Member, Proposal
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
 RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
 
@@ -177,12 +179,16 @@ class Ledger:
         return found
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
-        """All obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit."""
-        return tuple(
-            (bond.peer, side.nx, side.ny, side.limit + self._radius)
-            for bond in self._each
-            for side in bond.half_planes
-        )
+        """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
+        them, or if those are too many, the tightest of each pair."""
+        sides = [(bond.peer, side) for bond in self._each for side in bond.half_planes]
+        if len(sides) > SHOWN:
+            sides.sort(key=self._slack, reverse=True)
+            sides = list(dict(sides).items())  # the last of each pair
+        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in sides)
+
+    def _slack(self, side: tuple[int, HalfPlane]) -> float:
+        return side[1].slack(self._x, self._y)
 
     def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
@@ -200,7 +206,7 @@ class Ledger:
             elif bond.answers_left:
                 bond.answers_left -= 1
                 answers.append(answer_of(bond))
-        return tuple(proposals), tuple(answers)
+        return tuple(fitting(proposals, len(answers))), tuple(answers)
 
     def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
         life = state.incarnation
