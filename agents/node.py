@@ -118,7 +118,7 @@ class RobotNode:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
@@ -197,7 +197,7 @@ class RobotNode:
         if measurement.over and measurement.incarnation >= core.incarnation:
             self._over = True
             self._rejoin()
-        elif core.is_down(measurement) or measurement.incarnation > core.incarnation:
+        elif core.has_ended(measurement) or measurement.incarnation > core.incarnation:
             self._rejoin()  # fenced, or replaced by another process
         elif measurement.tick == core.tick:
             self._repeat()

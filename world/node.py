@@ -195,6 +195,8 @@ class WorldNode:
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         turn = self._turn
+        if not turn.world.founded and self._admissions.unseated():
+            return False
         measurements = turn.world.open_tick()
         if self._absent():
             if self._lockstep or turn.world.tick == 0:
@@ -220,6 +222,8 @@ class WorldNode:
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world = self._turn.world
+        if not world.founded:
+            return world.awaiting_join | self._admissions.unseated()
         return world.awaiting_join | (self._admissions.unseated() & frozenset(world.active))
 
     def _remind(self, measurements: dict[int, Measurement]) -> None:
@@ -325,4 +329,5 @@ class WorldNode:
             self._phase = Phase.CLOSING
             self._pacing.wait()
         else:
-            self._begin(Turn(turn.number + 1, following, turn.world.incarnations))
+            world = turn.world
+            self._begin(Turn(turn.number + 1, following, world.incarnations, world.version))

@@ -17,8 +17,7 @@ that halves the age of the lines, and the arrival times with it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from agents.lines.bond import Bond
@@ -27,11 +26,10 @@ from agents.lines.pair import Follower, Owner
 from agents.lines.placement import Disk, initial_line, is_same, place
 from agents.lines.spoken import answer_of, fitting, proposals_of
 from agents.peer_state import PeerState
-from protocol.messages import Answer, Down, Proposal
+from protocol.messages import Answer, Member, Proposal
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-_NOBODY: Mapping[int, int] = MappingProxyType({})
 RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
 SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
@@ -49,8 +47,8 @@ class Ledger:
         radii: radius of every robot, m, own included.
         speed: the most that a robot really moves, m/s.
         period: of one tick, s.
-        starts: where every robot's first life begins, m, if this is the own first life in the run.
-        first_lives: incarnation of those lives.
+        members: the others in the first roster that this life hears.
+        starts: where every robot begins, m, if this life is a founding one.
     """
 
     def __init__(
@@ -61,20 +59,19 @@ class Ledger:
         *,
         speed: float,
         period: float,
+        members: Sequence[Member] = (),
         starts: Mapping[int, tuple[float, float]] | None = None,
-        first_lives: Mapping[int, int] = _NOBODY,
     ) -> None:
+        self._robot, self._incarnation = robot, incarnation
         self._radius = radii[robot]
         self._period, self._reach = period, speed * period
+        founding = {each.robot: each.founding for each in members}
         self._bonds = {
-            peer: Bond(
+            peer: self._bond(
                 peer,
-                incarnation,
-                owns=robot < peer,
-                own_radius=self._radius,
-                radius=radii[peer],
-                initial=None if starts is None else initial_line(robot, peer, starts, radii),
-                peer_life=0 if starts is None else first_lives.get(peer, 0),
+                radii[peer],
+                None if starts is None else initial_line(robot, peer, starts, radii),
+                founding.get(peer, 0),
             )
             for peer in sorted(radii)
             if peer != robot
@@ -84,6 +81,20 @@ class Ledger:
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
+        for member in members:
+            if member.status != "live":
+                self.on_member(member)
+
+    def _bond(self, peer: int, radius: float, initial: Line | None, peer_life: int) -> Bond:
+        return Bond(
+            peer,
+            self._incarnation,
+            owns=self._robot < peer,
+            own_radius=self._radius,
+            radius=radius,
+            initial=initial,
+            peer_life=peer_life,
+        )
 
     def locate(self, tick: int, position: tuple[float, float], bound: float) -> None:
         """Take the own position (m), at most `bound` (m) from the truth, at the start of `tick`."""
@@ -109,18 +120,27 @@ class Ledger:
         else:
             self._hear_proposals(bond, bond.end, state)
 
-    def peer_down(self, down: Down) -> None:
-        """The world announces to this life that a peer's is fenced; old or repeated news does no harm."""
-        bond = self._bonds.get(down.robot)
-        if bond is not None:
-            self._disturbed = True
-            bond.bury(down.incarnation, down.position)
-            if bond.disk is not None:
-                bond.disk.renew(self._x, self._y, self._bound)
+    def on_member(self, member: Member) -> None:
+        """A newer roster says something else of a peer than the one before."""
+        bond = self._bonds.get(member.robot)
+        if bond is None:
+            bond = self._bonds[member.robot] = self._bond(member.robot, member.radius, None, 0)
+            self._each.append(bond)
+        self._disturbed = self._disturbed or member.status != "live"
+        bond.on_member(member)
+        if bond.disk is not None:
+            bond.disk.renew(self._x, self._y, self._bound)
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether the own disk is and stays clear of every place where a disk is to appear."""
+        return not self._disturbed or all(
+            bond.keeps_clear or bond.disk is None for bond in self._each if bond.excused
+        )
 
     @property
     def ready(self) -> bool:
-        """Whether there is a line with every live peer; a robot that is not ready must stand still."""
+        """Whether every peer that is there is behind something; who is not ready must stand still."""
         for bond in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
             if not (bond.settled or bond.ready):
                 return False
