@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -28,6 +29,7 @@ from protocol.events import Event, Sample
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
+from world.verdict import VERDICTS
 
 Report = dict[str, Any]
 Watcher = Callable[[Clock], None]
@@ -36,6 +38,12 @@ _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _ECHO = 0.5  # s for messages of a process that has ended
 _POLL = 0.02  # s
+# What the launcher and its tables rely on in a report.
+_PROMISED = {
+    *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
+    *("path_lengths", "excursions", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
+    *("ticks", "sim_time", "wall_time", "messages", "missed_commands"),
+}
 INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
 ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
 
@@ -53,6 +61,9 @@ class Fleet:
         watch: is told every Clock that is heard.
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
+
+    Attributes:
+        rejected: messages that were no world's, by reason.
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
@@ -74,6 +85,7 @@ class Fleet:
         self._began = time.monotonic()
         self._reports: list[Report] = []
         self._stack = ExitStack()
+        self.rejected: Counter[str] = Counter()
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
@@ -184,12 +196,14 @@ class Fleet:
             return
         try:
             message = decode(event.key, event.payload)
-        except MessageError:
-            return  # robots and world count what they refuse
-        if isinstance(message, Result):
-            self._reports.append(json.loads(message.report))
+            report = _report_in(message) if isinstance(message, Result) else None
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
+        if report is not None:
+            self._reports.append(report)
             if self._on_report is not None:
-                self._on_report(self._reports[-1])
+                self._on_report(report)
         elif isinstance(message, Clock):
             self._follow(message)
 
@@ -253,3 +267,18 @@ class Fleet:
 def _row(usage: Usage, host: str | None) -> dict[str, Any]:
     """A process's row of the result; of a fleet on several hosts, it says on which."""
     return usage._asdict() if host is None else {**usage._asdict(), "host": host}
+
+
+def _report_in(result: Result) -> Report:
+    """The report that a result holds.
+
+    Raises:
+        MessageError: it is not JSON, or not what a world reports.
+    """
+    try:
+        report = json.loads(result.report)
+    except (ValueError, RecursionError) as error:
+        raise MessageError("shape", f"result: the report is not JSON ({error})") from None
+    if not isinstance(report, dict) or not report.keys() >= _PROMISED or report["verdict"] not in VERDICTS:
+        raise MessageError("shape", f"result: the report lacks one of {', '.join(sorted(_PROMISED))}")
+    return report

@@ -18,7 +18,7 @@ import msgspec
 from protocol import joining
 from protocol.bus import Bus
 from protocol.codec import decode
-from protocol.errors import MessageError
+from protocol.errors import KeyGrammarError, MessageError
 from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
@@ -123,8 +123,8 @@ class WorldNode:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
-        robot = parse(event.key).robot
-        if robot not in self._admissions.seats:
+        robot = self._robot_of(event.key)
+        if robot is None:
             return
         if event.alive:
             self._admissions.arrive(robot)
@@ -134,14 +134,30 @@ class WorldNode:
             self._expect(robot)
         self._advance()
 
+    def _robot_of(self, key: str) -> int | None:
+        """Whose token this is; None, and counted, if it is no robot's of this run."""
+        try:
+            robot = parse(key).robot
+        except KeyGrammarError:
+            self._turn.rejected["key"] += 1
+            return None
+        if robot not in self._admissions.seats:
+            self._turn.rejected["identity"] += 1
+            return None
+        return robot
+
     def _reply(self, request: Request) -> bytes:
+        reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             if parse(request.key).stream == "control":
                 return self._steer(request.payload)
             return joining.encode_reply(self._answer(request.payload))
+        except KeyGrammarError as error:
+            text = str(error)
         except MessageError as error:
-            self._turn.rejected[error.reason] += 1
-            return joining.encode_reply(joining.Refusal(str(error)))
+            reason, text = error.reason, str(error)
+        self._turn.rejected[reason] += 1
+        return joining.encode_reply(joining.Refusal(text))
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
