@@ -3,13 +3,13 @@
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
-to all again, for a message may have been lost with a link.
+to all again, for a message may have been lost with a link, and they say whom they wait for (`patience`).
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
@@ -56,6 +56,7 @@ class WorldNode:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
+        say: takes what a person should know.
 
     Attributes:
         reports: one a scenario that has ended.
@@ -73,7 +74,9 @@ class WorldNode:
         speed: float = 0.0,
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
+        say: Callable[[str], None] = lambda _: None,
     ) -> None:
+        self._say = say
         self.reports: list[dict[str, Any]] = []
         self.finished = False
         self._pacing = Pacing(lockstep, speed, clock)
@@ -130,7 +133,7 @@ class WorldNode:
             self._admissions.arrive(robot)
         else:
             self._admissions.leave(robot)
-            self._give_up([robot])
+            self._give_up({robot: "has gone: it ended, or is cut off"})
             self._expect(robot)
         self._advance()
 
@@ -268,8 +271,8 @@ class WorldNode:
         turn = self._turn
         self._inform(due=True)
         if turn.opened:
-            if now > self._pacing.since + self._patience:
-                self._give_up(turn.world.waiting)
+            if now > self._pacing.since + self._patience and self._pacing.has_repeated:
+                self._lose_patience()
             elif self._pacing.repeats():
                 self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
@@ -277,24 +280,38 @@ class WorldNode:
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
+    def _lose_patience(self) -> None:
+        """Give up who is sick, and have patience with the others."""
+        blamed = self._turn.world.blamed()
+        for robot in blamed:
+            self._admissions.blame(robot)
+        self._pacing.wait_again()
+        self._give_up(blamed)
+
     def _give_up_gathering(self) -> None:
         world, absent = self._turn.world, sorted(self._absent())
         if world.tick == 0:
             names = ", ".join(map(str, absent))
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
             self._end()
+        reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
-            world.give_up_waiting(robot)
-            world.lost(robot)
+            if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
+                self._tell_person(robot, reason)
 
-    def _give_up(self, robots: Iterable[int]) -> None:
-        """These do not take part any more; whoever waits for their states must know."""
+    def _give_up(self, robots: Mapping[int, str]) -> None:
+        """These do not take part any more, with the reasons; whoever waits for their states must know."""
         world = self._turn.world
-        for robot in tuple(robots):
-            world.lost(robot)
+        running = self._phase is Phase.RUNNING
+        for robot, reason in robots.items():
+            if world.lost(robot, reason if running else "") and running:
+                self._tell_person(robot, reason)
         if self._turn.opened and self._lockstep:
             waiting = world.waiting
             self._outlet.measurements({r: m for r, m in world.open_tick().items() if r in waiting})
+
+    def _tell_person(self, robot: int, reason: str) -> None:
+        self._say(f"tick {self._turn.world.tick}: gives up robot {robot}, which {reason}")
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""

@@ -50,6 +50,16 @@ class Pacing:
         """For how long, s."""
         return self._clock() - self.since
 
+    @property
+    def has_repeated(self) -> bool:
+        """Whether the present tick was told again."""
+        return self._repeat > REPEAT
+
+    def wait_again(self) -> None:
+        """The patience with the present tick begins anew."""
+        self._repeat = REPEAT
+        self.wait()
+
     def repeats(self) -> bool:
         """Whether it is time to tell the present tick again: what was said in it may be lost."""
         if self.waited() < self._repeat:

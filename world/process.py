@@ -49,16 +49,21 @@ def main(
                 gathering=gathering,
                 speed=speed,
                 restarts=restarts,
+                say=_say,
             )
             drive(node, bus, on_stop=partial(node.interrupt, "interrupted", "the world was asked to stop"))
     except Stop:
         _tell_all(node, tell)
         return SUCCESS
     except DisknavError as error:
-        print(f"world: {error}", file=sys.stderr, flush=True)
+        _say(error)
         return FAULT
     _tell_all(node, tell)
     return SUCCESS
+
+
+def _say(what: object) -> None:
+    print(f"world: {what}", file=sys.stderr, flush=True)
 
 
 def _tell_all(node: WorldNode | None, tell: Callable[[dict[str, Any]], None]) -> None:

@@ -16,6 +16,7 @@ from protocol.scenario import Scenario
 from world.commands import Commands
 from world.kinematics import Bodies
 from world.lives import Lives
+from world.patience import blamed
 from world.record import Record
 from world.report import report
 from world.sensing import Sensor
@@ -112,14 +113,23 @@ class World:
         """Whether this life of a robot has joined this run and nothing has ended it."""
         return self._lives.goes_on(robot, incarnation)
 
-    def lost(self, robot: int) -> None:
+    def lost(self, robot: int, reason: str = "") -> bool:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 
-        In an open tick, `open_tick` tells the others of it.
+        In an open tick, `open_tick` tells the others of it. False if it took no part anyway; else a
+        `reason` stands in the report.
         """
-        self._lives.lose(robot)
-        if robot not in self.active:
-            return
+        took_part = self._lives.lose(robot)
+        if took_part and reason:
+            self._note(robot, reason)
+        if robot in self.active:
+            self._leave(robot)
+        return took_part
+
+    def _note(self, robot: int, reason: str) -> None:
+        self._lives.given_up.append((self.tick, robot, self._lives.of[robot].incarnation, reason))
+
+    def _leave(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
         self._commands.drop(robot)
         if self._measurements is not None:
@@ -131,9 +141,17 @@ class World:
         """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
         self._lives.expect(robot)
 
-    def give_up_waiting(self, robot: int) -> None:
-        """Go on without a robot of `awaiting_join`; it may still join later."""
-        self._lives.give_up(robot)
+    def give_up_waiting(self, robot: int, reason: str = "") -> bool:
+        """Go on without a robot of `awaiting_join`; it may still join later. As `lost` otherwise."""
+        awaited = self._lives.give_up(robot)
+        if awaited and reason:
+            self._note(robot, reason)
+        return awaited
+
+    def blamed(self) -> dict[int, str]:
+        """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
+        lacking, self._commands.lacking = self._commands.lacking, {}
+        return blamed(self.active, self._commands.waiting, lacking)
 
     def open_tick(self) -> dict[int, Measurement]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
