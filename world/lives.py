@@ -127,6 +127,12 @@ class Lives:
             life.status = Status.UP
         return life.incarnation
 
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life has joined and is neither over nor given up on."""
+        life = self.of[robot]
+        alive = life.status in (Status.UP, Status.PAUSED) and life.joined and not life.fenced
+        return alive and life.incarnation == incarnation
+
     def lose(self, robot: int) -> None:
         """The process of a life that was up is gone or given up on."""
         life = self.of[robot]

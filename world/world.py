@@ -108,6 +108,10 @@ class World:
         """
         return self._lives.join(robot, heard=self.tick - 1 if self._measurements is None else self.tick)
 
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life of a robot has joined this run and nothing has ended it."""
+        return self._lives.goes_on(robot, incarnation)
+
     def lost(self, robot: int) -> None:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import pytest
 from driving import STEP, two
+from stopwatch import Stopwatch
 
 from agents.node import RobotNode
 from protocol.bus_local import LocalNetwork
 from world.node import GATHERING, WorldNode
 from world.pacing import BEAT, Pacing
-
-
-@dataclass
-class Stopwatch:
-    """A clock that goes on when it is told to."""
-
-    now: float = 0.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 class Theatre:
