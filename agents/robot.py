@@ -7,10 +7,13 @@ the one to the other, when every earlier command is settled: none is ever outsta
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
+from typing import Final
 
 from agents.estimate import Estimate
 from agents.laws import choose
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
@@ -21,6 +24,7 @@ from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
+CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 
 
 class Robot:
@@ -44,7 +48,9 @@ class Robot:
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         speed, period = scenario.control.speed * (1.0 + scenario.actuation.bound), scenario.time.step
-        self._estimate = Estimate(scenario.sensing_of(robot).bound, speed * period)
+        sensing = scenario.sensing_of(robot)
+        self._estimate = Estimate(sensing.bound, speed * period, sensing.contradiction == "newest")
+        self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: radii[peer] for peer in radii if peer != robot})
         self._link = Link(scenario, robot)
@@ -71,13 +77,32 @@ class Robot:
         self._await(measurement.active)
         self._estimate.update(measurement)
         self._moved = measurement.displacement
-        if self._estimate.position is not None:
-            self._lines.locate(self.tick, self._estimate.position, self._estimate.bound)
+        self._locate()
         for down in self._neighbours.fence(measurement.down):
             self._lines.peer_down(down)
         self._take_over(self.tick - 1)
         self._open = True
         return self._state()
+
+    def _locate(self) -> None:
+        """Tell the lines where this robot is; what they and the workspace exclude, it is not."""
+        estimate = self._estimate
+        if estimate.position is None:
+            return
+        if estimate.shape is None or not self._filtered:
+            self._lines.locate(self.tick, estimate.position, estimate.bound)
+            return
+        for _ in range(CORNERS):
+            edge = self._boundary.beyond(*estimate.position, estimate.shape)
+            if edge is None or not estimate.confine(edge, "the workspace"):
+                break
+        self._lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+        crossed = self._lines.crossed()
+        for peer, side in crossed:
+            estimate.confine(side, f"the line with robot {peer}")
+        if crossed or estimate.lost:
+            bound = math.inf if estimate.lost else estimate.bound  # lost: nothing is surely satisfied
+            self._lines.locate(self.tick, estimate.position, bound, estimate.shape)
 
     def _await(self, active: Iterable[int]) -> None:
         """Await this tick's State of all that take part and have not sent it yet."""
@@ -161,16 +186,16 @@ class Robot:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        if not self._lines.ready:
+        if not self._lines.ready or self._estimate.lost:
             return STILL
-        room = self._scenario.workspace.radius - self._radius - self._estimate.bound
         return safe_velocity(
             desired,
             position,
             self._lines.half_planes(),
-            workspace=room,
+            boundary=self._boundary,
             speed=self._control.speed,
             period=self._scenario.time.step,
+            shape=self._estimate.shape,
             noise=self._scenario.actuation.bound,
         )
 
@@ -179,6 +204,14 @@ class Robot:
     def is_down(self, measurement: Measurement) -> bool:
         """Whether the world has fenced this life."""
         return any(d.robot == self.robot and d.incarnation >= self.incarnation for d in measurement.down)
+
+    @property
+    def note(self) -> str:
+        """What a person should know of this robot; "" if nothing."""
+        if not self._estimate.contradiction:
+            return ""
+        does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
+        return f"{self._estimate.contradiction}; {does}"
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
@@ -195,4 +228,5 @@ class Robot:
             rejected,
             heard,
             lines,
+            self.note,
         )
