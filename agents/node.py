@@ -67,7 +67,7 @@ class RobotNode:
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
         self._session = os.urandom(8).hex()
         self._lockstep = True
-        self._declared = self._over = False
+        self._declared = self._over = self._noted = False
         self._refused = self._unanswered = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
@@ -130,7 +130,7 @@ class RobotNode:
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
-        self._ended = self._over = False
+        self._ended = self._over = self._noted = False
         self.deadline = time.monotonic() + REPORT_PERIOD
         if not self._declared:
             self._declare(admission.scenario)
@@ -206,6 +206,9 @@ class RobotNode:
                 self._command()
         elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
             self._said_state = encode(core.measure(measurement))
+            if core.note and not self._noted:
+                self._noted = True
+                self._say(core.note)
             self._tell_state(self._said_state)
             self._published += 1
             self._commanded = False
