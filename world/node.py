@@ -3,13 +3,14 @@
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
-to all again, for a message may have been lost with a link.
+to all again, for a message may have been lost with a link. With a journal the node goes on where another
+one died, in the tick that was open; as far as it was told, that tick is told again, too.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 from typing import Any
 
@@ -24,14 +25,17 @@ from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
 from protocol.steering import decode_steer
+from world.journal import Began
 from world.outlet import Outlet
 from world.pacing import Pacing
 from world.reception import Reception
+from world.replay import Resumed
 from world.roster import Roster
 from world.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
+GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
 FAREWELL = 2.0  # s that robots have to report after the end, and to hear that it is over
 _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
@@ -56,9 +60,13 @@ class WorldNode:
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
+        past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
+            may come back within GRACE, unless another process takes its seat: when a router dies, all
+            tokens go, and come back.
+        tell: is told every report.
 
     Attributes:
-        reports: one a scenario that has ended.
+        reports: one a scenario that has ended, as far as this process saw it.
     """
 
     def __init__(
@@ -72,22 +80,39 @@ class WorldNode:
         patience: float = PATIENCE,
         speed: float = 0.0,
         restarts: int = 0,
+        past: Resumed | None = None,
+        tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
         self._pacing = Pacing(lockstep, speed)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
-        self._scenarios = iter(scenarios)
-        self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
+        self._grace = 0.0 if past is None else GRACE
+        self._journal = None if past is None else past.journal
+        self._tell = tell
+        self._expected = dict.fromkeys(scenarios[0].ids, 0)  # next lives that were waited for
+        self._restarts = restarts if lockstep else 0
         self._roster = Roster(scenarios[0].ids)
-        self._reception = Reception(run, self._roster, lockstep)
+        self._reception = Reception(run, self._roster, lockstep, self._journal)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
-        self._begin(Turn(0, next(self._scenarios), {}))
+        turn = Turn(0, scenarios[0], {}) if past is None else self._resume(past)
+        self._scenarios = iter(scenarios[turn.number + 1 :])
+        self._begin(turn)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
         for stream in ("control", "scenario"):
             bus.serve(world_key(run, stream))
         bus.announce(world_key(run, "alive"))
+        if turn.world.verdict:
+            self._end()
+
+    def _resume(self, past: Resumed) -> Turn:
+        """Go on where another process died. Whoever took part then is there until the grace is over."""
+        self._expected.update(past.expected)
+        for robot, session in past.sessions.items():
+            self._roster.seats[robot].session = session
+            self._roster.miss(robot, time.monotonic())
+        return past.turn
 
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
@@ -128,11 +153,33 @@ class WorldNode:
             return
         if event.alive:
             self._roster.arrive(robot)
+            self._welcome()
         else:
-            self._roster.leave(robot)
-            self._give_up([robot])
-            self._expect(robot)
+            self._roster.miss(robot, time.monotonic())
+            self._write_off()
         self._advance()
+
+    def _welcome(self) -> None:
+        """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
+        if self._turn.opened and self._lockstep and not self._roster.missing():
+            self._pacing.begin_again()
+            self._outlet.measurements(self._turn.world.open_tick())
+
+    def _write_off(self) -> None:
+        """Whoever has been missing for too long is gone."""
+        for robot in self._roster.missing(time.monotonic() - self._grace):
+            self._gone(robot)
+
+    def _bide(self, now: float) -> None:
+        """No patience runs out while somebody is missing who may come back: nobody else can go on, either."""
+        by_the_clock = self._turn.opened and not self._lockstep
+        if self._roster.missing() and not by_the_clock:
+            self._pacing.since = now
+
+    def _gone(self, robot: int) -> None:
+        self._roster.leave(robot)
+        self._give_up([robot])
+        self._expect(robot)
 
     def _reply(self, request: Request) -> bytes:
         try:
@@ -157,6 +204,8 @@ class WorldNode:
         if refusal is not None:
             return refusal
         seat = self._reception.seat(join)
+        if join.robot in self._roster.missing() and join.session != seat.session:
+            self._gone(join.robot)  # whose successor this is
         if self._phase is Phase.FAREWELL:
             seat.health = join.health or seat.health
             self._farewell()
@@ -171,6 +220,8 @@ class WorldNode:
 
     def wake(self, now: float) -> None:
         self._pacing.look_again(now)
+        self._write_off()
+        self._bide(now)
         if self._phase is not Phase.RUNNING:
             self._say_farewell()
         elif self._lockstep or not self._turn.opened:
@@ -207,6 +258,8 @@ class WorldNode:
         turn.opened = True
         if turn.world.tick == 0:
             turn.began = time.monotonic()
+            if self._journal is not None:
+                self._journal.note(Began(time.time()))
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
         self._outlet.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
@@ -279,8 +332,8 @@ class WorldNode:
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""
-        if self._phase is Phase.RUNNING and self._restarts[robot] > 0:
-            self._restarts[robot] -= 1
+        if self._phase is Phase.RUNNING and self._expected[robot] < self._restarts:
+            self._expected[robot] += 1
             self._turn.world.expect(robot)
 
     # -- the end
@@ -320,10 +373,20 @@ class WorldNode:
         turn, seats = self._turn, self._roster.seats.values()
         report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
         self.reports.append(report)
+        self._tell(report)
         self._outlet.result(report)
         following = next(self._scenarios, None)
         if following is None:
             self._phase = Phase.CLOSING
             self._pacing.wait()
         else:
-            self._begin(Turn(turn.number + 1, following, turn.world.incarnations))
+            self._begin(self._next(following))
+
+    def _next(self, scenario: Scenario) -> Turn:
+        """The turn after this one."""
+        number, incarnations = self._turn.number + 1, self._turn.world.incarnations
+        turn = Turn(number, scenario, incarnations)
+        if self._journal is not None:
+            self._journal.begin(number, incarnations, self._expected)
+            turn.world.note = self._journal.note
+        return turn

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
 
 from protocol.messages import Health
 
@@ -16,9 +17,15 @@ class Seat:
 
     session: str = ""
     present: bool = False
+    missing: float = inf  # s, monotonic: since when the token of a process that may be alive is not there
     since: float = 0.0  # s, monotonic: when it was admitted
     health: Health | None = None  # what its process reported at the end of the run
     told: bool = False  # it knows that there is nothing more to do
+
+    @property
+    def occupied(self) -> bool:
+        """Whether there is a process, or may be."""
+        return self.present or self.missing < inf
 
 
 class Roster:
@@ -42,24 +49,34 @@ class Roster:
 
     def arrive(self, robot: int) -> None:
         """The robot's liveliness token is there."""
-        self.seats[robot].present = True
+        seat = self.seats[robot]
+        seat.present, seat.missing = True, inf
 
-    def leave(self, robot: int) -> None:
+    def miss(self, robot: int, now: float) -> None:
         """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
         seat = self.seats[robot]
-        seat.present, seat.session = False, ""
+        seat.present, seat.missing = False, min(seat.missing, now)
+
+    def leave(self, robot: int) -> None:
+        """The process is taken to be gone."""
+        seat = self.seats[robot]
+        seat.present, seat.session, seat.missing = False, "", inf
+
+    def missing(self, since: float = inf) -> list[int]:
+        """Robots whose token has not been there since then, and whose process may yet be alive."""
+        return [robot for robot, seat in self.seats.items() if seat.missing < inf and seat.missing <= since]
 
     def unseated(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""
         return frozenset(r for r, seat in self.seats.items() if not (seat.present and seat.session))
 
     def owing_health(self) -> list[int]:
-        """Present robots that have not reported at the end of the run."""
-        return [robot for robot, seat in self.seats.items() if seat.present and seat.health is None]
+        """Robots that have not reported at the end of the run, and can."""
+        return [robot for robot, seat in self.seats.items() if seat.occupied and seat.health is None]
 
     def untold(self) -> list[int]:
-        """Present robots that do not know yet that it is over."""
-        return [robot for robot, seat in self.seats.items() if seat.present and not seat.told]
+        """Robots that do not know yet that it is over, and can be told."""
+        return [robot for robot, seat in self.seats.items() if seat.occupied and not seat.told]
 
     def forget_reports(self) -> None:
         """Begin a new run with the same processes."""
