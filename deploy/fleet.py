@@ -76,6 +76,7 @@ class Fleet:
         self._clock: Clock | None = None
         self._began = time.monotonic()
         self._reports = Reports(on_report)
+        self._leaving = _LEAVING
         self._stack = ExitStack()
 
     def __enter__(self) -> Fleet:
@@ -199,7 +200,7 @@ class Fleet:
 
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""
-        deadline = time.monotonic() + _LEAVING
+        deadline = time.monotonic() + self._leaving
         while not all(map(table.is_router, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
         self._supervisor.stop()
@@ -272,6 +273,8 @@ class Fleet:
 
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""
+        if self._options.restarts:
+            self._leaving = 0.0  # robots wait for a world that will not be back
         reports = self._reports.all
         if table.WORLD in self._supervisor.running():
             self._supervisor.signal(table.WORLD, signal.SIGTERM)

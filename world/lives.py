@@ -60,6 +60,11 @@ class Lives:
         return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
 
     @property
+    def ended(self) -> frozenset[int]:
+        """Ids whose process is not there, as the scenario has it."""
+        return frozenset(robot for robot, life in self.of.items() if life.status is Status.GONE)
+
+    @property
     def down(self) -> tuple[Down, ...]:
         """Fenced lives that no newer one has followed."""
         return tuple(life.down for life in self.of.values() if life.down is not None)

@@ -95,9 +95,11 @@ class WorldNode:
         self._roster = Roster(scenarios[0].ids)
         self._reception = Reception(run, self._roster, lockstep, self._journal)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
-        turn = Turn(0, scenarios[0], {}) if past is None else self._resume(past)
+        turn = Turn(0, scenarios[0], {}) if past is None else past.turn
         self._scenarios = iter(scenarios[turn.number + 1 :])
         self._begin(turn)
+        if past is not None:
+            self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
         for stream in ("control", "scenario"):
@@ -106,13 +108,12 @@ class WorldNode:
         if turn.world.verdict:
             self._end()
 
-    def _resume(self, past: Resumed) -> Turn:
+    def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._expected.update(past.expected)
-        for robot, session in past.sessions.items():
-            self._roster.seats[robot].session = session
+        for robot in past.sessions.keys() - past.turn.world.ended:
+            self._roster.seats[robot].session = past.sessions[robot]
             self._roster.miss(robot, time.monotonic())
-        return past.turn
 
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
@@ -155,9 +156,16 @@ class WorldNode:
             self._roster.arrive(robot)
             self._welcome()
         else:
-            self._roster.miss(robot, time.monotonic())
+            self._miss(robot)
             self._write_off()
         self._advance()
+
+    def _miss(self, robot: int) -> None:
+        """A token is gone; with it the process, if that was to be."""
+        if robot in self._turn.world.ended:
+            self._gone(robot)
+        else:
+            self._roster.miss(robot, time.monotonic())
 
     def _welcome(self) -> None:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""

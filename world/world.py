@@ -85,6 +85,11 @@ class World:
         return self._lives.up
 
     @property
+    def ended(self) -> frozenset[int]:
+        """Robots whose process is not there, as the scenario has it: killed, or not joined yet."""
+        return self._lives.ended
+
+    @property
     def down(self) -> tuple[Down, ...]:
         """Fenced lives: fixed disks until that robot joins again."""
         return self._lives.down
