@@ -30,8 +30,8 @@ from protocol.events import Event, Sample
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
+from world.admission import AWAY
 from world.journal import Journal
-from world.reception import AWAY
 
 Watcher = Callable[[Clock], None]
 _START = 30.0  # s for a process to say that it is ready

@@ -34,6 +34,7 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
+        joining: robot ids in the order in which they join; increasing unless given.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
     """
 
@@ -46,6 +47,7 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
+        joining: Sequence[int] | None = None,
         journal: Path | None = None,
     ) -> None:
         self.network = LocalNetwork()
@@ -56,7 +58,7 @@ class LocalFleet:
         self.start_world()
         self._recorder = None if record is None else self._record(record)
         self.robots: dict[int, LocalBus] = {}
-        for robot in scenarios[0].ids:
+        for robot in joining or scenarios[0].ids:
             self.start(robot)
         operator = self.network.connect()
         operator.subscribe(world_key(run, "clock"))

@@ -1,9 +1,9 @@
 """The world's checkpoint: a file of all that it was told in the present turn, in order (`world.inputs`).
 
-What is noted is written before anything that follows from it is announced; only commands, and the opening
-of a tick, wait for what comes after them, because a tick can be told and commanded again. So each tick is
-one write to the system, which keeps it when this process is killed. It is not forced to the disk: a journal
-from before the machine was last started is refused.
+What is noted is written before anything that follows from it is announced; only commands, and attempts to
+open a tick or to join, wait for what comes after them: they can be made again. So each tick is one write to
+the system, which keeps it when this process is killed. It is not forced to the disk: a journal from before
+the machine was last started is refused.
 
 The first record (`world.records`) is a `Head`, all others are lists of entries; msgpack. A torn last one is
 cut off. A new turn begins a new file, in the place of the old one.
@@ -35,11 +35,12 @@ class Head(msgspec.Struct, frozen=True):
     boot: str  # names the time since the machine was started; empty where the system has no such name
     turn: Count = 0  # which of the scenarios
     incarnations: dict[Id, Count] = {}  # newest of every robot when the turn began
+    version: Count = 0  # newest of the roster then
     expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier turns waited
 
 
 class Seated(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="seat"):
-    """A robot's newest life is that of the process that calls itself `session`."""
+    """The process that calls itself `session` is to be the robot's next life."""
 
     robot: Id
     session: str
@@ -52,6 +53,7 @@ class Began(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="began")
 
 
 Entry = Input | Seated | Began
+_WAITING = (Command, Opened, Seated)  # for what follows: nothing is announced until it does
 
 _encoder = msgspec.msgpack.Encoder()
 _head = msgspec.msgpack.Decoder(Head)
@@ -117,14 +119,16 @@ class Journal:
             return  # to try to open a tick again, with nothing in between, changes nothing
         self._newest = entry
         self._aside.append(entry)
-        if not isinstance(entry, Command | Opened):
+        if not isinstance(entry, _WAITING):
             entries, self._aside = self._aside, []
             try:
                 records.write(self._file, records.record(_encoder.encode(entries)))
             except OSError as error:
                 self._abandon(error)
 
-    def begin(self, turn: int, incarnations: Mapping[int, int], expected: Mapping[int, int]) -> None:
+    def begin(
+        self, turn: int, incarnations: Mapping[int, int], version: int, expected: Mapping[int, int]
+    ) -> None:
         """Begin the next turn: what was noted so far has come to its end.
 
         Raises:
@@ -133,7 +137,11 @@ class Journal:
         if not self.kept:
             return
         head = msgspec.structs.replace(
-            self.head, turn=turn, incarnations=dict(incarnations), expected=dict(expected)
+            self.head,
+            turn=turn,
+            incarnations=dict(incarnations),
+            version=version,
+            expected=dict(expected),
         )
         following = self.path.with_name(f"{self.path.name}.next")
         try:

@@ -3,8 +3,8 @@
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
-to all again, for a message may have been lost with a link. With a journal the node goes on where another
-one died, in the tick that was open; as far as it was told, that tick is told again, too.
+to all again, for a message may have been lost with a link. With a journal the node goes on where another one
+died, in the tick that was open; as far as it was told, that tick is told again, too.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
 from protocol.steering import decode_steer
+from world.admission import Admissions
 from world.journal import Began
 from world.outlet import Outlet
 from world.pacing import Pacing
-from world.reception import Reception
 from world.replay import Resumed
-from world.roster import Roster
 from world.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
@@ -60,6 +59,7 @@ class WorldNode:
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
+        clock: tells the time, s; for tests.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat: when a router dies, all
             tokens go, and come back.
@@ -80,20 +80,20 @@ class WorldNode:
         patience: float = PATIENCE,
         speed: float = 0.0,
         restarts: int = 0,
+        clock: Callable[[], float] = time.monotonic,
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
-        self._pacing = Pacing(lockstep, speed)
+        self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._grace = 0.0 if past is None else GRACE
         self._journal = None if past is None else past.journal
         self._tell = tell
         self._expected = dict.fromkeys(scenarios[0].ids, 0)  # next lives that were waited for
         self._restarts = restarts if lockstep else 0
-        self._roster = Roster(scenarios[0].ids)
-        self._reception = Reception(run, self._roster, lockstep, self._journal)
+        self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock, self._journal)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
         turn = Turn(0, scenarios[0], {}) if past is None else past.turn
         self._scenarios = iter(scenarios[turn.number + 1 :])
@@ -111,13 +111,14 @@ class WorldNode:
     def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._expected.update(past.expected)
-        for robot in past.sessions.keys() - past.turn.world.ended:
-            self._roster.seats[robot].session = past.sessions[robot]
-            self._roster.miss(robot, time.monotonic())
+        for robot, session in past.sessions.items():
+            life = past.turn.world.incarnations[robot]
+            if past.turn.world.goes_on(robot, life):
+                self._admissions.resume(robot, session, life)
 
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
-        self._roster.forget_reports()
+        self._admissions.forget_reports()
         self._outlet.published = 0
         self._pacing.wait()
 
@@ -150,42 +151,41 @@ class WorldNode:
 
     def _on_presence(self, event: Presence) -> None:
         robot = parse(event.key).robot
-        if robot not in self._roster.seats:
+        if robot not in self._admissions.seats:
             return
         if event.alive:
-            self._roster.arrive(robot)
+            self._admissions.arrive(robot)
             self._welcome()
         else:
             self._miss(robot)
-            self._write_off()
         self._advance()
-
-    def _miss(self, robot: int) -> None:
-        """A token is gone; with it the process, if that was to be."""
-        if robot in self._turn.world.ended:
-            self._gone(robot)
-        else:
-            self._roster.miss(robot, time.monotonic())
 
     def _welcome(self) -> None:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
-        if self._turn.opened and self._lockstep and not self._roster.missing():
+        if self._turn.opened and self._lockstep and not self._admissions.missing():
             self._pacing.begin_again()
             self._outlet.measurements(self._turn.world.open_tick())
 
+    def _miss(self, robot: int) -> None:
+        """A token is gone; with it the process, unless its life goes on and there is a grace."""
+        if self._grace and self._turn.world.goes_on(robot, self._admissions.seats[robot].granted):
+            self._admissions.miss(robot)
+        else:
+            self._gone(robot)
+
     def _write_off(self) -> None:
         """Whoever has been missing for too long is gone."""
-        for robot in self._roster.missing(time.monotonic() - self._grace):
+        for robot in self._admissions.missing(self._grace):
             self._gone(robot)
 
     def _bide(self, now: float) -> None:
         """No patience runs out while somebody is missing who may come back: nobody else can go on, either."""
         by_the_clock = self._turn.opened and not self._lockstep
-        if self._roster.missing() and not by_the_clock:
+        if self._admissions.missing() and not by_the_clock:
             self._pacing.since = now
 
     def _gone(self, robot: int) -> None:
-        self._roster.leave(robot)
+        self._admissions.leave(robot)
         self._give_up([robot])
         self._expect(robot)
 
@@ -206,13 +206,13 @@ class WorldNode:
 
     def _answer(self, payload: bytes) -> joining.Reply:
         if not payload:
-            return self._reception.overview(self._turn)
+            return self._admissions.overview(self._turn)
         join = joining.decode_request(payload)
-        refusal = self._reception.refusal(join, self._turn)
+        refusal = self._admissions.refusal(join, self._turn)
         if refusal is not None:
             return refusal
-        seat = self._reception.seat(join)
-        if join.robot in self._roster.missing() and join.session != seat.session:
+        seat = self._admissions.seats[join.robot]
+        if join.robot in self._admissions.missing() and join.session != seat.session:
             self._gone(join.robot)  # whose successor this is
         if self._phase is Phase.FAREWELL:
             seat.health = join.health or seat.health
@@ -222,7 +222,7 @@ class WorldNode:
         if self._phase is Phase.CLOSING:
             seat.told = True
             return joining.Finished(self._turn.world.verdict)
-        return self._reception.enlist(join, self._turn)
+        return self._admissions.enlist(join, self._turn)
 
     # -- the clock
 
@@ -248,12 +248,14 @@ class WorldNode:
             self._close()
         if self._phase is Phase.FAREWELL:
             self._farewell()
-        if self._phase is Phase.CLOSING and (not self._roster.untold() or self._patience_is_over()):
+        if self._phase is Phase.CLOSING and (not self._admissions.untold() or self._patience_is_over()):
             self.finished = True
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         turn = self._turn
+        if not turn.world.founded and self._admissions.unseated():
+            return False
         measurements = turn.world.open_tick()
         if self._absent():
             if self._lockstep or turn.world.tick == 0:
@@ -265,7 +267,7 @@ class WorldNode:
             return False
         turn.opened = True
         if turn.world.tick == 0:
-            turn.began = time.monotonic()
+            turn.began = self._pacing.now()
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
@@ -281,7 +283,9 @@ class WorldNode:
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world = self._turn.world
-        return world.awaiting_join | (self._roster.unseated() & frozenset(world.active))
+        if not world.founded:
+            return world.awaiting_join | self._admissions.unseated()
+        return world.awaiting_join | (self._admissions.unseated() & frozenset(world.active))
 
     def _remind(self, measurements: dict[int, Measurement]) -> None:
         """A fenced life that the scenario wants back must learn that it has to join again."""
@@ -314,8 +318,7 @@ class WorldNode:
             elif self._pacing.repeats():
                 self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
-            # Held back by a viewer, not by a robot.
-            self._pacing.since = max(self._pacing.since, now - self._gathering)
+            self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
@@ -363,12 +366,12 @@ class WorldNode:
     def _say_farewell(self) -> None:
         """Whoever has not heard that the run is over hears it (again)."""
         self._inform(due=True)
-        deaf = self._roster.owing_health() if self._phase is Phase.FAREWELL else self._roster.untold()
+        deaf = self._admissions.owing_health() if self._phase is Phase.FAREWELL else self._admissions.untold()
         self._outlet.measurements(self._turn.last_words(deaf))
 
     def _farewell(self) -> None:
         """Once the robots have reported, or had the time to, publish the result."""
-        if not self._roster.owing_health() or self._patience_is_over():
+        if not self._admissions.owing_health() or self._patience_is_over():
             self._conclude()
 
     def _patience_is_over(self) -> bool:
@@ -378,7 +381,7 @@ class WorldNode:
         """Publish the result and go on to the next run, if there is one."""
         if self._phase is not Phase.FAREWELL:
             return
-        turn, seats = self._turn, self._roster.seats.values()
+        turn, seats = self._turn, self._admissions.seats.values()
         report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
         self.reports.append(report)
         self._tell(report)
@@ -392,9 +395,9 @@ class WorldNode:
 
     def _next(self, scenario: Scenario) -> Turn:
         """The turn after this one."""
-        number, incarnations = self._turn.number + 1, self._turn.world.incarnations
-        turn = Turn(number, scenario, incarnations)
+        number, world = self._turn.number + 1, self._turn.world
+        turn = Turn(number, scenario, world.incarnations, world.version)
         if self._journal is not None:
-            self._journal.begin(number, incarnations, self._expected)
+            self._journal.begin(number, world.incarnations, world.version, self._expected)
             turn.world.note = self._journal.note
         return turn

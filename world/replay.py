@@ -35,12 +35,13 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
         JournalError: the journal does not lead where it says it led.
     """
     head = journal.head
-    turn = Turn(head.turn, scenarios[head.turn], head.incarnations)
+    turn = Turn(head.turn, scenarios[head.turn], head.incarnations, head.version)
+    seated: dict[int, str] = {}
     sessions: dict[int, str] = {}
     expected = Counter(head.expected)
     for number, entry in enumerate(journal.past):
         if isinstance(entry, Seated):
-            sessions[entry.robot] = entry.session
+            seated[entry.robot] = entry.session
         elif isinstance(entry, Began):
             turn.began = time.monotonic() - max(0.0, time.time() - entry.at)
         elif not _follow(turn.world, entry):
@@ -50,6 +51,8 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
             )
         elif isinstance(entry, Expected):
             expected[entry.robot] += 1
+        elif isinstance(entry, Joined):
+            sessions[entry.robot] = seated.get(entry.robot, "")
     turn.world.news()
     turn.world.note = journal.note
     return Resumed(journal, turn, sessions, expected)

@@ -55,15 +55,15 @@ def test_what_was_noted_is_read_again_and_added_to(written: Path) -> None:
     assert opened(written).past == [*ENTRIES, Joined(2, 2)]
 
 
-def test_commands_wait_for_the_end_of_their_tick(path: Path) -> None:
+def test_what_can_be_done_again_waits_for_what_follows(path: Path) -> None:
     journal = opened(path)
     before = path.stat().st_size
-    for entry in (Opened(), COMMAND):
+    for entry in (Opened(), COMMAND, Seated(1, "a")):
         journal.note(entry)
         assert path.stat().st_size == before
     journal.note(Closed(1))
     journal.close()
-    assert opened(path).past == [Opened(), COMMAND, Closed(1)]
+    assert opened(path).past == [Opened(), COMMAND, Seated(1, "a"), Closed(1)]
 
 
 def test_to_try_again_to_open_a_tick_is_noted_once(path: Path) -> None:
@@ -79,11 +79,12 @@ def test_to_try_again_to_open_a_tick_is_noted_once(path: Path) -> None:
 
 def test_a_new_turn_begins_a_new_file(written: Path) -> None:
     journal = opened(written)
-    journal.begin(1, {1: 3, 2: 1}, {1: 2})
+    journal.begin(1, {1: 3, 2: 1}, 17, {1: 2})
     journal.note(Joined(1, 4))
     journal.close()
     again = opened(written)
-    assert (again.head.turn, again.head.incarnations, again.head.expected) == (1, {1: 3, 2: 1}, {1: 2})
+    head = again.head
+    assert (head.turn, head.incarnations, head.version, head.expected) == (1, {1: 3, 2: 1}, 17, {1: 2})
     assert again.past == [Joined(1, 4)]
     assert list(written.parent.iterdir()) == [written]
 
@@ -163,7 +164,7 @@ def test_two_worlds_cannot_have_one_journal(written: Path) -> None:
     journal = opened(written)
     with pytest.raises(JournalError, match="in use"):
         opened(written)
-    journal.begin(1, {}, {})
+    journal.begin(1, {}, 0, {})
     with pytest.raises(JournalError, match="in use"):
         opened(written)
     journal.close()
@@ -194,7 +195,7 @@ def test_a_full_disk_is_said_once_and_leaves_no_old_checkpoint(
     assert len(said) == 1
     assert "No space left on device" in said[0]
     assert not path.exists()
-    journal.begin(1, {}, {})
+    journal.begin(1, {}, 0, {})
     assert not path.exists()
     journal.remove()
 
