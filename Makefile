@@ -6,8 +6,8 @@ READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
 INNER := $(addprefix protocol/,events.py cursor.py reader.py codec.py drive.py bus_local.py bus_zenoh.py) $(addprefix agents/,roster.py peer_state.py peer_reader.py slice.py flow.py \
-  pace.py deadlock.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
-  lines/line.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/spoken.py lines/ledger.py) \
+  pace.py deadlock.py polygon.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
+  lines/line.py lines/boundary.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/spoken.py lines/ledger.py) \
   $(addprefix world/,commands.py roll.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
   outlet.py pacing.py node.py) $(addprefix deploy/recording/,mcap_file.py channel.py writer.py)
 

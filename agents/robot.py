@@ -8,10 +8,12 @@ the one to the other, when every earlier command is settled: none is ever outsta
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 from typing import Final
 
 from agents.estimate import Estimate
 from agents.laws import choose
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
@@ -24,6 +26,7 @@ from protocol.scenario import Scenario
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
 NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
+CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 
 
 class Robot:
@@ -46,8 +49,11 @@ class Robot:
         self._goal, self._radius = spec.goal, spec.radius
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
+        sensing = scenario.sensing_of(robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
-        self._estimate = Estimate(scenario.sensing_of(robot).bound, self._speed * scenario.time.step)
+        reach = self._speed * scenario.time.step
+        self._estimate = Estimate(sensing.bound, reach, sensing.contradiction == "newest")
+        self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
@@ -76,10 +82,27 @@ class Robot:
         return self._state()
 
     def _locate(self) -> None:
-        """Tell the lines where this robot is."""
-        position = self._estimate.position
-        if position is not None and self._lines is not None:
-            self._lines.locate(self.tick, position, self._estimate.bound)
+        """Tell the lines where this robot is; what they and the workspace exclude, it is not."""
+        estimate, lines = self._estimate, self._lines
+        if estimate.position is None or lines is None:
+            return
+        if estimate.lost:  # nothing is surely satisfied
+            lines.locate(self.tick, estimate.position, inf)
+            return
+        if estimate.shape is None or not self._filtered:
+            lines.locate(self.tick, estimate.position, estimate.bound)
+            return
+        for _ in range(CORNERS):
+            edge = self._boundary.beyond(*estimate.position, estimate.shape)
+            if edge is None or not estimate.confine(edge, "the workspace"):
+                break
+        lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+        crossed = lines.crossed()
+        for peer, side in crossed:
+            estimate.confine(side, f"the line with robot {peer}")
+        if crossed:
+            bound, shape = (inf, None) if estimate.lost else (estimate.bound, estimate.shape)
+            lines.locate(self.tick, estimate.position, bound, shape)
 
     def _on_roster(self, roster: Roster) -> None:
         """Follow a roster that may be a newer one."""
@@ -190,16 +213,16 @@ class Robot:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        if not lines.ready:
+        if not lines.ready or self._estimate.lost:
             return STILL
-        room = self._scenario.workspace.radius - self._radius - self._estimate.bound
         return safe_velocity(
             desired,
             position,
             lines.half_planes(),
-            workspace=room,
+            boundary=self._boundary,
             speed=self._control.speed,
             period=self._scenario.time.step,
+            shape=self._estimate.shape,
             noise=self._scenario.actuation.bound,
         )
 
@@ -209,6 +232,14 @@ class Robot:
         """Whether the world says that this life is over."""
         roster = measurement.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
+
+    @property
+    def note(self) -> str:
+        """What a person should know of this robot; "" if nothing."""
+        if not self._estimate.contradiction:
+            return ""
+        does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
+        return f"{self._estimate.contradiction}; {does}"
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
@@ -225,4 +256,5 @@ class Robot:
             rejected,
             heard,
             lines,
+            self.note,
         )

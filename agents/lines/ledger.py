@@ -26,6 +26,7 @@ from agents.lines.pair import Follower, Owner
 from agents.lines.placement import Disk, initial_line, is_same, place
 from agents.lines.spoken import answer_of, fitting, proposals_of
 from agents.peer_state import PeerState
+from agents.polygon import Polygon
 from protocol.messages import Answer, Member, Proposal
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
@@ -81,6 +82,7 @@ class Ledger:
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
+        self._shape: Polygon | None = None
         for member in members:
             if member.status != "live":
                 self.on_member(member)
@@ -96,14 +98,17 @@ class Ledger:
             peer_life=peer_life,
         )
 
-    def locate(self, tick: int, position: tuple[float, float], bound: float) -> None:
-        """Take the own position (m), at most `bound` (m) from the truth, at the start of `tick`."""
+    def locate(
+        self, tick: int, position: tuple[float, float], bound: float, shape: Polygon | None = None
+    ) -> None:
+        """Take the own position (m) at the start of `tick`; the truth is at most `bound` (m) from it, and
+        within `shape` around it if that is given."""
         self._tick = tick
         self._x, self._y = position
-        self._bound = bound
+        self._bound, self._shape = bound, shape
         for bond in self._each if self._disturbed else ():
             if bond.disk is not None:
-                bond.disk.renew(self._x, self._y, bound)
+                bond.disk.renew(self._x, self._y, bound, shape)
 
     def hear(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
@@ -129,7 +134,7 @@ class Ledger:
         self._disturbed = self._disturbed or member.status != "live"
         bond.on_member(member)
         if bond.disk is not None:
-            bond.disk.renew(self._x, self._y, self._bound)
+            bond.disk.renew(self._x, self._y, self._bound, self._shape)
 
     @property
     def keeps_clear(self) -> bool:
@@ -161,22 +166,39 @@ class Ledger:
         return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
-        """Where the estimated own centre must stay; radius and error bound are subtracted.
+        """Where the estimated own centre must stay; radius and extent of the own set are subtracted.
 
         Without those that are out of reach within a tick.
         """
-        x, y, margin = self._x, self._y, self._bound + 2.0 * ROUNDING
-        near = margin + 2.0 * self._reach
+        x, y = self._x, self._y
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for bond in self._each:
             if bond.settled:
                 if bond.limit - bond.nx * x - bond.ny * y < near:
+                    margin = self._extent(bond.nx, bond.ny) + 2.0 * ROUNDING
                     found.append(HalfPlane(bond.nx, bond.ny, bond.limit - margin))
                 continue
             for side in bond.half_planes:
                 if side.slack(x, y) < near:
+                    margin = self._extent(side.nx, side.ny) + 2.0 * ROUNDING
                     found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
         return found
+
+    def crossed(self) -> list[tuple[int, HalfPlane]]:
+        """Obeyed half-planes, by peer, that the own set is not wholly behind. The truth is: that is what
+        to obey means."""
+        return [
+            (bond.peer, side)
+            for bond in self._each
+            for side in bond.half_planes
+            if side.slack(self._x, self._y) < self._bound
+            and side.slack(self._x, self._y) < self._extent(side.nx, side.ny)
+        ]
+
+    def _extent(self, nx: float, ny: float) -> float:
+        """How far the own set reaches from the own position in the direction (nx, ny), m."""
+        return self._bound if self._shape is None else self._shape.extent(nx, ny)
 
     def sides(self) -> tuple[tuple[int, float, float, float], ...]:
         """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
@@ -228,7 +250,7 @@ class Ledger:
     def _fits(self, line: Line, owner: bool) -> bool:
         """Whether the own disk surely satisfies a line now."""
         side = line.side(self._radius, owner)
-        return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
+        return line.is_unit and side.slack(self._x, self._y) >= self._extent(side.nx, side.ny) + ROUNDING
 
     def _consider(self, bond: Bond, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.

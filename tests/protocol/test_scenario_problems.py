@@ -33,6 +33,11 @@ def test_the_issue_in_one_line() -> None:
         ("[sensing]\nnoise = -0.1" + ROBOTS, "sensing.noise", "at least 0"),
         ("[sensing]\nnoise_bound = -0.1" + ROBOTS, "sensing.noise_bound", "at least 0"),
         ("[sensing]\ndropout = 1.5" + ROBOTS, "sensing.dropout", "at most 1"),
+        (
+            "[sensing]\ncontradiction = 'guess'" + ROBOTS,
+            "sensing.contradiction",
+            "must be 'stand' or 'newest'",
+        ),
         ("[sensing]\nbias = [1]" + ROBOTS, "sensing.bias", "2 elements"),
         ("[sensing]\nrobots = []" + ROBOTS, "sensing.robots", "empty"),
         ("[sensing]\nrobots = [1, 9]" + ROBOTS, "sensing.robots[1]", "no robot 9"),

@@ -17,6 +17,7 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.peer_state import said_to
 from agents.safe_velocity import safe_velocity
@@ -134,7 +135,7 @@ class Fleet(RuleBasedStateMachine):
             self.towards_next(robot, turn),
             self.estimate(robot),
             ledger.half_planes(),
-            workspace=room,
+            boundary=RoundBoundary(room),
             speed=SPEED,
             period=PERIOD,
         )
