@@ -80,6 +80,8 @@ class Admissions:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
         robot, world, seat = join.robot, turn.world, self.seats[join.robot]
+        if world.is_paused(robot):
+            return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
         if seat.session not in ("", join.session):
             if self._clock() < seat.since + RESERVATION:
                 return joining.Wait(_RETRY, f"another process is joining as robot {robot}")

@@ -130,6 +130,10 @@ class World:
         """Whether this life of a robot has joined this run and nothing has ended it."""
         return self._lives.goes_on(robot, incarnation)
 
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still; it may join once it is resumed."""
+        return self._lives.is_paused(robot)
+
     def lost(self, robot: int) -> None:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 
