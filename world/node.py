@@ -4,8 +4,7 @@ Lock-step: a tick begins when every robot that takes part is there, and ends whe
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
 to all again, for a message may have been lost with a link, and they say whom they wait for (`patience`).
-With a journal the node goes on where another one died, in the tick that was open; as far as it was told,
-that tick is told again, too.
+With a journal the node goes on where another one died: the tick that was open then is told again.
 """
 
 from __future__ import annotations
