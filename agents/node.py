@@ -30,7 +30,8 @@ from protocol.streams import STREAMS
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD: Final = 0.5  # s between health messages
-_ASK_TIMEOUT = 5.0
+_ASK_TIMEOUT = 2.0
+_ATTEMPTS = 3  # to hear an answer: a reply may be lost
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
 
@@ -67,7 +68,7 @@ class RobotNode:
         self._session = os.urandom(8).hex()
         self._lockstep = True
         self._declared = self._over = self._noted = False
-        self._refused = 0
+        self._refused = self._unanswered = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
         self._said_state = self._said_command = b""  # newest, as they were sent
@@ -82,13 +83,13 @@ class RobotNode:
         request = joining.encode_request(joining.Join(self._robot, self._session, health))
         try:
             reply = joining.decode_reply(self._ask(request))
-        except BusError:
-            self._on_silence()
+        except (BusError, MessageError) as error:
+            self._on_silence(error)
             return
         now = time.monotonic()
-        self._heard_world = now
+        self._heard_world, self._unanswered = now, 0
         if isinstance(reply, joining.Wait):
-            self.deadline = now + reply.after
+            self.deadline = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
         elif isinstance(reply, joining.Admission):
@@ -99,21 +100,25 @@ class RobotNode:
                 raise JoinError(reply.text)
             self.deadline = now + 0.2
 
-    def _on_silence(self) -> None:
-        """Nobody answers a request to join."""
+    def _on_silence(self, error: Exception) -> None:
+        """Nobody answers a request to join, or nobody who could be understood."""
         now = time.monotonic()
+        self._unanswered += 1
         if self._over:
             self.finished = True  # the world left first
         elif self._alone_since <= now <= self._alone_since + self._patience:
             self.deadline = now + REPORT_PERIOD  # cut off, perhaps for a moment only
+        elif self._unanswered < _ATTEMPTS:
+            self.deadline = now
         else:
-            raise BusError(f"run {self._run!r}: no world answers; is it running, under this name?")
+            text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
+            raise BusError(text) from error
 
     def _ask(self, request: bytes) -> bytes:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
@@ -192,8 +197,8 @@ class RobotNode:
         if measurement.over and measurement.incarnation >= core.incarnation:
             self._over = True
             self._rejoin()
-        elif core.is_down(measurement):
-            self._rejoin()
+        elif core.has_ended(measurement) or measurement.incarnation > core.incarnation:
+            self._rejoin()  # fenced, or replaced by another process
         elif measurement.tick == core.tick:
             self._repeat()
             core.reconsider(measurement)

@@ -57,7 +57,7 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = message.velocity[0] + message.velocity[1]
-    elif isinstance(message, Measurement) and not message.down:
+    elif isinstance(message, Measurement) and message.roster is None:
         total = message.displacement[0] + message.displacement[1]
         if message.position is not None:
             total += message.position[0] + message.position[1]
@@ -106,8 +106,8 @@ def _measurement_numbers(measurement: Measurement) -> Iterator[float]:
     yield from measurement.displacement
     if measurement.position is not None:
         yield from measurement.position
-    for down in measurement.down:
-        yield from down.position
+    for member in () if measurement.roster is None else measurement.roster.members:
+        yield from (member.radius, member.bound, *(member.position or ()))
 
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:

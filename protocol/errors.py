@@ -71,6 +71,10 @@ class JoinError(DisknavError):
     """The world turned a robot away: unknown id, or that id is already running."""
 
 
+class RosterError(DisknavError):
+    """The roster does not allow what was asked of it: to admit, fence, announce or remove that disk now."""
+
+
 class ProcessError(DisknavError):
     """A process of the fleet did not start, or ended when it should not have."""
 

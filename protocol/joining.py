@@ -3,6 +3,9 @@
 Both are msgpack maps (the one place where a reader without this code may want to ask, too):
 request `{"robot": id, "session": text, "health": Health | nil}`, reply one of `Admission`,
 `Refusal`, `Wait`, `Finished`, told apart by `"reply"`. An empty request gets the scenario alone.
+
+`session` is a text of the process's own choosing, the same for all its requests. Who asks again is
+admitted as the same life, for a reply may be lost, until `health` says that this life is over.
 """
 
 from __future__ import annotations

@@ -56,6 +56,7 @@ class Commands:
         self.waiting.discard(command.robot)
         self.velocities[command.robot] = command.velocity
         self._lives.of[command.robot].heard = self._tick
+        self._lives.acknowledge(command.robot, command.roster)
         return True
 
     def _refusal(self, command: Command) -> str:
@@ -64,7 +65,7 @@ class Commands:
             return "unknown"
         if command.incarnation != life.incarnation:
             return "incarnation"
-        if life.down is not None:
+        if life.fenced:
             return "fenced"
         if command.tick != self._tick or not self._open:
             return "late" if command.tick < self._tick else "early"

@@ -9,7 +9,7 @@ to all again, for a message may have been lost with a link.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 from typing import Any
 
@@ -24,10 +24,9 @@ from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
 from protocol.steering import decode_steer
+from world.admission import Admissions
 from world.outlet import Outlet
 from world.pacing import Pacing
-from world.reception import Reception
-from world.roster import Roster
 from world.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
@@ -56,6 +55,7 @@ class WorldNode:
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
+        clock: tells the time, s; for tests.
 
     Attributes:
         reports: one a scenario that has ended.
@@ -72,15 +72,15 @@ class WorldNode:
         patience: float = PATIENCE,
         speed: float = 0.0,
         restarts: int = 0,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
-        self._pacing = Pacing(lockstep, speed)
+        self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
         self._scenarios = iter(scenarios)
         self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
-        self._roster = Roster(scenarios[0].ids)
-        self._reception = Reception(run, self._roster, lockstep)
+        self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
         self._begin(Turn(0, next(self._scenarios), {}))
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
@@ -91,7 +91,7 @@ class WorldNode:
 
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
-        self._roster.forget_reports()
+        self._admissions.forget_reports()
         self._outlet.published = 0
         self._pacing.wait()
 
@@ -124,12 +124,12 @@ class WorldNode:
 
     def _on_presence(self, event: Presence) -> None:
         robot = parse(event.key).robot
-        if robot not in self._roster.seats:
+        if robot not in self._admissions.seats:
             return
         if event.alive:
-            self._roster.arrive(robot)
+            self._admissions.arrive(robot)
         else:
-            self._roster.leave(robot)
+            self._admissions.leave(robot)
             self._give_up([robot])
             self._expect(robot)
         self._advance()
@@ -151,12 +151,12 @@ class WorldNode:
 
     def _answer(self, payload: bytes) -> joining.Reply:
         if not payload:
-            return self._reception.overview(self._turn)
+            return self._admissions.overview(self._turn)
         join = joining.decode_request(payload)
-        refusal = self._reception.refusal(join, self._turn)
+        refusal = self._admissions.refusal(join, self._turn)
         if refusal is not None:
             return refusal
-        seat = self._reception.seat(join)
+        seat = self._admissions.seats[join.robot]
         if self._phase is Phase.FAREWELL:
             seat.health = join.health or seat.health
             self._farewell()
@@ -165,7 +165,7 @@ class WorldNode:
         if self._phase is Phase.CLOSING:
             seat.told = True
             return joining.Finished(self._turn.world.verdict)
-        return self._reception.enlist(join, self._turn)
+        return self._admissions.enlist(join, self._turn)
 
     # -- the clock
 
@@ -189,12 +189,14 @@ class WorldNode:
             self._close()
         if self._phase is Phase.FAREWELL:
             self._farewell()
-        if self._phase is Phase.CLOSING and (not self._roster.untold() or self._patience_is_over()):
+        if self._phase is Phase.CLOSING and (not self._admissions.untold() or self._patience_is_over()):
             self.finished = True
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         turn = self._turn
+        if not turn.world.founded and self._admissions.unseated():
+            return False
         measurements = turn.world.open_tick()
         if self._absent():
             if self._lockstep or turn.world.tick == 0:
@@ -206,7 +208,7 @@ class WorldNode:
             return False
         turn.opened = True
         if turn.world.tick == 0:
-            turn.began = time.monotonic()
+            turn.began = self._pacing.now()
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
         self._outlet.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
@@ -220,7 +222,9 @@ class WorldNode:
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world = self._turn.world
-        return world.awaiting_join | (self._roster.unseated() & frozenset(world.active))
+        if not world.founded:
+            return world.awaiting_join | self._admissions.unseated()
+        return world.awaiting_join | (self._admissions.unseated() & frozenset(world.active))
 
     def _remind(self, measurements: dict[int, Measurement]) -> None:
         """A fenced life that the scenario wants back must learn that it has to join again."""
@@ -253,8 +257,7 @@ class WorldNode:
             elif self._pacing.repeats():
                 self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
-            # Held back by a viewer, not by a robot.
-            self._pacing.since = max(self._pacing.since, now - self._gathering)
+            self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
@@ -302,12 +305,12 @@ class WorldNode:
     def _say_farewell(self) -> None:
         """Whoever has not heard that the run is over hears it (again)."""
         self._inform(due=True)
-        deaf = self._roster.owing_health() if self._phase is Phase.FAREWELL else self._roster.untold()
+        deaf = self._admissions.owing_health() if self._phase is Phase.FAREWELL else self._admissions.untold()
         self._outlet.measurements(self._turn.last_words(deaf))
 
     def _farewell(self) -> None:
         """Once the robots have reported, or had the time to, publish the result."""
-        if not self._roster.owing_health() or self._patience_is_over():
+        if not self._admissions.owing_health() or self._patience_is_over():
             self._conclude()
 
     def _patience_is_over(self) -> bool:
@@ -317,7 +320,7 @@ class WorldNode:
         """Publish the result and go on to the next run, if there is one."""
         if self._phase is not Phase.FAREWELL:
             return
-        turn, seats = self._turn, self._roster.seats.values()
+        turn, seats = self._turn, self._admissions.seats.values()
         report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
         self.reports.append(report)
         self._outlet.result(report)
@@ -326,4 +329,5 @@ class WorldNode:
             self._phase = Phase.CLOSING
             self._pacing.wait()
         else:
-            self._begin(Turn(turn.number + 1, following, turn.world.incarnations))
+            world = turn.world
+            self._begin(Turn(turn.number + 1, following, world.incarnations, world.version))

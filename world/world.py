@@ -33,10 +33,13 @@ class World:
         verdict, reason: empty while the run goes on.
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int] | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int] | None = None, version: int = 0
+    ) -> None:
         """Args:
         scenario: with the gain k a number.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
+        version: last known version of the roster, of earlier runs.
         """
         self.tick = 0
         self.active: tuple[int, ...] = ()
@@ -45,7 +48,7 @@ class World:
         self._scenario = scenario
         self._bodies = Bodies(scenario)
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
-        self._lives = Lives(scenario, incarnations or {})
+        self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
         self._record = Record(scenario, self._bodies.positions)
         self._judge = Judge(scenario, scenario.ids)
@@ -64,6 +67,16 @@ class World:
     def incarnations(self) -> dict[int, int]:
         """Newest incarnation of every robot; a following run counts on from there."""
         return self._lives.incarnations
+
+    @property
+    def version(self) -> int:
+        """Newest version of the roster; a following run counts on from there."""
+        return self._lives.version
+
+    @property
+    def founded(self) -> bool:
+        """Whether the first tick has begun, with all that were there."""
+        return self._lives.founded
 
     @property
     def down(self) -> tuple[Down, ...]:
@@ -95,6 +108,10 @@ class World:
         """
         return self._lives.join(robot, heard=self.tick - 1 if self._measurements is None else self.tick)
 
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life of a robot has joined this run and nothing has ended it."""
+        return self._lives.goes_on(robot, incarnation)
+
     def lost(self, robot: int) -> None:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 
@@ -121,10 +138,13 @@ class World:
     def open_tick(self) -> dict[int, Measurement]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
 
-        The scenario's process faults of this tick happen first. While robots are awaited the tick does
+        The scenario's process faults of this tick happen first, those of the first tick once all are there:
+        whatever the order of joining, everybody begins the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
         if self._measurements is None:
+            if not self._begun():
+                return {}
             self._lives.apply_faults(self.tick)
             awaited = self.awaiting_join
             if awaited:
@@ -133,6 +153,12 @@ class World:
             self._commands.open(self.tick, self.active)
             self._measurements = self._tell(self.active, self._sense())
         return self._measurements
+
+    def _begun(self) -> bool:
+        """Whether the run has begun, or begins now."""
+        if not self.founded and not self.awaiting_join:
+            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+        return self.founded
 
     def _sense(self) -> _Sensed:
         """One measurement of every robot, those who do not listen included: sensors keep running."""
@@ -144,13 +170,20 @@ class World:
 
     def _tell(self, active: tuple[int, ...], sensed: _Sensed | None = None) -> dict[int, Measurement]:
         """Measurements for all that may listen; without positions unless `sensed` has them."""
-        tick, down = self.tick, self.down
+        tick = self.tick
         moved = dict(zip(self._bodies.ids, self._bodies.displacements, strict=True))
         told = {}
         for robot, life in self._lives.listeners():
             position, stamp = sensed[robot] if sensed else (None, tick)
             told[robot] = Measurement(
-                robot, life.incarnation, tick, position, stamp, moved[robot], active, down
+                robot,
+                life.incarnation,
+                tick,
+                position,
+                stamp,
+                moved[robot],
+                active,
+                self._lives.roster_for(robot),
             )
         return told
 

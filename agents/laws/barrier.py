@@ -73,7 +73,7 @@ class BarrierLaw:
             if place is None:
                 continue
             apart, share = own - np.array(place), 1.0
-            state = None if peer in neighbours.down else neighbours.state(peer)
+            state = None if peer in neighbours.standing else neighbours.state(peer)
             if state is not None:
                 share = 0.5
                 apart -= (tick - state.tick) * self._period * np.array(state.desired)

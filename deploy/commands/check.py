@@ -21,13 +21,15 @@ def check(
 
     Exit status: 0 valid (whatever the theory says), 2 invalid.
     """
-    from deploy import check as theory
+    from deploy.check import report
+    from deploy.check_render import render
+    from deploy.check_report import to_json
     from deploy.load import load
 
-    report = theory.report(load(scenario, setting or [], seed))
+    found = report(load(scenario, setting or [], seed))
     if as_json:
-        sys.stdout.write(json.dumps(theory.to_json(report), indent=2) + "\n")
+        sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
     else:
         from rich.console import Console
 
-        Console().print(theory.render(report))
+        Console().print(render(found))

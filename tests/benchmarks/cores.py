@@ -46,7 +46,7 @@ class Fleet:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.world = scenario, World(scenario)
         lives = {robot: self.world.join(robot) for robot in scenario.ids}
-        self.robots = {i: Robot(scenario, i, life, lives) for i, life in lives.items()}
+        self.robots = {i: Robot(scenario, i, life) for i, life in lives.items()}
         self.states: dict[int, State] = {}
         self.radii = {spec.id: spec.radius for spec in scenario.robots}
 

@@ -136,3 +136,12 @@ def test_text_in_another_encoding_is_named_as_such() -> None:
     assert str(caught.value).isascii()
     assert {problem.path for problem in caught.value.problems} == {"name", "link.?", "control.k"}
     assert "must be a string, not text that is not Unicode" in str(caught.value)
+
+
+def test_partitions_that_no_message_has_room_for_are_refused() -> None:
+    partition = "[[link.partition]]\nfrom = {0}\nuntil = {1}\ngroups = [[1], [2]]\n"
+    text = "".join(partition.format(n, n + 1) for n in range(25_001))
+    found = problems(text + ROBOTS)
+    assert found == {
+        "link.partition": "the groups of all partitions name 50002 robots; at most 50000 are allowed"
+    }

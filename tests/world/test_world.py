@@ -69,7 +69,8 @@ def test_measurements_lead_from_truth_to_truth_bit_for_bit():
         truth = dict(zip(world.truth.robots, world.truth.positions, strict=True))
         for robot, measurement in told.items():
             assert measurement.tick == measurement.stamp == tick
-            assert (measurement.active, measurement.down) == ((1, 2), ())
+            assert measurement.active == (1, 2)
+            assert (measurement.roster is None) == (tick > 0)
             assert measurement.position == truth[robot]
             dx, dy = measurement.displacement
             assert truth[robot] == (before[robot][0] + dx, before[robot][1] + dy)
