@@ -7,8 +7,8 @@ the one to the other, when every earlier command is settled: none is ever outsta
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
+from math import inf
 from typing import Final
 
 from agents.estimate import Estimate
@@ -88,7 +88,7 @@ class Robot:
         if estimate.shape is not None and self._filtered:
             self._confine(lines, estimate.shape)
         if estimate.lost:
-            lines.locate(self.tick, estimate.position, math.inf)  # nothing is surely satisfied
+            lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
         else:
             lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
 

@@ -31,6 +31,7 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
+        joining: robot ids in the order in which they join; increasing unless given.
     """
 
     def __init__(
@@ -42,6 +43,7 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
+        joining: Sequence[int] | None = None,
     ) -> None:
         self.network = LocalNetwork()
         self.run = run
@@ -50,7 +52,7 @@ class LocalFleet:
         bus.node = self.world
         self._recorder = None if record is None else self._record(record)
         self.robots: dict[int, LocalBus] = {}
-        for robot in scenarios[0].ids:
+        for robot in joining or scenarios[0].ids:
             self.start(robot)
         operator = self.network.connect()
         operator.subscribe(world_key(run, "clock"))

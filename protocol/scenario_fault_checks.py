@@ -9,7 +9,7 @@ from protocol.scenario_sound import Sound
 
 _MEMBERS = 50_000  # the scenario is part of several messages
 # what a process is -> what may happen to it -> what it is then
-_EVENTS = {
+EVENTS = {
     "running": {"kill": "killed", "pause": "paused", "restart": "running"},
     "paused": {"kill": "killed", "resume": "running", "restart": "running"},
     "killed": {"restart": "running"},
@@ -81,8 +81,8 @@ def _events(sound: Sound) -> Iterator[Finding]:
     state: dict[int, str] = {}
     for at, i, robot, event in sorted(faults):
         now = state.get(robot, "running")
-        if event not in _EVENTS[now]:
-            text = f"robot {robot} is {now} at {at:g} s; possible then: {', '.join(_EVENTS[now])}"
+        if event not in EVENTS[now]:
+            text = f"robot {robot} is {now} at {at:g} s; possible then: {', '.join(EVENTS[now])}"
             yield ("process", i, "event"), text
         else:
-            state[robot] = _EVENTS[now][event]
+            state[robot] = EVENTS[now][event]

@@ -46,6 +46,9 @@ def study(
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
+    found: Annotated[
+        Path, typer.Option(metavar="FOLDER", help="falsify: where to keep the scenarios that it finds.")
+    ] = Path("out/falsify"),
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
 ) -> None:
     """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
@@ -77,5 +80,6 @@ def study(
         plot=plot,
         fresh=fresh,
         quiet=quiet,
+        found=found,
     )
     raise typer.Exit(perform(request))

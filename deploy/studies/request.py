@@ -16,6 +16,7 @@ from deploy.plot.draw import PICTURES
 from deploy.plot.draw import check as check_plot
 from deploy.studies.adjusted import adjusted
 from deploy.studies.catalogue import defaults, find
+from deploy.studies.falsify.perform import falsify
 from deploy.studies.provenance import provenance
 from deploy.studies.run_log import RunLog
 from deploy.studies.runner import Outcome, execute
@@ -23,6 +24,7 @@ from deploy.studies.study import Study, StudyName
 from deploy.studies.table import table
 from protocol.errors import UsageError
 
+FOUND = Path("out/falsify")  # where a search keeps what it finds
 _PAPER = 160  # columns where there is no terminal
 
 
@@ -42,6 +44,7 @@ class Request:
     plot: Path | None
     fresh: bool
     quiet: bool
+    found: Path = FOUND
 
     @property
     def file(self) -> Path | None:
@@ -56,6 +59,8 @@ def perform(request: Request) -> int:
         UsageError, ScenarioError: what was asked for does not exist or cannot be written.
         ProcessError: the cluster, a worker or a fleet was lost; the same request goes on from there.
     """
+    if request.name == "falsify":
+        return falsify(request, _log_path(request.file))
     usual = defaults(request.name)
     transport = request.transport or usual.transport
     jobs = 1 if usual.one_job else request.jobs
