@@ -31,7 +31,7 @@ from protocol.streams import STREAMS
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD: Final = 0.5  # s between health messages
 _ASK_TIMEOUT = 2.0
-_ATTEMPTS = 3  # to hear an answer: a reply may be lost
+_RETRY = 0.2  # s until the next question after one that nobody answered
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
 
@@ -65,10 +65,11 @@ class RobotNode:
         self._bus, self._run, self._robot = bus, run, robot
         self._patience, self._say = patience, say
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
+        self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
         self._lockstep = True
         self._declared = self._over = self._noted = False
-        self._refused = self._unanswered = 0
+        self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
         self._said_state = self._said_command = b""  # newest, as they were sent
@@ -87,7 +88,7 @@ class RobotNode:
             self._on_silence(error)
             return
         now = time.monotonic()
-        self._heard_world, self._unanswered = now, 0
+        self._heard_world = now
         if isinstance(reply, joining.Wait):
             self.deadline = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
@@ -103,16 +104,18 @@ class RobotNode:
     def _on_silence(self, error: Exception) -> None:
         """Nobody answers a request to join, or nobody who could be understood."""
         now = time.monotonic()
-        self._unanswered += 1
-        if self._over:
+        if now <= self._heard_world + self._bearable:
+            self.deadline = now + _RETRY  # not there yet, cut off for a moment, or the reply was lost
+        elif self._over:
             self.finished = True  # the world left first
-        elif self._alone_since <= now <= self._alone_since + self._patience:
-            self.deadline = now + REPORT_PERIOD  # cut off, perhaps for a moment only
-        elif self._unanswered < _ATTEMPTS:
-            self.deadline = now
         else:
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
             raise BusError(text) from error
+
+    @property
+    def _bearable(self) -> float:
+        """For how long nobody may answer, s; when all is over, only if the world said that it may be back."""
+        return self._away if self._over else max(self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
@@ -126,7 +129,7 @@ class RobotNode:
             )
             for place, spec in enumerate(others)
         }
-        self._lockstep = admission.lockstep
+        self._lockstep, self._away = admission.lockstep, admission.away
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
@@ -161,7 +164,7 @@ class RobotNode:
             if self._alone_since < inf:
                 self._say(f"the world of run {self._run!r} is back")
             self._alone_since = inf
-        elif self._over:
+        elif self._over and not self._away:
             self.finished = True
         else:
             self._alone_since = time.monotonic()
@@ -245,8 +248,8 @@ class RobotNode:
         self.deadline = now + REPORT_PERIOD
         if now >= self._reported + REPORT_PERIOD:
             self._report()
-        if now > self._alone_since + self._patience:
-            raise BusError(f"run {self._run!r}: the world has been gone for {self._patience:g} s; gives up")
+        if now > self._alone_since + self._bearable:
+            raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self._heard_world + self._patience and self._alone_since == inf:
             self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
             self._heard_world = time.monotonic()

@@ -81,3 +81,7 @@ class ProcessError(DisknavError):
 
 class RecordingError(DisknavError):
     """A recording cannot be read, or does not say what its result claims."""
+
+
+class JournalError(DisknavError):
+    """A world's journal cannot be gone on with: damaged, of another run, or not there."""

@@ -10,12 +10,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from math import inf
 
 from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
+from world.journal import Journal, Seated
 from world.turn import Turn
 
+AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
 RESERVATION = 2.0  # s between admission and liveliness token
 _RETRY = 0.2  # s, while another process is joining under the same id
 
@@ -27,9 +30,15 @@ class Seat:
     session: str = ""
     present: bool = False
     since: float = 0.0  # s, by the clock: when it was admitted
+    missing: float = inf  # s, by the clock: since when the token of a process that may be alive is not there
     granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
     told: bool = False  # it knows that there is nothing more to do
+
+    @property
+    def occupied(self) -> bool:
+        """Whether there is a process, or may be."""
+        return self.present or self.missing < inf
 
 
 class Admissions:
@@ -40,13 +49,20 @@ class Admissions:
         ids: of the robots.
         lockstep: what those who are admitted are told.
         clock: tells the time, s.
+        journal: where the world notes who was admitted; robots wait for a world that has one to come back.
     """
 
     def __init__(
-        self, run: str, ids: Iterable[int], lockstep: bool, clock: Callable[[], float] = time.monotonic
+        self,
+        run: str,
+        ids: Iterable[int],
+        lockstep: bool,
+        clock: Callable[[], float] = time.monotonic,
+        journal: Journal | None = None,
     ) -> None:
         self.seats = {robot: Seat() for robot in ids}
         self._run, self._lockstep, self._clock = run, lockstep, clock
+        self._journal = journal
 
     # -- who asks
 
@@ -64,6 +80,8 @@ class Admissions:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
         robot, world, seat = join.robot, turn.world, self.seats[join.robot]
+        if world.is_paused(robot):
+            return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
         if seat.session not in ("", join.session):
             if self._clock() < seat.since + RESERVATION:
                 return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
@@ -72,6 +90,8 @@ class Admissions:
             if _lived(join) < seat.granted:
                 return self._admission(seat, turn)
             world.lost(robot)  # as the process itself says
+        if self._journal is not None:
+            self._journal.note(Seated(robot, join.session))
         try:
             seat.granted = world.join(robot)
         except JoinError as error:
@@ -84,18 +104,35 @@ class Admissions:
         return joining.Overview(turn.scenario, self._lockstep)
 
     def _admission(self, seat: Seat, turn: Turn) -> joining.Admission:
-        return joining.Admission(seat.granted, self._lockstep, turn.scenario, turn.oldest)
+        away = AWAY if self._journal is not None and self._journal.kept else 0.0
+        return joining.Admission(seat.granted, self._lockstep, turn.scenario, turn.oldest, away)
 
     # -- who is there
 
     def arrive(self, robot: int) -> None:
         """The robot's liveliness token is there."""
-        self.seats[robot].present = True
+        seat = self.seats[robot]
+        seat.present, seat.missing = True, inf
 
-    def leave(self, robot: int) -> None:
+    def miss(self, robot: int) -> None:
         """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
         seat = self.seats[robot]
-        seat.present, seat.session = False, ""
+        seat.present, seat.missing = False, min(seat.missing, self._clock())
+
+    def leave(self, robot: int) -> None:
+        """The robot's process is taken to be gone."""
+        seat = self.seats[robot]
+        seat.present, seat.session, seat.missing = False, "", inf
+
+    def missing(self, at_least: float = 0.0) -> list[int]:
+        """Robots whose token is gone for so long, s, and whose process may yet be alive."""
+        since = self._clock() - at_least
+        return [robot for robot, seat in self.seats.items() if seat.missing <= since]
+
+    def resume(self, robot: int, session: str, granted: int) -> None:
+        """An earlier world admitted this process; its token is to be seen again."""
+        self.seats[robot].session, self.seats[robot].granted = session, granted
+        self.miss(robot)
 
     def unseated(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""
@@ -104,12 +141,12 @@ class Admissions:
     # -- the end
 
     def owing_health(self) -> list[int]:
-        """Present robots that have not reported at the end of the run."""
-        return [robot for robot, seat in self.seats.items() if seat.present and seat.health is None]
+        """Robots that have not reported at the end of the run, and can."""
+        return [robot for robot, seat in self.seats.items() if seat.occupied and seat.health is None]
 
     def untold(self) -> list[int]:
-        """Present robots that do not know yet that it is over."""
-        return [robot for robot, seat in self.seats.items() if seat.present and not seat.told]
+        """Robots that do not know yet that it is over, and can be told."""
+        return [robot for robot, seat in self.seats.items() if seat.occupied and not seat.told]
 
     def forget_reports(self) -> None:
         """Begin a new run with the same processes."""

@@ -32,7 +32,7 @@ class Life:
 
     incarnation: int
     status: Status = Status.GONE
-    joined: bool = False  # some process has joined under this id in this run
+    joined: bool = False  # its present process has joined this run
     awaited: bool = True  # the scenario says that it must be up
     heard: int = -1  # tick of its newest command; the tick before it joined until there is one
     fenced: bool = False  # it never moves again
@@ -117,15 +117,18 @@ class Lives:
             raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
         if life.status is Status.UP:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
-        if life.status is Status.PAUSED and life.joined and not life.fenced:
+        if life.status is Status.PAUSED:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
         life.joined, life.awaited, life.heard, life.fenced = True, False, heard, False
         if self.founded:
             self._roll.admit(robot, life.incarnation)
-        if life.status is not Status.PAUSED:
-            life.status = Status.UP
+        life.status = Status.UP
         return life.incarnation
+
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still: it cannot join before it is resumed."""
+        return self.of[robot].status is Status.PAUSED
 
     def goes_on(self, robot: int, incarnation: int) -> bool:
         """Whether this life has joined and is neither over nor given up on."""
@@ -163,7 +166,7 @@ class Lives:
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
-            if life.joined:
+            if self._roll.is_live(robot):
                 self._roll.fence(robot, position)
             self.fenced.append((tick + 1, Down(robot, life.incarnation, position)))
             if life.status is Status.UP:
@@ -189,7 +192,7 @@ class Lives:
 
 
 def _kill(life: Life) -> None:
-    life.status, life.awaited = Status.GONE, False
+    life.status, life.awaited, life.joined = Status.GONE, False, False
 
 
 def _pause(life: Life) -> None:
@@ -204,7 +207,7 @@ def _resume(life: Life) -> None:
 
 
 def _restart(life: Life) -> None:
-    life.status, life.awaited = Status.GONE, True
+    life.status, life.awaited, life.joined = Status.GONE, True, False
 
 
 _EVENTS = {"kill": _kill, "pause": _pause, "resume": _resume, "restart": _restart}

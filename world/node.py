@@ -3,7 +3,8 @@
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
-to all again, for a message may have been lost with a link.
+to all again, for a message may have been lost with a link. With a journal the node goes on where another one
+died, in the tick that was open; as far as it was told, that tick is told again, too.
 """
 
 from __future__ import annotations
@@ -25,12 +26,15 @@ from protocol.messages import Command, Measurement
 from protocol.scenario import Scenario
 from protocol.steering import decode_steer
 from world.admission import Admissions
+from world.journal import Began
 from world.outlet import Outlet
 from world.pacing import Pacing
+from world.replay import Resumed
 from world.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
+GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
 FAREWELL = 2.0  # s that robots have to report after the end, and to hear that it is over
 _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
@@ -56,9 +60,13 @@ class WorldNode:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
+        past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
+            may come back within GRACE, unless another process takes its seat: when a router dies, all
+            tokens go, and come back.
+        tell: is told every report.
 
     Attributes:
-        reports: one a scenario that has ended.
+        reports: one a scenario that has ended, as far as this process saw it.
     """
 
     def __init__(
@@ -73,21 +81,40 @@ class WorldNode:
         speed: float = 0.0,
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
+        past: Resumed | None = None,
+        tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.reports: list[dict[str, Any]] = []
         self.finished = False
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep, self._gathering, self._patience = lockstep, gathering, patience
-        self._scenarios = iter(scenarios)
-        self._restarts = dict.fromkeys(scenarios[0].ids, restarts if lockstep else 0)
-        self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock)
+        self._grace = 0.0 if past is None else GRACE
+        self._journal = None if past is None else past.journal
+        self._tell = tell
+        self._expected = dict.fromkeys(scenarios[0].ids, 0)  # next lives that were waited for
+        self._restarts = restarts if lockstep else 0
+        self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock, self._journal)
         self._outlet = Outlet(bus, run, scenarios[0].ids)
-        self._begin(Turn(0, next(self._scenarios), {}))
+        turn = Turn(0, scenarios[0], {}) if past is None else past.turn
+        self._scenarios = iter(scenarios[turn.number + 1 :])
+        self._begin(turn)
+        if past is not None:
+            self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
         for stream in ("control", "scenario"):
             bus.serve(world_key(run, stream))
         bus.announce(world_key(run, "alive"))
+        if turn.world.verdict:
+            self._end()
+
+    def _remember(self, past: Resumed) -> None:
+        """Go on where another process died. Whoever took part then is there until the grace is over."""
+        self._expected.update(past.expected)
+        for robot, session in past.sessions.items():
+            life = past.turn.world.incarnations[robot]
+            if past.turn.world.goes_on(robot, life):
+                self._admissions.resume(robot, session, life)
 
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
@@ -128,11 +155,39 @@ class WorldNode:
             return
         if event.alive:
             self._admissions.arrive(robot)
+            self._welcome()
         else:
-            self._admissions.leave(robot)
-            self._give_up([robot])
-            self._expect(robot)
+            self._miss(robot)
         self._advance()
+
+    def _welcome(self) -> None:
+        """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
+        if self._turn.opened and self._lockstep and not self._admissions.missing():
+            self._pacing.begin_again()
+            self._outlet.measurements(self._turn.world.open_tick())
+
+    def _miss(self, robot: int) -> None:
+        """A token is gone; with it the process, unless its life goes on and there is a grace."""
+        if self._grace and self._turn.world.goes_on(robot, self._admissions.seats[robot].granted):
+            self._admissions.miss(robot)
+        else:
+            self._gone(robot)
+
+    def _write_off(self) -> None:
+        """Whoever has been missing for too long is gone."""
+        for robot in self._admissions.missing(self._grace):
+            self._gone(robot)
+
+    def _bide(self, now: float) -> None:
+        """No patience runs out while somebody is missing who may come back: nobody else can go on, either."""
+        by_the_clock = self._turn.opened and not self._lockstep
+        if self._admissions.missing() and not by_the_clock:
+            self._pacing.since = now
+
+    def _gone(self, robot: int) -> None:
+        self._admissions.leave(robot)
+        self._give_up([robot])
+        self._expect(robot)
 
     def _reply(self, request: Request) -> bytes:
         try:
@@ -157,6 +212,8 @@ class WorldNode:
         if refusal is not None:
             return refusal
         seat = self._admissions.seats[join.robot]
+        if join.robot in self._admissions.missing() and join.session != seat.session:
+            self._gone(join.robot)  # whose successor this is
         if self._phase is Phase.FAREWELL:
             seat.health = join.health or seat.health
             self._farewell()
@@ -171,6 +228,8 @@ class WorldNode:
 
     def wake(self, now: float) -> None:
         self._pacing.look_again(now)
+        self._write_off()
+        self._bide(now)
         if self._phase is not Phase.RUNNING:
             self._say_farewell()
         elif self._lockstep or not self._turn.opened:
@@ -209,6 +268,8 @@ class WorldNode:
         turn.opened = True
         if turn.world.tick == 0:
             turn.began = self._pacing.now()
+            if self._journal is not None:
+                self._journal.note(Began(time.time()))
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
         self._outlet.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
@@ -282,8 +343,8 @@ class WorldNode:
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""
-        if self._phase is Phase.RUNNING and self._restarts[robot] > 0:
-            self._restarts[robot] -= 1
+        if self._phase is Phase.RUNNING and self._expected[robot] < self._restarts:
+            self._expected[robot] += 1
             self._turn.world.expect(robot)
 
     # -- the end
@@ -323,11 +384,20 @@ class WorldNode:
         turn, seats = self._turn, self._admissions.seats.values()
         report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
         self.reports.append(report)
+        self._tell(report)
         self._outlet.result(report)
         following = next(self._scenarios, None)
         if following is None:
             self._phase = Phase.CLOSING
             self._pacing.wait()
         else:
-            world = turn.world
-            self._begin(Turn(turn.number + 1, following, world.incarnations, world.version))
+            self._begin(self._next(following))
+
+    def _next(self, scenario: Scenario) -> Turn:
+        """The turn after this one."""
+        number, world = self._turn.number + 1, self._turn.world
+        turn = Turn(number, scenario, world.incarnations, world.version)
+        if self._journal is not None:
+            self._journal.begin(number, world.incarnations, world.version, self._expected)
+            turn.world.note = self._journal.note
+        return turn

@@ -73,9 +73,13 @@ class Pacing:
         """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""
         now = self._began = self._clock()
         if self.lockstep:
-            self.since, self._repeat = now, REPEAT
-            self.look_again(now)
+            self.begin_again()
         else:
             due = self.since + step if tick > 0 else now
             self.since = due if now < due + step else now  # a tick too late: do not hurry to catch up
             self.deadline = self.since + step
+
+    def begin_again(self) -> None:
+        """The present tick of lock-step begins, or is told anew."""
+        self.since, self._repeat = self._clock(), REPEAT
+        self.look_again(self.since)

@@ -45,6 +45,10 @@ class Roll:
         """The disks that never move again in their present life."""
         return tuple(each for each in self._members.values() if each.status == "standing")
 
+    def is_live(self, robot: int) -> bool:
+        """Whether the disk of a robot may move."""
+        return robot in self._members and self._members[robot].status == "live"
+
     def found(
         self, lives: Mapping[int, int], places: Mapping[int, Vector], radii: Mapping[int, float]
     ) -> None:

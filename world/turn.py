@@ -70,4 +70,5 @@ class Turn:
         report = self.world.report()
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
+        report["turn"] = self.number
         return report

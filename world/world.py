@@ -6,7 +6,7 @@ One tick: `open_tick` (and `join` for whoever is awaited), `accept` commands, `c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import msgspec
@@ -14,6 +14,7 @@ import msgspec
 from protocol.messages import Command, Down, Measurement, Truth, Vector
 from protocol.scenario import Scenario
 from world.commands import Commands
+from world.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
 from world.kinematics import Bodies
 from world.lives import Lives
 from world.record import Record
@@ -31,6 +32,8 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        note: is told every input that this world has taken, in order, before the call that gave it returns.
+            The same inputs given to another world of the same scenario make it the same (`world.replay`).
     """
 
     def __init__(
@@ -45,6 +48,7 @@ class World:
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
         self._bodies = Bodies(scenario)
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
@@ -62,6 +66,16 @@ class World:
     def news(self) -> list[Truth]:
         """The truth of every tick up to `tick` that was not handed out yet; each is handed out once."""
         return self._record.news()
+
+    @property
+    def checksum(self) -> int:
+        """Of where every disk is, to the last bit."""
+        return checksum(self._bodies.positions)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether `tick` has begun."""
+        return self._measurements is not None
 
     @property
     def incarnations(self) -> dict[int, int]:
@@ -106,11 +120,19 @@ class World:
         Raises:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
-        return self._lives.join(robot, heard=self.tick - 1 if self._measurements is None else self.tick)
+        incarnation = self._lives.join(
+            robot, heard=self.tick - 1 if self._measurements is None else self.tick
+        )
+        self._noted(Joined(robot, incarnation))
+        return incarnation
 
     def goes_on(self, robot: int, incarnation: int) -> bool:
         """Whether this life of a robot has joined this run and nothing has ended it."""
         return self._lives.goes_on(robot, incarnation)
+
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still; it may join once it is resumed."""
+        return self._lives.is_paused(robot)
 
     def lost(self, robot: int) -> None:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
@@ -118,8 +140,11 @@ class World:
         In an open tick, `open_tick` tells the others of it.
         """
         self._lives.lose(robot)
-        if robot not in self.active:
-            return
+        if robot in self.active:
+            self._leave_out(robot)
+        self._noted(Lost(robot))
+
+    def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
         self._commands.drop(robot)
         if self._measurements is not None:
@@ -130,10 +155,12 @@ class World:
     def expect(self, robot: int) -> None:
         """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
         self._lives.expect(robot)
+        self._noted(Expected(robot))
 
     def give_up_waiting(self, robot: int) -> None:
         """Go on without a robot of `awaiting_join`; it may still join later."""
         self._lives.give_up(robot)
+        self._noted(GivenUp(robot))
 
     def open_tick(self) -> dict[int, Measurement]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
@@ -143,6 +170,7 @@ class World:
         not begin: only those of them that have to learn that they were fenced are told.
         """
         if self._measurements is None:
+            self._noted(Opened())
             if not self._begun():
                 return {}
             self._lives.apply_faults(self.tick)
@@ -189,7 +217,10 @@ class World:
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
-        return self._commands.accept(command)
+        taken = self._commands.accept(command)
+        if taken:
+            self._noted(command)
+        return taken
 
     def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
@@ -202,6 +233,8 @@ class World:
         self.tick += 1
         self._record.add(self._bodies.positions)
         self._decide()
+        if self.note is not None:
+            self.note(Closed(self.checksum))
 
     def _fence(self) -> None:
         for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
@@ -214,12 +247,19 @@ class World:
             alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
             verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
             if verdict:
-                self.finish(verdict, reason)
+                self._finish(verdict, reason)
 
     def finish(self, verdict: str, reason: str) -> None:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
-        if self.verdict:
-            return
+        if not self.verdict:
+            self._finish(verdict, reason)
+            self._noted(Ended(verdict, reason))
+
+    def _noted(self, taken: Input) -> None:
+        if self.note is not None:
+            self.note(taken)
+
+    def _finish(self, verdict: str, reason: str) -> None:
         touches = len(self._record.contacts.all)
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"

@@ -65,7 +65,8 @@ def study(
 
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.request import Request, perform
+    from deploy.studies.perform import perform
+    from deploy.studies.request import Request
 
     request = Request(
         name=name,

@@ -193,6 +193,19 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.open_tick()[1].active == (1, 2)
 
 
+def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
+    world = faulty((2, 3, "restart"), (2, 3, "pause"), (2, 6, "resume"))
+    advance_to(world, 3)
+    assert world.open_tick().keys() == {1}
+    with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
+        world.join(2)
+    advance_to(world, 6)
+    world.open_tick()
+    assert world.awaiting_join == {2}
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
+
+
 def test_restart_waits_for_a_new_life():
     world = faulty((2, 3, "restart"))
     advance_to(world, 3)

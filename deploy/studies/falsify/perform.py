@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -18,11 +17,9 @@ from deploy.studies.falsify.rows import listed, rows, table
 from deploy.studies.falsify.trial import Fresh, Trial, perform
 from deploy.studies.progress import StudyProgress
 from deploy.studies.provenance import code_digest, provenance
+from deploy.studies.request import Request
 from deploy.studies.run_log import RunLog
 from protocol.errors import UsageError
-
-if TYPE_CHECKING:
-    from deploy.studies.request import Request
 
 RUNS = 1000
 

@@ -15,9 +15,10 @@ from deploy.studies.chart import draw_study
 from deploy.studies.fault_scenario import fault_scenario
 from deploy.studies.paper import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers import LAWS, peers
+from deploy.studies.perform import perform
 from deploy.studies.provenance import provenance
 from deploy.studies.random_faults import outcome, random_faults
-from deploy.studies.request import Request, perform
+from deploy.studies.request import Request
 from deploy.studies.robustness import Conditions, grid, robustness
 from deploy.studies.run_log import RunLog
 from deploy.studies.runner import execute
