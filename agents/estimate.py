@@ -49,6 +49,7 @@ class Estimate:
         trusting: whether to begin anew from the newest measurement when two contradict each other.
 
     Attributes:
+        x, y: a centre of the set, m, once anything is known.
         bound: radius of a disk around `position` that contains the set, m; infinite as long as nothing is
             known.
         shape: the set as seen from `position`; None for a point.
@@ -63,7 +64,7 @@ class Estimate:
         self._reach = reach
         self._trusting = trusting
         self._tick: int | None = None
-        self._x = self._y = 0.0
+        self.x = self.y = 0.0
         self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
         self._sources = [""] * SIDES  # what these are due to
         self._newest = 0  # tick of the measurement that the set began with
@@ -83,11 +84,11 @@ class Estimate:
     @property
     def position(self) -> Vector | None:
         """A centre of the set, m."""
-        return (self._x, self._y) if self.bound < math.inf else None
+        return (self.x, self.y) if self.bound < math.inf else None
 
     def support(self, nx: float, ny: float) -> float:
         """The largest n.x of any place x where the robot can be, n = (nx, ny) a unit vector, m."""
-        own = nx * self._x + ny * self._y
+        own = nx * self.x + ny * self.y
         return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
     def update(self, measurement: Measurement) -> None:
@@ -110,7 +111,7 @@ class Estimate:
         """Take in that the truth is in a half-plane, which `source` says; whether that was news."""
         if self.shape is None or self.lost:
             return False
-        limit = side.slack(self._x, self._y)
+        limit = side.slack(self.x, self.y)
         if self.shape.extent(side.nx, side.ny) <= limit + 2.0 * self._slack:
             return False
         left = self.shape.cut(side.nx, side.ny, limit)
@@ -130,14 +131,14 @@ class Estimate:
             if self.shape is not None:
                 self._settle(self.shape.widened(self._reach), "")
             elif self.known:
-                self._begin(Move(self._x, self._y, self._reach), self._newest)
+                self._begin(Move(self.x, self.y, self._reach), self._newest)
         dx, dy = displacement
         self._history.append(Move(dx, dy, 0.0))
         if self.bound == math.inf:
             return
-        self._x += dx
-        self._y += dy
-        self._slack += _ULP * (abs(self._x) + abs(self._y))
+        self.x += dx
+        self.y += dy
+        self._slack += _ULP * (abs(self.x) + abs(self.y))
         if self.shape is not None:
             self.shape.margin = self._slack
             self.bound = self.shape.radius
@@ -158,7 +159,7 @@ class Estimate:
         if self.bound == math.inf:
             self._begin(seen, stamp)
             return
-        dx, dy = seen.x - self._x, seen.y - self._y
+        dx, dy = seen.x - self.x, seen.y - self.y
         if self.shape is not None and seen.spread > 0.0:
             if math.hypot(dx, dy) + self.bound > seen.spread:  # else it says nothing new
                 self._intersect(seen, dx, dy, stamp)
@@ -169,7 +170,7 @@ class Estimate:
 
     def _begin(self, seen: Move, stamp: int) -> None:
         """Know nothing but this."""
-        self._x, self._y = seen.x, seen.y
+        self.x, self.y = seen.x, seen.y
         self._newest = stamp
         if seen.spread == 0.0:
             self.shape, self.bound = None, 0.0
@@ -195,8 +196,8 @@ class Estimate:
     def _settle(self, left: Polygon, source: str) -> None:
         """Go on with what is left of the set because of `source`, seen from its centre."""
         cx, cy = left.centre()
-        self._x += cx
-        self._y += cy
+        self.x += cx
+        self.y += cy
         self.shape = left.shifted(-cx, -cy)
         self.bound = self.shape.radius
         before, self._extents = self._extents, self.shape.extents()

@@ -18,6 +18,7 @@ from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
 from agents.peer_state import PeerState
+from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
 from agents.safe_velocity import safe_velocity
 from protocol.messages import Answer, Command, Health, Measurement, Proposal, Roster, State
@@ -49,9 +50,8 @@ class Robot:
         self._goal, self._radius = spec.goal, spec.radius
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
-        sensing = scenario.sensing_of(robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
-        reach = self._speed * scenario.time.step
+        sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
         self._estimate = Estimate(sensing.bound, reach, sensing.contradiction == "newest")
         self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
@@ -82,27 +82,27 @@ class Robot:
         return self._state()
 
     def _locate(self) -> None:
-        """Tell the lines where this robot is; what they and the workspace exclude, it is not."""
+        """Tell the lines where this robot is."""
         estimate, lines = self._estimate, self._lines
         if estimate.position is None or lines is None:
             return
-        if estimate.lost:  # nothing is surely satisfied
-            lines.locate(self.tick, estimate.position, inf)
-            return
-        if estimate.shape is None or not self._filtered:
-            lines.locate(self.tick, estimate.position, estimate.bound)
-            return
+        if estimate.shape is not None and self._filtered:
+            self._confine(lines, estimate.shape)
+        if estimate.lost:
+            lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
+        else:
+            lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+
+    def _confine(self, lines: Ledger, shape: Polygon) -> None:
+        """Cut off from the set of possible positions what the workspace and the obeyed lines exclude."""
+        estimate = self._estimate
         for _ in range(CORNERS):
-            edge = self._boundary.beyond(*estimate.position, estimate.shape)
+            edge = self._boundary.beyond(estimate.x, estimate.y, shape)
             if edge is None or not estimate.confine(edge, "the workspace"):
                 break
-        lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
-        crossed = lines.crossed()
-        for peer, side in crossed:
+            shape = estimate.shape or shape
+        for peer, side in lines.crossed(estimate.x, estimate.y, shape):
             estimate.confine(side, f"the line with robot {peer}")
-        if crossed:
-            bound, shape = (inf, None) if estimate.lost else (estimate.bound, estimate.shape)
-            lines.locate(self.tick, estimate.position, bound, shape)
 
     def _on_roster(self, roster: Roster) -> None:
         """Follow a roster that may be a newer one."""

@@ -10,12 +10,14 @@ handed out one by one, for a displacement that violates them. A boundary with st
 from __future__ import annotations
 
 import math
-from typing import final
+from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon
+
+_WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left
 
 
 @final
@@ -33,14 +35,15 @@ class RoundBoundary:
         self.radius = radius
 
     def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
-        """The tangent behind which the corner of `shape` around (x, y) lies that sticks out most, if any."""
-        far, fx, fy = self.radius, 0.0, 0.0
+        """The tangent behind which the corner of `shape` around (x, y) lies that sticks out most, if that is
+        worth a cut."""
+        far, fx, fy = self.radius + _WORTH * shape.radius, 0.0, 0.0
         for index, vx in enumerate(shape.xs):
             px, py = x + vx, y + shape.ys[index]
             distance = math.hypot(px, py)
             if distance > far:
                 far, fx, fy = distance, px, py
-        return HalfPlane(fx / far, fy / far, self.radius) if far > self.radius else None
+        return None if fx == fy == 0.0 else HalfPlane(fx / far, fy / far, self.radius)
 
     def cut(
         self,

@@ -185,15 +185,14 @@ class Ledger:
                     found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
         return found
 
-    def crossed(self) -> list[tuple[int, HalfPlane]]:
-        """Obeyed half-planes, by peer, that the own set is not wholly behind. The truth is: that is what
-        to obey means."""
+    def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
+        """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
+        radius = shape.radius
         return [
             (bond.peer, side)
             for bond in self._each
             for side in bond.half_planes
-            if side.slack(self._x, self._y) < self._bound
-            and side.slack(self._x, self._y) < self._extent(side.nx, side.ny)
+            if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
         ]
 
     def _extent(self, nx: float, ny: float) -> float:

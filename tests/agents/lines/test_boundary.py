@@ -168,6 +168,6 @@ def test_nobody_leaves_whatever_is_wrong_with_what_it_knows(seed: int) -> None:
 
 
 def test_a_naive_wall_lets_robots_out() -> None:
-    """What the seeds above are worth: most of them find the hole."""
+    """What the seeds above are worth: many of them find the hole."""
     out = [seed for seed in range(60) if excursion(seed, NaiveWall) > 1e-6]
     assert len(out) >= 15
