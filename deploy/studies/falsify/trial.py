@@ -85,7 +85,7 @@ class Trial:
         found = examined(scenario, seen, run.transport, repeated=repeated)
         near = None
         if seen.report is not None and not found:
-            near = nearness(scenario, seen.truths, seen.report["faults"])
+            near = nearness(scenario, seen.truths, seen.sides, seen.report["faults"])
         return {
             "refused": refused,
             "repeated": repeated,
