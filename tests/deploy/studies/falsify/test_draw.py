@@ -177,7 +177,5 @@ def test_mutants_stay_short() -> None:
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
 def test_every_change_changes_something(change: Callable[[Dice, Scenario, Scenario], Scenario]) -> None:
     dice = Dice(0, 0, 9)
-    changed = [
-        change(dice, parent, other) != parent for parent, other in pairwise(DRAWS[:40])
-    ]
+    changed = [change(dice, parent, other) != parent for parent, other in pairwise(DRAWS[:40])]
     assert sum(changed) > len(changed) / 4
