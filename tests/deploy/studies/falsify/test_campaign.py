@@ -24,8 +24,8 @@ from deploy.studies.falsify.observe import observe
 from deploy.studies.falsify.on_processes import on_processes
 from deploy.studies.falsify.trial import Fresh, Trial, perform
 from deploy.studies.falsify.violation import Violation, violations
+from deploy.studies.perform import perform as study
 from deploy.studies.request import Request
-from deploy.studies.request import perform as study
 from deploy.studies.run_log import RunLog
 from deploy.studies.study import Run
 from protocol.errors import ScenarioError, UsageError
