@@ -156,7 +156,7 @@ def _rounded(value: float, digits: int) -> float:
 
 def _length(value: float) -> int:
     """How much there is to read."""
-    return len(repr(abs(value)))
+    return len(repr(abs(value))) if value else 0
 
 
 # -- edits
