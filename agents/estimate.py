@@ -20,7 +20,7 @@ from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import DIRECTIONS, SIDES, Polygon, around
 from protocol.messages import Measurement
 
-HISTORY: Final = 1024  # ticks of odometry that are kept; a measurement older than that is ignored
+HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
 _ULP: Final = (
     4.0 * 2.0**-53
 )  # what adding up a tick's way loses, of |x| + |y|, in the truth and in the estimate
@@ -47,6 +47,7 @@ class Estimate:
         reach: the most that the robot can really move in one tick, m; what is assumed of a tick
             whose odometry was missed.
         trusting: whether to begin anew from the newest measurement when two contradict each other.
+        oldest: age of the oldest measurement that may come, ticks.
 
     Attributes:
         x, y: a centre of the set, m, once anything is known.
@@ -56,7 +57,7 @@ class Estimate:
         contradiction: which measurement contradicted what, "" if none ever did.
     """
 
-    def __init__(self, error: float, reach: float, trusting: bool = False) -> None:
+    def __init__(self, error: float, reach: float, trusting: bool = False, oldest: int = 0) -> None:
         self.bound = math.inf
         self.shape: Polygon | None = None
         self.contradiction = ""
@@ -69,7 +70,8 @@ class Estimate:
         self._sources = [""] * SIDES  # what these are due to
         self._newest = 0  # tick of the measurement that the set began with
         self._slack = ROUNDING
-        self._history: deque[Move] = deque(maxlen=HISTORY)  # how far each past tick led, newest last
+        self._kept = max(HISTORY, oldest)
+        self._history: deque[Move] = deque(maxlen=self._kept)  # how far each past tick led, newest last
 
     @property
     def known(self) -> bool:
@@ -127,7 +129,7 @@ class Estimate:
         """Apply odometry. Of missed ticks only the first can have moved it: there was no command after."""
         if passed > 1:
             self._history.append(Move(0.0, 0.0, self._reach))
-            self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, HISTORY))
+            self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, self._kept))
             if self.shape is not None:
                 self._settle(self.shape.widened(self._reach), "")
             elif self.known:
@@ -152,6 +154,8 @@ class Estimate:
         for back in range(-age, 0):
             move = self._history[back]
             x, y, spread = x + move.x, y + move.y, spread + move.spread
+        if spread > 0.0:
+            spread += age * _ULP * (abs(x) + abs(y))
         return Move(x, y, spread)
 
     def _learn(self, seen: Move, stamp: int) -> None:
@@ -195,9 +199,11 @@ class Estimate:
 
     def _settle(self, left: Polygon, source: str) -> None:
         """Go on with what is left of the set because of `source`, seen from its centre."""
-        cx, cy = left.centre()
-        self.x += cx
-        self.y += cy
+        x, y = self.x, self.y
+        ahead_x, ahead_y = left.centre()
+        self.x += ahead_x
+        self.y += ahead_y
+        cx, cy = self.x - x, self.y - y  # what rounding has left of the way to the centre
         self.shape = left.shifted(-cx, -cy)
         self.bound = self.shape.radius
         before, self._extents = self._extents, self.shape.extents()

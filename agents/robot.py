@@ -52,7 +52,9 @@ class Robot:
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
         sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
-        self._estimate = Estimate(sensing.bound, reach, sensing.contradiction == "newest")
+        latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
+        trusting = sensing.contradiction == "newest"
+        self._estimate = Estimate(sensing.bound, reach, trusting, scenario.ticks(latest))
         self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})

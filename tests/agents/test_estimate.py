@@ -111,6 +111,14 @@ def test_a_measurement_older_than_the_history_is_ignored() -> None:
     assert not estimate.known
 
 
+def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> None:
+    estimate = Estimate(0.001, REACH, oldest=5 * HISTORY)
+    for tick in range(5 * HISTORY + 1):
+        estimate.update(measurement(tick, None))
+    estimate.update(measurement(5 * HISTORY + 1, (0.1, 0.1), 1))
+    assert estimate.position == pytest.approx((0.1, 0.1))
+
+
 def test_repeated_noisy_measurements_shrink_the_bound() -> None:
     estimate = Estimate(0.003, REACH)
     for tick in range(40):
