@@ -1,9 +1,9 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
 Lock-step: the State goes out when the Measurement arrives, the Command when the States of all that
-take part are there; both again when the world tells the same tick again. Real time: both go out at
-once, and nobody is waited for. When a run ends, or the world has fenced this life, it joins again: as
-a new life, or to learn that it is over.
+take part are there. When the world tells the same tick again, both go out again, or instead of the
+Command whose States are missing. Real time: both go out at once, and nobody is waited for. When a run
+ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
 """
 
 from __future__ import annotations
@@ -205,8 +205,8 @@ class RobotNode:
         elif measurement.tick == core.tick:
             self._repeat()
             core.reconsider(measurement)
-            if not self._commanded and core.complete:
-                self._command()
+            if not self._commanded:
+                self._command_or_complain(core)
         elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
             self._said_state = encode(core.measure(measurement))
             if core.note and not self._noted:
@@ -226,6 +226,13 @@ class RobotNode:
         self._commanded = True
         if self._heard_world >= self._reported + REPORT_PERIOD:
             self._report()
+
+    def _command_or_complain(self, core: Robot) -> None:
+        """The world waits: say at least why there is no Command."""
+        if core.complete:
+            self._command()
+        else:
+            self._tell_command(encode(core.complaint()))
 
     def _repeat(self) -> None:
         """The world waits for somebody: perhaps for one who did not hear what this robot said."""

@@ -26,6 +26,7 @@ from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
+NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
 CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 
 
@@ -193,6 +194,11 @@ class Robot:
                 self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
                 velocity = self._allowed(lines, position, lines.make_room(self._desired))
         return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)
+
+    def complaint(self) -> Command:
+        """In place of a Command that cannot be given: whose States are missing."""
+        lacking = tuple(sorted(self._awaited)[:NAMED])
+        return Command(self.robot, self.incarnation, self.tick, STILL, self._kept, lacking)
 
     def _take_over(self, lines: Ledger, tick: int) -> None:
         """Hear all States that are due by `tick`."""

@@ -63,8 +63,9 @@ def safe_velocity(
         limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
         step = _nearest(want, limits, reach)
     for shrink in _SHRINK:
-        step = _nudged(step, limits)
-        vx, vy = step[0] / period * shrink, step[1] / period * shrink
+        # Shrinking makes room at all edges but those through 0; only then can these be moved off.
+        step = _nudged((step[0] * shrink, step[1] * shrink), limits)
+        vx, vy = step[0] / period, step[1] / period
         dx, dy = vx * period, vy * period
         if (
             math.hypot(dx, dy) <= reach

@@ -24,8 +24,9 @@ class FaultSchedule:
         """Faults to carry out now, in the order of their ticks; each is returned once.
 
         None before the run has begun: everybody begins it, whatever happens to them in the first tick.
+        None for a turn that there is not: the clock is a stranger's.
         """
-        if clock.verdict or clock.turn < self._turn:
+        if clock.verdict or not self._turn <= clock.turn < len(self._scenarios):
             return []
         faults = self._begin(clock.turn) if clock.turn > self._turn else []
         while clock.founded and self._due and self._due[0][0] <= clock.tick:

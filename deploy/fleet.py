@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -57,6 +58,9 @@ class Fleet:
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
 
+    Attributes:
+        rejected: messages that were no world's, by reason.
+
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
     """
@@ -78,6 +82,7 @@ class Fleet:
         self._reports = Reports(on_report)
         self._leaving = _LEAVING
         self._stack = ExitStack()
+        self.rejected: Counter[str] = Counter()
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
@@ -212,11 +217,12 @@ class Fleet:
             return
         try:
             message = decode(event.key, event.payload)
-        except MessageError:
-            return  # robots and world count what they refuse
-        if isinstance(message, Result):
-            self._reports.add(message.report)
-        elif isinstance(message, Clock):
+            if isinstance(message, Result):
+                self._reports.add(message.report)
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
+        if isinstance(message, Clock):
             self._follow(message)
 
     def _poll(self) -> list[Exit]:

@@ -15,6 +15,7 @@ import msgspec
 from protocol.errors import MessageError
 from protocol.messages import Count, Health, Id
 from protocol.scenario import Scenario
+from protocol.streams import STREAMS
 
 
 class Join(msgspec.Struct, frozen=True):
@@ -63,6 +64,8 @@ class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
 
 Reply = Admission | Refusal | Wait | Finished | Overview
 
+LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
+
 _encode = msgspec.msgpack.encode
 _request = msgspec.msgpack.Decoder(Join)
 _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
@@ -75,6 +78,8 @@ def encode_request(join: Join) -> bytes:
 
 def decode_request(payload: bytes) -> Join:
     """Read a request; raises MessageError."""
+    if len(payload) > LIMIT:
+        raise MessageError("oversize", f"join request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
         return _request.decode(payload)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:

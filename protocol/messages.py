@@ -117,6 +117,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
+    awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):

@@ -2,14 +2,16 @@
 
 A process asks to join as often as it likes: asking again is asking once, until it says that the life it
 was given is over. One that does not show its liveliness token within a while after it was admitted makes
-room for another, and its life is over. Of two processes with one id the second is refused.
+room for another, and its life is over. Of two processes with one id the second is refused, and so is
+one that had to be given up again and again.
 """
 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 
 from protocol import joining
@@ -20,6 +22,7 @@ from world.turn import Turn
 
 AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
 RESERVATION = 2.0  # s between admission and liveliness token
+CHANCES = 2  # how often a process that lives may be given up: after that its robot stays down
 _RETRY = 0.2  # s, while another process is joining under the same id
 
 
@@ -34,6 +37,7 @@ class Seat:
     granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
     told: bool = False  # it knows that there is nothing more to do
+    blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
 
     @property
     def occupied(self) -> bool:
@@ -80,12 +84,14 @@ class Admissions:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
         robot, world, seat = join.robot, turn.world, self.seats[join.robot]
+        if seat.blamed[join.session] >= CHANCES:
+            return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if world.is_paused(robot):
             return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
         if seat.session not in ("", join.session):
             if self._clock() < seat.since + RESERVATION:
                 return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
-            world.lost(robot)  # it ended before it began
+            world.lost(robot, "showed no sign of life after it was admitted; another process came")
         elif seat.session and world.goes_on(robot, seat.granted):
             if _lived(join) < seat.granted:
                 return self._admission(seat, turn)
@@ -113,6 +119,11 @@ class Admissions:
         """The robot's liveliness token is there."""
         seat = self.seats[robot]
         seat.present, seat.missing = True, inf
+
+    def blame(self, robot: int) -> None:
+        """The robot's process was given up although its token is there."""
+        seat = self.seats[robot]
+        seat.blamed[seat.session] += 1
 
     def miss(self, robot: int) -> None:
         """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""

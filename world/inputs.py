@@ -24,6 +24,7 @@ class Lost(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="lost"):
     """See `World.lost`."""
 
     robot: Id
+    reason: str = ""
 
 
 class Expected(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="expect"):
@@ -36,6 +37,7 @@ class GivenUp(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="give 
     """See `World.give_up_waiting`."""
 
     robot: Id
+    reason: str = ""
 
 
 class Opened(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="open"):

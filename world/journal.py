@@ -177,7 +177,7 @@ class Journal:
             ) from error
         self._say(
             f"cannot keep the journal {self.path}: {error.strerror}; "
-            f"the run goes on, but not without this process any more"
+            f"the run goes on, but the next death of this world ends it"
         )
 
 

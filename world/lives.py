@@ -50,6 +50,7 @@ class Lives:
     def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0) -> None:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
         self.fenced: list[tuple[int, Down]] = []  # tick and who was announced, as it happened
+        self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
         self._roll = Roll(version)
         self._name = scenario.name
@@ -136,11 +137,13 @@ class Lives:
         alive = life.status in (Status.UP, Status.PAUSED) and life.joined and not life.fenced
         return alive and life.incarnation == incarnation
 
-    def lose(self, robot: int) -> None:
-        """The process of a life that was up is gone or given up on."""
+    def lose(self, robot: int) -> bool:
+        """The process of a life that was up is gone or given up on; False if it was not up."""
         life = self.of[robot]
-        if life.status is Status.UP:
-            life.status = Status.LOST
+        if life.status is not Status.UP:
+            return False
+        life.status = Status.LOST
+        return True
 
     def expect(self, robot: int) -> None:
         """A life that was lost will be followed by another: it must be there before the run goes on."""
@@ -148,11 +151,14 @@ class Lives:
         if life.status is Status.LOST:
             life.awaited = True
 
-    def give_up(self, robot: int) -> None:
-        """Go on without a robot that has not joined in time; it may still come later."""
+    def give_up(self, robot: int) -> bool:
+        """Go on without a robot that has not joined in time; it may still come later. False if it was not
+        awaited."""
         life = self.of[robot]
-        if life.awaited:
-            life.awaited, life.status = False, Status.LOST
+        if not life.awaited:
+            return False
+        life.awaited, life.status = False, Status.LOST
+        return True
 
     def apply_faults(self, tick: int) -> None:
         """Let everything happen that the scenario has in store up to and including `tick`."""

@@ -3,14 +3,14 @@
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded; a robot that is
 not heard in time is given up (it stands still, and is fenced) and named; before that the tick is told
-to all again, for a message may have been lost with a link. With a journal the node goes on where another one
-died, in the tick that was open; as far as it was told, that tick is told again, too.
+to all again, for a message may have been lost with a link, and they say whom they wait for (`patience`).
+With a journal the node goes on where another one died: the tick that was open then is told again.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
@@ -19,7 +19,7 @@ import msgspec
 from protocol import joining
 from protocol.bus import Bus
 from protocol.codec import decode
-from protocol.errors import MessageError
+from protocol.errors import KeyGrammarError, MessageError
 from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
@@ -60,6 +60,7 @@ class WorldNode:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
+        say: takes what a person should know.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat: when a router dies, all
             tokens go, and come back.
@@ -81,9 +82,11 @@ class WorldNode:
         speed: float = 0.0,
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
+        say: Callable[[str], None] = lambda _: None,
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
+        self._say = say
         self.reports: list[dict[str, Any]] = []
         self.finished = False
         self._pacing = Pacing(lockstep, speed, clock)
@@ -150,8 +153,8 @@ class WorldNode:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
-        robot = parse(event.key).robot
-        if robot not in self._admissions.seats:
+        robot = self._robot_of(event.key)
+        if robot is None:
             return
         if event.alive:
             self._admissions.arrive(robot)
@@ -186,17 +189,33 @@ class WorldNode:
 
     def _gone(self, robot: int) -> None:
         self._admissions.leave(robot)
-        self._give_up([robot])
+        self._give_up({robot: "has gone: it ended, or is cut off"})
         self._expect(robot)
 
+    def _robot_of(self, key: str) -> int | None:
+        """Whose token this is; None, and counted, if it is no robot's of this run."""
+        try:
+            robot = parse(key).robot
+        except KeyGrammarError:
+            self._turn.rejected["key"] += 1
+            return None
+        if robot not in self._admissions.seats:
+            self._turn.rejected["identity"] += 1
+            return None
+        return robot
+
     def _reply(self, request: Request) -> bytes:
+        reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             if parse(request.key).stream == "control":
                 return self._steer(request.payload)
             return joining.encode_reply(self._answer(request.payload))
+        except KeyGrammarError as error:
+            text = str(error)
         except MessageError as error:
-            self._turn.rejected[error.reason] += 1
-            return joining.encode_reply(joining.Refusal(str(error)))
+            reason, text = error.reason, str(error)
+        self._turn.rejected[reason] += 1
+        return joining.encode_reply(joining.Refusal(text))
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
@@ -313,8 +332,8 @@ class WorldNode:
         turn = self._turn
         self._inform(due=True)
         if turn.opened:
-            if now > self._pacing.since + self._patience:
-                self._give_up(turn.world.waiting)
+            if now > self._pacing.since + self._patience and self._pacing.has_repeated:
+                self._lose_patience()
             elif self._pacing.repeats():
                 self._outlet.measurements(turn.world.open_tick())
         elif not self._absent():
@@ -322,24 +341,38 @@ class WorldNode:
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
+    def _lose_patience(self) -> None:
+        """Give up who is sick, and have patience with the others."""
+        blamed = self._turn.world.blamed()
+        for robot in blamed:
+            self._admissions.blame(robot)
+        self._pacing.begin_again()
+        self._give_up(blamed)
+
     def _give_up_gathering(self) -> None:
         world, absent = self._turn.world, sorted(self._absent())
         if world.tick == 0:
             names = ", ".join(map(str, absent))
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
             self._end()
+        reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
-            world.give_up_waiting(robot)
-            world.lost(robot)
+            if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
+                self._tell_person(robot, reason)
 
-    def _give_up(self, robots: Iterable[int]) -> None:
-        """These do not take part any more; whoever waits for their states must know."""
+    def _give_up(self, robots: Mapping[int, str]) -> None:
+        """These do not take part any more, with the reasons; whoever waits for their states must know."""
         world = self._turn.world
-        for robot in tuple(robots):
-            world.lost(robot)
+        running = self._phase is Phase.RUNNING
+        for robot, reason in robots.items():
+            if world.lost(robot, reason if running else "") and running:
+                self._tell_person(robot, reason)
         if self._turn.opened and self._lockstep:
             waiting = world.waiting
             self._outlet.measurements({r: m for r, m in world.open_tick().items() if r in waiting})
+
+    def _tell_person(self, robot: int, reason: str) -> None:
+        self._say(f"tick {self._turn.world.tick}: gives up robot {robot}, which {reason}")
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""

@@ -50,6 +50,11 @@ class Pacing:
         """For how long, s."""
         return self._clock() - self.since
 
+    @property
+    def has_repeated(self) -> bool:
+        """Whether the present tick was told again."""
+        return self._repeat > REPEAT
+
     def repeats(self) -> bool:
         """Whether it is time to tell the present tick again: what was said in it may be lost."""
         if self.waited() < self._repeat:

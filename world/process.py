@@ -58,6 +58,7 @@ def main(
                 gathering=gathering,
                 speed=speed,
                 restarts=restarts,
+                say=_say,
                 past=past,
                 tell=tell,
             )

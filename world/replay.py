@@ -67,11 +67,11 @@ def _follow(world: World, entry: Input) -> bool:
     if isinstance(entry, Joined):
         return _join(world, entry)
     if isinstance(entry, Lost):
-        world.lost(entry.robot)
+        world.lost(entry.robot, entry.reason)
     elif isinstance(entry, Expected):
         world.expect(entry.robot)
     elif isinstance(entry, GivenUp):
-        world.give_up_waiting(entry.robot)
+        world.give_up_waiting(entry.robot, entry.reason)
     elif isinstance(entry, Ended):
         world.finish(entry.verdict, entry.reason)
     else:

@@ -88,6 +88,10 @@ def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str
             {"robot": down.robot, "incarnation": down.incarnation, "tick": tick}
             for tick, down in lives.fenced[:LISTED]
         ],
+        "given_up": [
+            {"robot": robot, "incarnation": incarnation, "tick": tick, "reason": reason}
+            for tick, robot, incarnation, reason in lives.given_up[:LISTED]
+        ],
         "measurements": {
             "delayed": sum(sensor.delayed for sensor in sensors),
             "missing": sum(sensor.missing for sensor in sensors),

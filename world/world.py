@@ -17,6 +17,7 @@ from world.commands import Commands
 from world.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
 from world.kinematics import Bodies
 from world.lives import Lives
+from world.patience import blamed
 from world.record import Record
 from world.report import report
 from world.sensing import Sensor
@@ -134,15 +135,22 @@ class World:
         """Whether the scenario holds a robot's process still; it may join once it is resumed."""
         return self._lives.is_paused(robot)
 
-    def lost(self, robot: int) -> None:
+    def lost(self, robot: int, reason: str = "") -> bool:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 
-        In an open tick, `open_tick` tells the others of it.
+        In an open tick, `open_tick` tells the others of it. False if it took no part anyway; else a
+        `reason` stands in the report.
         """
-        self._lives.lose(robot)
+        took_part = self._lives.lose(robot)
+        if took_part and reason:
+            self._lament(robot, reason)
         if robot in self.active:
             self._leave_out(robot)
-        self._noted(Lost(robot))
+        self._noted(Lost(robot, reason))
+        return took_part
+
+    def _lament(self, robot: int, reason: str) -> None:
+        self._lives.given_up.append((self.tick, robot, self._lives.of[robot].incarnation, reason))
 
     def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
@@ -157,10 +165,18 @@ class World:
         self._lives.expect(robot)
         self._noted(Expected(robot))
 
-    def give_up_waiting(self, robot: int) -> None:
-        """Go on without a robot of `awaiting_join`; it may still join later."""
-        self._lives.give_up(robot)
-        self._noted(GivenUp(robot))
+    def give_up_waiting(self, robot: int, reason: str = "") -> bool:
+        """Go on without a robot of `awaiting_join`; it may still join later. As `lost` otherwise."""
+        awaited = self._lives.give_up(robot)
+        if awaited and reason:
+            self._lament(robot, reason)
+        self._noted(GivenUp(robot, reason))
+        return awaited
+
+    def blamed(self) -> dict[int, str]:
+        """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
+        lacking, self._commands.lacking = self._commands.lacking, {}
+        return blamed(self.active, self._commands.waiting, lacking)
 
     def open_tick(self) -> dict[int, Measurement]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.

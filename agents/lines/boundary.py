@@ -67,10 +67,12 @@ class RoundBoundary:
         if shape is None:
             return self._cut_of_point(x, y, dx, dy, extra, tolerance)
         rim = self.radius - shape.margin - 2.0 * ROUNDING
+        if rim <= 0.0:
+            return _against(dx, dy)
         if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:
             return None
         worst = tolerance * rim
-        wx = wy = 0.0
+        wx = wy = limit = 0.0
         for index, vx in enumerate(shape.xs):
             px, py = x + vx, y + shape.ys[index]
             qx, qy = px + dx, py + dy
@@ -84,10 +86,11 @@ class RoundBoundary:
                 room = 0.0
             excess = nx * dx + ny * dy + extra - room
             if excess > worst:
-                worst, wx, wy = excess, nx, ny
+                worst, wx, wy, limit = excess, nx, ny, room
         if wx == 0.0 and wy == 0.0:
             return None
-        return HalfPlane(wx, wy, max(0.0, rim + shape.margin - wx * x - wy * y - shape.extent(wx, wy)))
+        least = rim + shape.margin - wx * x - wy * y - shape.extent(wx, wy)
+        return HalfPlane(wx, wy, max(0.0, min(limit, least)))
 
     def _cut_of_point(
         self, x: float, y: float, dx: float, dy: float, extra: float, tolerance: float
@@ -99,6 +102,12 @@ class RoundBoundary:
             return None
         nx, ny = qx / distance, qy / distance
         return HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
+
+
+def _against(dx: float, dy: float) -> HalfPlane | None:
+    """What forbids a displacement: there is no more room than rounding needs."""
+    length = math.hypot(dx, dy)
+    return HalfPlane(dx / length, dy / length, 0.0) if length > 0.0 else None
 
 
 def _edge_of_cone(px: float, py: float, dx: float, dy: float, rim: float) -> tuple[float, float]:

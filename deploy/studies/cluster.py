@@ -6,25 +6,24 @@ results once, so no row is lost and none comes twice.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from deploy.options import fresh_run_name
+from deploy.scheduler import connected
 from deploy.studies.provenance import code_digest
 from deploy.studies.study import Run
 from deploy.studies.worker import Batch, Perform, Result, execute
-from protocol.errors import DisknavError, ProcessError, UsageError
+from protocol.errors import DisknavError, ProcessError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Future
 
 Outcome = tuple[Run, Result]
 
 BATCH = 8  # runs a task: what is lost with a worker, or runs on for nothing after Ctrl-C, is at most this
-_REACHING = 10.0  # s for the scheduler to answer
 _GATHERING = 10.0  # s for it to have a worker
 _LOOK = 1.0  # s between looks at whether there still are workers
 _DESERTED = 60.0  # s without any worker
@@ -43,7 +42,7 @@ class Cluster:
         self._address, self._perform = address, perform
         self._name = fresh_run_name()
         self._number = count()
-        self._client = _connected(address)
+        self._client = connected(address)
         self._given: list[Future[list[Outcome]]] = []
         self._await_workers()
 
@@ -166,21 +165,3 @@ def within_dask(batch: Batch, digest: str, stop: str, perform: Perform) -> list[
 
 class StudyStoppedError(DisknavError):
     """Nobody waits for this batch any more."""
-
-
-def _connected(address: str) -> Client:
-    try:
-        from distributed import Client
-    except ModuleNotFoundError as error:
-        raise UsageError("a cluster needs the library distributed: pip install 'disknav[cluster]'") from error
-    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by exceptions
-    try:
-        return Client(address, timeout=_REACHING, set_as_default=False)
-    except ValueError as error:
-        raise UsageError(f"{address!r} is no address of a Dask scheduler: {error}") from error
-    except OSError as error:
-        raise ProcessError(
-            f"no Dask scheduler answers at {address} within {_REACHING:g} s; "
-            "is it running (`dask scheduler`), and reachable from here?"
-        ) from error

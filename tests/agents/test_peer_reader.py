@@ -105,7 +105,7 @@ def test_damage_is_seen_as_by_anybody_else(
 def test_numbers_said_to_others_are_not_looked_at() -> None:
     state = said([Proposal(3, 1, 1, math.nan, 0.0, 0.0)])
     assert PeerReader(2, 1, RADIUS).read(encode(state)).proposals == ()
-    with pytest.raises(MessageError, match="infinite or not a number"):
+    with pytest.raises(MessageError, match="infinite, absurd or none"):
         PeerReader(3, 1, RADIUS).read(encode(state))
 
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import random
 import signal
+import socket
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -13,11 +18,14 @@ import pytest
 
 from deploy import process_table as table
 from deploy.fleet import Fleet
+from deploy.hosts.table import parse_hosts
 from deploy.load import load
 from deploy.local import LocalFleet
-from deploy.options import RunOptions, Transport
+from deploy.options import RunOptions, Transport, fresh_run_name
 from deploy.recording.reader import read
 from deploy.recording.trajectory import trajectory
+from deploy.supervisor import Supervisor
+from protocol.connection import Connection
 from protocol.messages import Clock
 from protocol.scenario import Scenario
 
@@ -31,6 +39,12 @@ Rows = dict[str, dict[str, Any]]
 @cache
 def undisturbed(scenarios: Sequence[Scenario]) -> list[str]:
     return [report["trajectory_sha256"] for report in LocalFleet(scenarios).execute()]
+
+
+def free_port() -> int:
+    with socket.socket() as asked:
+        asked.bind(("127.0.0.1", 0))
+        return int(asked.getsockname()[1])
 
 
 class Killer:
@@ -112,6 +126,19 @@ def test_real_time_goes_on_too() -> None:
     assert all(rows[name]["restarts"] == 1 for _, name in deaths)
 
 
+@pytest.mark.parametrize("name", [table.WORLD, "router-left", "router-right"])
+def test_on_two_hosts(name: str) -> None:
+    hosts = [
+        {"name": "left", "address": "127.0.0.1", "port": free_port(), "robots": [1, 2, 3]},
+        {"name": "right", "address": "127.0.0.1", "port": free_port(), "robots": [4, 5, 6]},
+    ]
+    options = RunOptions(hosts=parse_hosts({"hosts": hosts}, QUICK.ids), restarts=3, speed=10.0)
+    reports, rows = run([QUICK], options, Killer([(60, name)]))
+    assert unhurt(reports)
+    assert [report["trajectory_sha256"] for report in reports] == undisturbed((QUICK,))
+    assert rows[name]["restarts"] == 1
+
+
 @pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
 def test_a_recording_goes_on(name: str, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
@@ -145,3 +172,28 @@ def test_a_world_without_its_journal_begins_nothing_anew(
     (report,), _ = run([QUICK], RunOptions(restarts=1, speed=1.0), act)
     assert report["verdict"] == "aborted"
     assert f"the journal {journals[0]} is not there" in capfd.readouterr().err
+
+
+def test_a_world_under_another_launcher(tmp_path: Path) -> None:
+    journal, name = tmp_path / "yard.journal", fresh_run_name()
+    with Supervisor() as supervisor:
+        supervisor.start([table.router(Connection("router"))])
+        connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
+        command = [sys.executable, "-m", "deploy.cli", "world", "swap-6", "--run", name]
+        command += ["--router", connection.connect[0], "--journal", str(journal)]
+        with subprocess.Popen(command) as first:
+            supervisor.start([table.robot(connection, name, robot) for robot in QUICK.ids])
+            _grow(journal, 4000)
+            first.kill()
+        again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert "world: goes on at tick" in again.stderr
+    assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed((QUICK,))[0]
+    assert not journal.exists()
+
+
+def _grow(path: Path, size: int) -> None:
+    """Wait until a file has grown to so many bytes."""
+    deadline = time.monotonic() + 30.0
+    while not path.exists() or path.stat().st_size < size:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)

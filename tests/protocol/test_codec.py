@@ -88,7 +88,7 @@ def test_replaced_elements_never_let_a_bad_number_in(message: AnyMessage, data: 
         assert all(map(math.isfinite, floats_of(msgspec.to_builtins(accepted))))
 
 
-@given(messages, st.sampled_from([math.nan, math.inf, -math.inf]), st.data())
+@given(messages, st.sampled_from([math.nan, math.inf, -math.inf, 1e101, -1e101]), st.data())
 def test_a_number_that_is_not_finite(message: AnyMessage, bad: float, data: st.DataObject) -> None:
     content = msgspec.msgpack.decode(encode(message))
     places: list[tuple[Any, int]] = []

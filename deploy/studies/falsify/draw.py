@@ -20,7 +20,7 @@ from protocol.errors import ScenarioError
 from protocol.scenario import Control, Point, RobotSpec, Scenario, Time, Workspace
 from protocol.scenario_file import validated
 
-BUDGET = (120.0, 2000.0)  # robots times ticks
+BUDGET = (120.0, 3000.0)  # robots times ticks
 TICKS = (6, 400)
 LAWS: tuple[Literal["gradient", "orca", "barrier"], ...] = (
     *("gradient", "gradient", "gradient"),

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from deploy.studies.falsify.exposure import Sides, exposure
 from protocol.messages import Truth
 from protocol.scenario import Scenario
 from world.clearance import Disks, Reals, gaps
 from world.record import as_plane
 
 _RESOLVED = 1e-6  # of what a robot moves in a tick: gaps below are as good as none
+_EXPOSED = 1000.0  # above every other score
 _MOST = 4  # changes of lives that count
 
 
@@ -26,16 +28,22 @@ class Nearness:
     niche: tuple[str, ...]
 
 
-def nearness(scenario: Scenario, truths: Sequence[Truth], faults: dict[str, Any]) -> Nearness:
-    """Of a run with these true positions, tick by tick, and `faults` as its report lists them.
+def nearness(
+    scenario: Scenario, truths: Sequence[Truth], sides: Sequence[Sides], faults: dict[str, Any]
+) -> Nearness:
+    """Of a run with these true positions, tick by tick, lines kept to, and `faults` as its report lists them.
 
-    The score is that of the nearest miss: the smaller a gap is, beside what a robot moves in a tick, the
+    Where robots were not kept apart by any line the score is how far (`exposure`), above all others.
+    Elsewhere it is that of the nearest miss: the smaller a gap is, beside what a robot moves in a tick, the
     higher, while one of the two moves; and higher the more lives of the two have ended or begun by then,
     for two settled robots keep touching distance as a matter of course. Against the boundary what
     counts instead is how wrong measurements are.
     """
     if len(truths) < 2:
         return Nearness(0.0, _niche(scenario, "nobody", 0))
+    exposed = exposure(scenario, truths, sides)
+    if exposed > _RESOLVED:
+        return Nearness(_EXPOSED + math.log10(exposed / _RESOLVED), _niche(scenario, "exposed", 0))
     disks = Disks(scenario)
     plane = as_plane([truth.positions for truth in truths])
     before, after = plane[:-1], plane[1:]

@@ -5,6 +5,7 @@ They work on plain tables, so that what is new in scenarios is simplified withou
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -59,6 +60,11 @@ def shorter(document: Document) -> list[Edit]:
     return [partial(_set, ("time", "limit"), float(f"{end * step:.12g}")) for end in ends if end < ticks]
 
 
+def sooner(_: Document) -> list[Edit]:
+    """Everything earlier by the same factor, the end too."""
+    return [partial(_hasten, factor) for factor in _SHORTER]
+
+
 def plainer(document: Document) -> list[Edit]:
     """Ranges as single numbers, small seeds, ids from 1 on."""
     edits: list[Edit] = [
@@ -85,7 +91,7 @@ def rounder(document: Document) -> list[Edit]:
 
 
 PASSES: tuple[Pass, ...] = (
-    *(fewer_robots, fewer_entries, fewer_keys, shorter),
+    *(fewer_robots, fewer_entries, fewer_keys, shorter, sooner, shorter),
     *(plainer, rounder_together, rounder),
 )
 
@@ -150,7 +156,7 @@ def _rounded(value: float, digits: int) -> float:
 
 def _length(value: float) -> int:
     """How much there is to read."""
-    return len(repr(abs(value)))
+    return len(repr(abs(value))) if value else 0
 
 
 # -- edits
@@ -176,6 +182,22 @@ def _delete(steps: Steps, document: Document) -> None:
 
 def _cut(steps: Steps, begin: int, end: int, document: Document) -> None:
     del _at(document, steps)[begin:end]
+
+
+def _hasten(factor: float, document: Document) -> None:
+    """Events and the end, at whole ticks."""
+    time = document.get("time", {})
+    step = time.get("step", Time().step)
+
+    def earlier(seconds: float) -> float:
+        return float(f"{math.floor(factor * seconds / step + 1e-9) * step:.12g}")
+
+    for fault in document.get("process", []):
+        fault["at"] = earlier(fault["at"])
+    for partition in document.get("link", {}).get("partition", []):
+        partition["from"] = earlier(partition["from"])
+        partition["until"] = max(earlier(partition["until"]), partition["from"] + step)
+    document["time"] = time | {"limit": max(earlier(time.get("limit", Time().limit)), step)}
 
 
 def _round_all(digits: int, document: Document) -> None:

@@ -25,7 +25,7 @@ Result = dict[str, Any]
 Task = Callable[[Run], Result]
 
 REPEATED = 8  # one in so many is run again with the robots joining in another order
-_TRIES: dict[Transport, int] = {"local": 600, "routed": 40, "mesh": 40}  # of one shrinking
+TRIES: dict[Transport, int] = {"local": 600, "routed": 40, "mesh": 40}  # of one shrinking
 
 
 class Source(Protocol):
@@ -85,7 +85,7 @@ class Trial:
         found = examined(scenario, seen, run.transport, repeated=repeated)
         near = None
         if seen.report is not None and not found:
-            near = nearness(scenario, seen.truths, seen.report["faults"])
+            near = nearness(scenario, seen.truths, seen.sides, seen.report["faults"])
         return {
             "refused": refused,
             "repeated": repeated,
@@ -120,7 +120,7 @@ class Shrinking:
             return False
 
         smallest, tried = shrunk(
-            scenario, shows, _TRIES[run.transport if self.violation.kind == "bus" else "local"]
+            scenario, shows, TRIES[run.transport if self.violation.kind == "bus" else "local"]
         )
         return {"scenario": write_toml(smallest), "violation": asdict(shown), "tried": tried}
 

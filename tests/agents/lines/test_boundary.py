@@ -13,7 +13,7 @@ from interpreted import interpreted
 
 from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
-from agents.lines.line import HalfPlane
+from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon, around
 from protocol.messages import Measurement
 from world.disturbance import truncated_normal
@@ -24,7 +24,7 @@ TINY = 1e-12  # m
 angles = st.floats(0.0, 2.0 * math.pi)
 shares = st.floats(0.0, 1.0)
 Wall = Callable[[float], object]
-_, INNER = interpreted("agents.lines.boundary", "agents.safe_velocity")
+INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.safe_velocity")
 
 
 class NaiveWall:
@@ -104,6 +104,64 @@ def test_a_half_plane_is_violated_and_allows_to_stand_still(place, move, noise) 
     if cut is not None:
         assert cut.limit >= 0.0
         assert cut.nx * dx + cut.ny * dy + noise * math.hypot(dx, dy) > cut.limit - TINY
+
+
+def at_the_wall(draw: random.Random) -> tuple[float, float, Polygon]:
+    """A set at the wall as a robot knows it: cut by measurements, then by the workspace."""
+    error = draw.choice([0.001, 0.005, 0.02])
+    polygon = around(error, ROUNDING)
+    for _ in range(draw.randint(0, 4)):
+        cut = polygon.cut(*unit(draw.uniform(0.0, 2.0 * math.pi)), draw.uniform(-0.5, 1.0) * error)
+        polygon = cut or polygon
+    out = W + draw.uniform(-1.0, 0.5) * error
+    x, y = (out * part for part in unit(draw.uniform(0.0, 2.0 * math.pi)))
+    for _ in range(4):
+        edge = RoundBoundary(W).beyond(x, y, polygon)
+        cut = None if edge is None else polygon.cut(edge.nx, edge.ny, edge.slack(x, y))
+        if cut is None:
+            break
+        cx, cy = cut.centre()
+        x, y, polygon = x + cx, y + cy, cut.shifted(-cx, -cy)
+    return x, y, polygon
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3, 0.9])
+def test_nobody_stands_still_who_could_go_where_it_wants_to(noise: float) -> None:
+    """Rounding at edges that leave no room at all must not cost the whole step."""
+    boundary, able = INNER_BOUNDARY.RoundBoundary(W), 0
+    for seed in range(400):
+        draw = random.Random(seed)
+        x, y, shape = at_the_wall(draw)
+        wish = draw.uniform(0.0, 2.0 * math.pi)
+        ways = [unit(wish + 0.1 * turn) for turn in range(-14, 15)]
+        if any(
+            boundary.cut(x, y, shape, 0.1 * REACH * dx, 0.1 * REACH * dy, noise=noise) is None
+            for dx, dy in ways
+        ):
+            able += 1
+            vx, vy = INNER.safe_velocity(
+                (SPEED * math.cos(wish), SPEED * math.sin(wish)),
+                (x, y),
+                (),
+                boundary=boundary,
+                speed=SPEED,
+                period=PERIOD,
+                shape=shape,
+                noise=noise,
+            )
+            assert math.hypot(vx, vy) > 0.0, seed
+    assert able > 200
+
+
+@pytest.mark.parametrize("room", [0.0, 1e-10, 1e-9, 3e-9])
+@pytest.mark.parametrize("error", [1e-9, 0.02])
+def test_who_has_less_room_than_rounding_takes_stands_still(room: float, error: float) -> None:
+    boundary, shape = RoundBoundary(room), around(error, ROUNDING)
+    for turn in range(16):
+        dx, dy = (REACH * part for part in unit(turn * math.pi / 8.0))
+        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy) is not None
+        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy, noise=0.3) is not None
+    assert boundary.cut(1.5 * error, 0.0, shape, 0.0, 0.0) is None
 
 
 def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
