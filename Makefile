@@ -5,14 +5,14 @@ BIN := .venv/bin
 READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
-INNER := $(addprefix protocol/,events.py cursor.py reader.py codec.py drive.py bus_local.py bus_zenoh.py) $(addprefix agents/,peer_state.py peer_reader.py slice.py flow.py \
-  pace.py deadlock.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
-  lines/line.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/spoken.py lines/ledger.py) \
-  $(addprefix world/,commands.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
+INNER := $(addprefix protocol/,events.py cursor.py reader.py codec.py drive.py bus_local.py bus_zenoh.py) $(addprefix agents/,roster.py peer_state.py peer_reader.py slice.py flow.py \
+  pace.py deadlock.py polygon.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
+  lines/line.py lines/boundary.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/spoken.py lines/ledger.py) \
+  $(addprefix world/,commands.py roll.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
   outlet.py pacing.py node.py) $(addprefix deploy/recording/,mcap_file.py channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile demo test fast check bench fuzz figures clean
+.PHONY: help setup compile demo test fast check golden bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -52,6 +52,9 @@ test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
 	$(BIN)/python -m pytest -n 2 -m 'not process and not browser'
 	$(BIN)/python -m pytest -m 'process or browser'
 
+golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
+	$(BIN)/python -m tests.golden
+
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
 	$(BIN)/python -m tests.benchmarks.cores
@@ -67,7 +70,7 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
 	$(BIN)/python -m deploy.studies.sampled > out/sampled.md
-	for study in tightness tuning robustness delay scale; do \
+	for study in tightness tuning robustness arrival delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png
 

@@ -20,8 +20,15 @@ Vector = tuple[float, float]
 Mean = tuple[Vector, Vector]  # averaged once, averaged twice
 MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 
+# The times below hold where the largest disk needs LAP to move by its radius and is controlled every STEP.
+# All grow in proportion to the lap. A swing takes some periods, so the window has at least eight of them; all
+# other times have at least a quarter of the periods that they have here, and with shorter periods as many.
+LAP: Final = 0.4  # s
+STEP: Final = 0.05  # s
 SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
-WINDOW: Final = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
+WINDOW: Final = (
+    0.4  # s, eight periods, time constant over which motion is averaged, so that swinging to and fro is none
+)
 SWING: Final = 3.0  # the window grows by this times the latency: who is repelled late swings slowly
 STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
 PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
@@ -44,6 +51,7 @@ class Progress:
 
     Args:
         period: control period, s.
+        lap: in which the largest disk of the fleet moves by its radius at full speed, s.
 
     Attributes:
         strength: of the escape, 0 (none) to 1, continuous in time. The drift to add to the flow is
@@ -52,6 +60,7 @@ class Progress:
     """
 
     period: float
+    lap: float = 0.0
     strength: float = 0.0
     _moved: Mean = MOTIONLESS
     _wanted: Mean = MOTIONLESS
@@ -81,8 +90,11 @@ class Progress:
             latency: age of the oldest peer state in use, s. A filter that waits for answers holds a robot
                 for some round trips without any deadlock: the patience grows with it.
         """
-        latency = min(latency, STALEST)
-        weight = min(1.0, self.period / (WINDOW + SWING * latency))
+        laps, periods = self.lap / LAP, self.period / STEP
+        scale = max(laps, min(periods, 1.0), 0.25 * periods)
+        latency = min(latency, STALEST * max(1.0, scale))
+        patience = PATIENCE * scale + TRIPS * latency
+        weight = min(1.0, self.period / (WINDOW * max(laps, periods) + SWING * latency))
         moved = displacement[0] / self.period, displacement[1] / self.period
         self._moved = _average(self._moved, moved, weight)
         self._wanted = _average(self._wanted, desired, weight)
@@ -90,23 +102,23 @@ class Progress:
         self._quiet += self.period
         if gamma < FALL * self._mark:
             self._mark, self._quiet = gamma, 0.0
-        stalls = free > 0.0 and self._stalls(barred, latency)
+        stalls = free > 0.0 and self._stalls(barred, patience)
         self._stalled = self._stalled + self.period if stalls else 0.0
-        begun = self._stalled - PATIENCE - TRIPS * latency
-        if 0.0 < begun <= BURST:
-            self.strength = min(1.0, self.strength + self.period / RISE)
+        begun = self._stalled - patience
+        if 0.0 < begun <= BURST * scale:
+            self.strength = min(1.0, self.strength + self.period / (RISE * scale))
         else:
-            self.strength = max(0.0, self.strength - self.period / RELEASE)
-        if begun > BURST:
+            self.strength = max(0.0, self.strength - self.period / (RELEASE * scale))
+        if begun > BURST * scale:
             self._stalled = 0.0
         return self.strength
 
-    def _stalls(self, barred: Callable[[], bool], latency: float) -> bool:
+    def _stalls(self, barred: Callable[[], bool], patience: float) -> bool:
         _, (wx, wy) = self._wanted
         _, (mx, my) = self._moved
         wanted = math.hypot(wx, wy)
         if wanted < SLOW * self._free:
-            return barred() or self._quiet > PATIENCE + TRIPS * latency
+            return barred() or self._quiet > patience
         return mx * wx + my * wy < SLOW * self._free * wanted
 
 

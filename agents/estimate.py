@@ -1,8 +1,11 @@
-"""Where this robot is, and how far from that it can be at most: set-membership with disks.
+"""Where this robot can be: set-membership with a convex polygon.
 
 A measurement says: at tick `stamp` the truth was within `error` of `position`. Odometry, which is
-immediate and exact, carries that disk to the present. The truth lies in the new disk and in the one
-known before, so in the smallest disk around their intersection.
+immediate and exact, carries that to the present. So the truth lies in every such disk at once; what
+else is known of it, that it is inside the workspace and on the own side of every obeyed line, cuts
+the set further (`confine`). An empty set says that a stated bound is wrong.
+
+Exact measurements leave a point, and nothing of the above is done for it.
 """
 
 from __future__ import annotations
@@ -13,55 +16,82 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
+from agents.lines.line import ROUNDING, HalfPlane
+from agents.polygon import DIRECTIONS, SIDES, Polygon, around
 from protocol.messages import Measurement
 
-HISTORY: Final = 1024  # ticks of odometry that are kept; a measurement older than that is ignored
-_TOUCH: Final = 1e-9  # m; disks this far apart still count as touching
+HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
+_ULP: Final = (
+    4.0 * 2.0**-53
+)  # what adding up a tick's way loses, of |x| + |y|, in the truth and in the estimate
 
 Vector = tuple[float, float]
 
 
 @final
 @mypyc_attr(acyclic=True)
-class Disk:
-    """All points within `radius` of (x, y), m."""
+class Move:
+    """A displacement known to within `spread`, m; or a place."""
 
-    __slots__ = ("radius", "x", "y")
+    __slots__ = ("spread", "x", "y")
 
-    def __init__(self, x: float, y: float, radius: float) -> None:
-        self.x, self.y, self.radius = x, y, radius
+    def __init__(self, x: float, y: float, spread: float) -> None:
+        self.x, self.y, self.spread = x, y, spread
 
 
 class Estimate:
-    """The own position with a guaranteed error bound.
+    """The own position as the set of all places where the robot can be.
 
     Args:
         error: largest error of a measurement, noise bound plus bias, m.
         reach: the most that the robot can really move in one tick, m; what is assumed of a tick
             whose odometry was missed.
+        trusting: whether to begin anew from the newest measurement when two contradict each other.
+        oldest: age of the oldest measurement that may come, ticks.
+
+    Attributes:
+        x, y: a centre of the set, m, once anything is known.
+        bound: radius of a disk around `position` that contains the set, m; infinite as long as nothing is
+            known.
+        shape: the set as seen from `position`; None for a point.
+        contradiction: which measurement contradicted what, "" if none ever did.
     """
 
-    def __init__(self, error: float, reach: float) -> None:
+    def __init__(self, error: float, reach: float, trusting: bool = False, oldest: int = 0) -> None:
+        self.bound = math.inf
+        self.shape: Polygon | None = None
+        self.contradiction = ""
         self._error = error
         self._reach = reach
+        self._trusting = trusting
         self._tick: int | None = None
-        self._disk: Disk | None = None
-        self._history: deque[Disk] = deque(maxlen=HISTORY)  # how far each past tick led, newest last
+        self.x = self.y = 0.0
+        self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
+        self._sources = [""] * SIDES  # what these are due to
+        self._newest = 0  # tick of the measurement that the set began with
+        self._slack = ROUNDING
+        self._kept = max(HISTORY, oldest)
+        self._history: deque[Move] = deque(maxlen=self._kept)  # how far each past tick led, newest last
 
     @property
     def known(self) -> bool:
         """Whether any measurement has come in yet."""
-        return self._disk is not None
+        return self.bound < math.inf
+
+    @property
+    def lost(self) -> bool:
+        """Whether measurements contradict each other, so that nothing is known for sure."""
+        return self.contradiction != "" and not self._trusting
 
     @property
     def position(self) -> Vector | None:
-        """Centre of the disk that holds the truth, m."""
-        return None if self._disk is None else (self._disk.x, self._disk.y)
+        """A centre of the set, m."""
+        return (self.x, self.y) if self.bound < math.inf else None
 
-    @property
-    def bound(self) -> float:
-        """Radius of that disk, m; infinite as long as nothing is known."""
-        return math.inf if self._disk is None else self._disk.radius
+    def support(self, nx: float, ny: float) -> float:
+        """The largest n.x of any place x where the robot can be, n = (nx, ny) a unit vector, m."""
+        own = nx * self.x + ny * self.y
+        return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
     def update(self, measurement: Measurement) -> None:
         """Take in one tick's odometry and measurement; a tick that is not newer is ignored.
@@ -74,57 +104,139 @@ class Estimate:
                 return
             self._move(measurement.displacement, measurement.tick - self._tick)
         self._tick = measurement.tick
-        if measurement.position is not None:
+        if measurement.position is not None and not self.lost:
             seen = self._carried(measurement.position, measurement.tick - measurement.stamp)
             if seen is not None:
-                self._disk = seen if self._disk is None else intersection(self._disk, seen)
+                self._learn(seen, measurement.stamp)
+
+    def confine(self, side: HalfPlane, source: str) -> bool:
+        """Take in that the truth is in a half-plane, which `source` says; whether that was news."""
+        if self.shape is None or self.lost:
+            return False
+        limit = side.slack(self.x, self.y)
+        if self.shape.extent(side.nx, side.ny) <= limit + 2.0 * self._slack:
+            return False
+        left = self.shape.cut(side.nx, side.ny, limit)
+        if left is None:
+            opposite = [side.nx * nx + side.ny * ny for nx, ny in DIRECTIONS]
+            gap = -self.shape.extent(-side.nx, -side.ny) - limit
+            self._note(source, self._sources[opposite.index(min(opposite))], gap)
+            return False
+        self._settle(left, source)
+        return True
 
     def _move(self, displacement: Vector, passed: int) -> None:
         """Apply odometry. Of missed ticks only the first can have moved it: there was no command after."""
-        moves = [Disk(0.0, 0.0, 0.0)] * min(passed - 1, HISTORY)
-        if moves:
-            moves[0] = Disk(0.0, 0.0, self._reach)
-        moves.append(Disk(*displacement, 0.0))
-        self._history.extend(moves)
-        for move in moves:
-            if self._disk is not None:
-                self._disk = _sum(self._disk, move)
+        if passed > 1:
+            self._history.append(Move(0.0, 0.0, self._reach))
+            self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, self._kept))
+            if self.shape is not None:
+                self._settle(self.shape.widened(self._reach), "")
+            elif self.known:
+                self._begin(Move(self.x, self.y, self._reach), self._newest)
+        dx, dy = displacement
+        self._history.append(Move(dx, dy, 0.0))
+        if self.bound == math.inf:
+            return
+        self.x += dx
+        self.y += dy
+        self._slack += _ULP * (abs(self.x) + abs(self.y))
+        if self.shape is not None:
+            self.shape.margin = self._slack
+            self.bound = self.shape.radius
 
-    def _carried(self, position: Vector, age: int) -> Disk | None:
-        """The disk that a measurement of `age` ticks ago leaves for the present."""
+    def _carried(self, position: Vector, age: int) -> Move | None:
+        """What a measurement of `age` ticks ago says of the present."""
         if not 0 <= age <= len(self._history):
             return None
-        disk = Disk(*position, self._error)
+        x, y = position
+        spread = self._error
         for back in range(-age, 0):
-            disk = _sum(disk, self._history[back])
-        return disk
+            move = self._history[back]
+            x, y, spread = x + move.x, y + move.y, spread + move.spread
+        if spread > 0.0:
+            spread += age * _ULP * (abs(x) + abs(y))
+        return Move(x, y, spread)
+
+    def _learn(self, seen: Move, stamp: int) -> None:
+        """Take in that the truth is within `seen.spread` of `seen`."""
+        if self.bound == math.inf:
+            self._begin(seen, stamp)
+            return
+        dx, dy = seen.x - self.x, seen.y - self.y
+        if self.shape is not None and seen.spread > 0.0:
+            if math.hypot(dx, dy) + self.bound > seen.spread:  # else it says nothing new
+                self._intersect(seen, dx, dy, stamp)
+        elif self._apart(dx, dy, seen.spread) > self._slack:
+            self._contradict(seen, dx, dy, stamp)
+        elif seen.spread == 0.0:
+            self._begin(seen, stamp)
+
+    def _begin(self, seen: Move, stamp: int) -> None:
+        """Know nothing but this."""
+        self.x, self.y = seen.x, seen.y
+        self._newest = stamp
+        if seen.spread == 0.0:
+            self.shape, self.bound = None, 0.0
+            return
+        self.shape = around(seen.spread, self._slack)
+        self.bound = self.shape.radius
+        self._extents = self.shape.extents()
+        self._sources = [_of(stamp)] * SIDES
+
+    def _intersect(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
+        """Cut the set with the polygon around a disk whose centre is (dx, dy) away, m."""
+        assert self.shape is not None
+        left: Polygon | None = self.shape
+        for side, (nx, ny) in enumerate(DIRECTIONS):
+            limit = nx * dx + ny * dy + seen.spread
+            if left is not None and limit + 2.0 * self._slack < self._extents[side]:
+                left = left.cut(nx, ny, limit)
+        if left is None:
+            self._contradict(seen, dx, dy, stamp)
+        elif left is not self.shape:
+            self._settle(left, _of(stamp))
+
+    def _settle(self, left: Polygon, source: str) -> None:
+        """Go on with what is left of the set because of `source`, seen from its centre."""
+        x, y = self.x, self.y
+        ahead_x, ahead_y = left.centre()
+        self.x += ahead_x
+        self.y += ahead_y
+        cx, cy = self.x - x, self.y - y  # what rounding has left of the way to the centre
+        self.shape = left.shifted(-cx, -cy)
+        self.bound = self.shape.radius
+        before, self._extents = self._extents, self.shape.extents()
+        for side, (nx, ny) in enumerate(DIRECTIONS):
+            if self._extents[side] + nx * cx + ny * cy < before[side]:
+                self._sources[side] = source
+
+    def _apart(self, dx: float, dy: float, spread: float) -> float:
+        """Gap between the set and a disk whose centre is (dx, dy) away, m; negative if they overlap."""
+        if self.shape is None:
+            return math.hypot(dx, dy) - spread
+        return max(self._gaps(dx, dy, spread))
+
+    def _gaps(self, dx: float, dy: float, spread: float) -> list[float]:
+        """Gap between the set and that disk along each of the directions, m."""
+        return [
+            -self._extents[(side + SIDES // 2) % SIDES] - (nx * dx + ny * dy + spread)
+            for side, (nx, ny) in enumerate(DIRECTIONS)
+        ]
+
+    def _contradict(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
+        """The set and a measurement exclude each other."""
+        other, gap = _of(self._newest), self._apart(dx, dy, seen.spread)
+        if self.shape is not None:
+            gaps = self._gaps(dx, dy, seen.spread)
+            other = self._sources[(gaps.index(gap) + SIDES // 2) % SIDES]
+        self._note(_of(stamp), other, gap)
+        if self._trusting:
+            self._begin(seen, stamp)
+
+    def _note(self, one: str, other: str, gap: float) -> None:
+        self.contradiction = f"{one} and {other} exclude each other by {gap:.2g} m: a stated bound is wrong"
 
 
-def _sum(disk: Disk, move: Disk) -> Disk:
-    """Where a point of `disk` can be after a displacement out of `move`."""
-    return Disk(disk.x + move.x, disk.y + move.y, disk.radius + move.radius)
-
-
-def intersection(one: Disk, other: Disk) -> Disk:
-    """The smallest disk around what two disks share.
-
-    Disks that share nothing contradict each other, which the stated bounds exclude; the smallest disk
-    around both then loses neither.
-    """
-    small, large = (one, other) if one.radius < other.radius else (other, one)
-    dx, dy = large.x - small.x, large.y - small.y
-    distance = math.hypot(dx, dy)
-    apart = distance - small.radius - large.radius
-    if apart > _TOUCH:
-        radius = 0.5 * (distance + small.radius + large.radius)
-        return _between(small, dx / distance, dy / distance, radius - small.radius, radius)
-    chord = 0.5 * (distance * distance + small.radius**2 - large.radius**2)  # times distance, from small
-    if chord <= 0.0 or small.radius == 0.0:
-        return small
-    along = min(chord / distance, small.radius)
-    half = math.sqrt((small.radius - along) * (small.radius + along))
-    return _between(small, dx / distance, dy / distance, along, half + max(0.0, apart))
-
-
-def _between(start: Disk, nx: float, ny: float, along: float, radius: float) -> Disk:
-    return Disk(start.x + along * nx, start.y + along * ny, radius)
+def _of(stamp: int) -> str:
+    return f"the measurement of tick {stamp}"

@@ -16,7 +16,7 @@ from protocol.draws import Purpose, generator
 from protocol.scenario import Link as LinkFaults
 from protocol.scenario import Partition, Scenario
 
-_KEPT = 4096  # ticks of draws that are remembered
+_KEPT = 8  # ticks of draws that are remembered; any other can be drawn again
 
 
 class Link:
@@ -90,7 +90,8 @@ class Link:
         if drawn is None:
             source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick)
             drawn = self._draws[tick] = source.random((6, len(self._column)))
-            self._draws.pop(tick - _KEPT, None)
+            if len(self._draws) > _KEPT:
+                del self._draws[next(iter(self._draws))]
         return drawn
 
 

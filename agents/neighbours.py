@@ -1,12 +1,12 @@
-"""What one robot knows of the others: the newest State heard of each, and the disks that stand for good."""
+"""What one robot knows of the others: the newest State heard of each, and the disks that stand."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from agents.peer_state import PeerState
 from agents.slice import Peer
-from protocol.messages import Down
+from protocol.messages import Member
 
 
 class Neighbours:
@@ -17,7 +17,7 @@ class Neighbours:
     """
 
     def __init__(self, radii: Mapping[int, float]) -> None:
-        self.down: dict[int, Down] = {}
+        self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
         self._radii = list(radii.items())
         self._place = {peer: place for place, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
@@ -37,58 +37,66 @@ class Neighbours:
         if known is not None and not is_newer(state, known):
             return False
         self._states[place] = state
-        if self.down:
+        if self.standing:
             self._rise(state)
         return True
 
     def _rise(self, state: PeerState) -> None:
         """A fenced robot whose newer life speaks is no obstacle any more."""
-        fenced = self.down.get(state.robot)
+        fenced = self.standing.get(state.robot)
         if fenced is not None and state.incarnation > fenced.incarnation:
-            del self.down[state.robot]
+            del self.standing[state.robot]
 
-    def fence(self, downs: Iterable[Down]) -> list[Down]:
-        """Take over the world's list of fenced robots; returns those that are news."""
-        news = [down for down in downs if self._is_news(down)]
-        for down in news:
-            self.down[down.robot] = down
-        return news
+    def on_member(self, member: Member) -> None:
+        """Take over what a newer roster says of a peer. One that lives again stands until it speaks."""
+        state = self.state(member.robot)
+        if state is not None and state.incarnation > member.incarnation:
+            return
+        if member.status in ("standing", "appearing"):
+            self.standing[member.robot] = member
+        elif member.status == "gone":
+            self.standing.pop(member.robot, None)
+            self._forget(member.robot)
 
-    def _is_news(self, down: Down) -> bool:
-        state, fenced = self.state(down.robot), self.down.get(down.robot)
-        risen = state is not None and state.incarnation > down.incarnation
-        known = fenced is not None and fenced.incarnation >= down.incarnation
-        return not (risen or known)
+    def _forget(self, peer: int) -> None:
+        place = self._place.get(peer)
+        if place is not None:
+            self._states[place] = None
 
     def heard(self) -> list[PeerState]:
         """The newest States of all who have been heard."""
         return [state for state in self._states if state is not None]
 
     def moving(self) -> list[PeerState]:
-        """The newest States of all who are not fenced."""
-        if not self.down:
+        """The newest States of all who do not stand."""
+        if not self.standing:
             return self.heard()
-        return [state for state in self.heard() if state.robot not in self.down]
+        return [state for state in self.heard() if state.robot not in self.standing]
 
     def disks(self) -> list[Peer]:
-        """Everybody whose place is known. One who is fenced is an obstacle: that it never arrives must
+        """Everybody whose place is known. One who stands is an obstacle: that it never arrives must
         not keep the others off their goals."""
-        if not self.down:
+        if not self.standing:
             return [state for state in self._states if state is not None and state.placed]
         disks: list[Peer] = []
         for (peer, radius), state in zip(self._radii, self._states, strict=True):
-            if peer in self.down:
-                disks.append(Peer(*self.down[peer].position, radius, 0.0))
+            stood = self._stands_at(peer)
+            if stood is not None:
+                disks.append(Peer(*stood, radius, 0.0))
             elif state is not None and state.placed:
                 disks.append(state)
         return disks
 
     def position(self, peer: int) -> tuple[float, float] | None:
-        """Where a peer is, as far as known; exact for a fenced one."""
-        if peer in self.down:
-            return self.down[peer].position
-        state = self.state(peer)
+        """Where a peer is, as far as known."""
+        stood, state = self._stands_at(peer), self.state(peer)
+        if stood is not None:
+            return stood
         return None if state is None else state.position
+
+    def _stands_at(self, peer: int) -> tuple[float, float] | None:
+        member = self.standing.get(peer)
+        return None if member is None else member.position
 
 
 def is_newer(state: PeerState, known: PeerState) -> bool:

@@ -1,9 +1,9 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
 Lock-step: the State goes out when the Measurement arrives, the Command when the States of all that
-take part are there; both again when the world tells the same tick again. Real time: both go out at
-once, and nobody is waited for. When a run ends, or the world has fenced this life, it joins again: as
-a new life, or to learn that it is over.
+take part are there. When the world tells the same tick again, both go out again, or instead of the
+Command whose States are missing. Real time: both go out at once, and nobody is waited for. When a run
+ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from protocol.streams import STREAMS
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD: Final = 0.5  # s between health messages
-_ASK_TIMEOUT = 5.0
+_ASK_TIMEOUT = 2.0
+_RETRY = 0.2  # s until the next question after one that nobody answered
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
 
@@ -64,9 +65,10 @@ class RobotNode:
         self._bus, self._run, self._robot = bus, run, robot
         self._patience, self._say = patience, say
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
+        self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
         self._lockstep = True
-        self._declared = self._over = False
+        self._declared = self._over = self._noted = False
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
@@ -82,13 +84,13 @@ class RobotNode:
         request = joining.encode_request(joining.Join(self._robot, self._session, health))
         try:
             reply = joining.decode_reply(self._ask(request))
-        except BusError:
-            self._on_silence()
+        except (BusError, MessageError) as error:
+            self._on_silence(error)
             return
         now = time.monotonic()
         self._heard_world = now
         if isinstance(reply, joining.Wait):
-            self.deadline = now + reply.after
+            self.deadline = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
         elif isinstance(reply, joining.Admission):
@@ -99,21 +101,27 @@ class RobotNode:
                 raise JoinError(reply.text)
             self.deadline = now + 0.2
 
-    def _on_silence(self) -> None:
-        """Nobody answers a request to join."""
+    def _on_silence(self, error: Exception) -> None:
+        """Nobody answers a request to join, or nobody who could be understood."""
         now = time.monotonic()
-        if self._over:
+        if now <= self._heard_world + self._bearable:
+            self.deadline = now + _RETRY  # not there yet, cut off for a moment, or the reply was lost
+        elif self._over:
             self.finished = True  # the world left first
-        elif self._alone_since <= now <= self._alone_since + self._patience:
-            self.deadline = now + REPORT_PERIOD  # cut off, perhaps for a moment only
         else:
-            raise BusError(f"run {self._run!r}: no world answers; is it running, under this name?")
+            text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
+            raise BusError(text) from error
+
+    @property
+    def _bearable(self) -> float:
+        """For how long nobody may answer, s; when all is over, only if the world said that it may be back."""
+        return self._away if self._over else max(self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:
         return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation, admission.oldest)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
@@ -121,11 +129,11 @@ class RobotNode:
             )
             for place, spec in enumerate(others)
         }
-        self._lockstep = admission.lockstep
+        self._lockstep, self._away = admission.lockstep, admission.away
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
-        self._ended = self._over = False
+        self._ended = self._over = self._noted = False
         self.deadline = time.monotonic() + REPORT_PERIOD
         if not self._declared:
             self._declare(admission.scenario)
@@ -156,7 +164,7 @@ class RobotNode:
             if self._alone_since < inf:
                 self._say(f"the world of run {self._run!r} is back")
             self._alone_since = inf
-        elif self._over:
+        elif self._over and not self._away:
             self.finished = True
         else:
             self._alone_since = time.monotonic()
@@ -192,15 +200,18 @@ class RobotNode:
         if measurement.over and measurement.incarnation >= core.incarnation:
             self._over = True
             self._rejoin()
-        elif core.is_down(measurement):
-            self._rejoin()
+        elif core.has_ended(measurement) or measurement.incarnation > core.incarnation:
+            self._rejoin()  # fenced, or replaced by another process
         elif measurement.tick == core.tick:
             self._repeat()
             core.reconsider(measurement)
-            if not self._commanded and core.complete:
-                self._command()
+            if not self._commanded:
+                self._command_or_complain(core)
         elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
             self._said_state = encode(core.measure(measurement))
+            if core.note and not self._noted:
+                self._noted = True
+                self._say(core.note)
             self._tell_state(self._said_state)
             self._published += 1
             self._commanded = False
@@ -215,6 +226,13 @@ class RobotNode:
         self._commanded = True
         if self._heard_world >= self._reported + REPORT_PERIOD:
             self._report()
+
+    def _command_or_complain(self, core: Robot) -> None:
+        """The world waits: say at least why there is no Command."""
+        if core.complete:
+            self._command()
+        else:
+            self._tell_command(encode(core.complaint()))
 
     def _repeat(self) -> None:
         """The world waits for somebody: perhaps for one who did not hear what this robot said."""
@@ -237,8 +255,8 @@ class RobotNode:
         self.deadline = now + REPORT_PERIOD
         if now >= self._reported + REPORT_PERIOD:
             self._report()
-        if now > self._alone_since + self._patience:
-            raise BusError(f"run {self._run!r}: the world has been gone for {self._patience:g} s; gives up")
+        if now > self._alone_since + self._bearable:
+            raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self._heard_world + self._patience and self._alone_since == inf:
             self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
             self._heard_world = time.monotonic()

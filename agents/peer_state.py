@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from typing import Final, final
+from typing import final
 
 from mypy_extensions import mypyc_attr
 
 from agents.slice import Peer
+from protocol.codec import LARGEST
 from protocol.messages import Answer, Proposal, State
 
 Vector = tuple[float, float]
-
-_INFINITE: Final = math.inf
 
 
 @final
@@ -82,11 +80,11 @@ class PeerState(Peer):
 
     @property
     def is_finite(self) -> bool:
-        """Whether the sum of all numbers is finite, which it is only if all of them are."""
-        total = self.x + self.y + self.bound + self.gamma + self.slice + self.vx + self.vy
+        """Whether all numbers together are sane (`codec.LARGEST`), which they are only if each of them is."""
+        total = abs(self.x) + abs(self.y) + self.bound + self.gamma + self.slice + abs(self.vx) + abs(self.vy)
         for line in self.proposals:
-            total += line.nx + line.ny + line.offset
-        return -_INFINITE < total < _INFINITE
+            total += abs(line.nx) + abs(line.ny) + abs(line.offset)
+        return total <= LARGEST
 
 
 def said_to(robot: int, state: State, radius: float, place: int = 0) -> PeerState:

@@ -7,35 +7,42 @@ the one to the other, when every earlier command is settled: none is ever outsta
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from math import inf
+from typing import Final
 
 from agents.estimate import Estimate
 from agents.laws import choose
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.link import Link
 from agents.neighbours import Neighbours
 from agents.peer_state import PeerState
+from agents.polygon import Polygon
+from agents.roster import KnownRoster, has_ended
 from agents.safe_velocity import safe_velocity
-from protocol.messages import Answer, Command, Health, Measurement, Proposal, State
+from protocol.messages import Answer, Command, Health, Measurement, Proposal, Roster, State
 from protocol.scenario import Scenario
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
+NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
+CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 
 
 class Robot:
     """One life of one robot.
 
+    It stands still until the first Measurement has told it the roster: only then does it know whether
+    it began the run, and so knows the initial lines.
+
     Args:
         scenario: the run; k already a number.
         robot: own id.
         incarnation: this life, as handed out by the world.
-        first_lives: everybody's first incarnation in this run, which begins at the start.
     """
 
-    def __init__(
-        self, scenario: Scenario, robot: int, incarnation: int, first_lives: Mapping[int, int]
-    ) -> None:
+    def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
         spec = scenario.spec(robot)
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
@@ -43,21 +50,18 @@ class Robot:
         self._goal, self._radius = spec.goal, spec.radius
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
-        speed, period = scenario.control.speed * (1.0 + scenario.actuation.bound), scenario.time.step
-        self._estimate = Estimate(scenario.sensing_of(robot).bound, speed * period)
-        radii = {peer.id: peer.radius for peer in scenario.robots}
-        self._neighbours = Neighbours({peer: radii[peer] for peer in radii if peer != robot})
+        self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
+        sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
+        latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
+        trusting = sensing.contradiction == "newest"
+        self._estimate = Estimate(sensing.bound, reach, trusting, scenario.ticks(latest))
+        self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
+        self._radii = {peer.id: peer.radius for peer in scenario.robots}
+        self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
-        first = incarnation == first_lives.get(robot)
-        self._lines = Ledger(
-            robot,
-            incarnation,
-            radii,
-            speed=speed,
-            period=period,
-            starts={peer.id: peer.start for peer in scenario.robots} if first else None,
-            first_lives=first_lives,
-        )
+        self._roster = KnownRoster(robot, incarnation)
+        self._kept = 0  # version of the roster that this life keeps to
+        self._lines: Ledger | None = None
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
@@ -71,13 +75,57 @@ class Robot:
         self._await(measurement.active)
         self._estimate.update(measurement)
         self._moved = measurement.displacement
-        if self._estimate.position is not None:
-            self._lines.locate(self.tick, self._estimate.position, self._estimate.bound)
-        for down in self._neighbours.fence(measurement.down):
-            self._lines.peer_down(down)
-        self._take_over(self.tick - 1)
+        self._locate()
+        if measurement.roster is not None:
+            self._on_roster(measurement.roster)
+        if self._lines is not None:
+            self._take_over(self._lines, self.tick - 1)
         self._open = True
         return self._state()
+
+    def _locate(self) -> None:
+        """Tell the lines where this robot is."""
+        estimate, lines = self._estimate, self._lines
+        if estimate.position is None or lines is None:
+            return
+        if estimate.shape is not None and self._filtered:
+            self._confine(lines, estimate.shape)
+        if estimate.lost:
+            lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
+        else:
+            lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+
+    def _confine(self, lines: Ledger, shape: Polygon) -> None:
+        """Cut off from the set of possible positions what the workspace and the obeyed lines exclude."""
+        estimate = self._estimate
+        for _ in range(CORNERS):
+            edge = self._boundary.beyond(estimate.x, estimate.y, shape)
+            if edge is None or not estimate.confine(edge, "the workspace"):
+                break
+            shape = estimate.shape or shape
+        for peer, side in lines.crossed(estimate.x, estimate.y, shape):
+            estimate.confine(side, f"the line with robot {peer}")
+
+    def _on_roster(self, roster: Roster) -> None:
+        """Follow a roster that may be a newer one."""
+        news = self._roster.update(roster)
+        for member in news:
+            self._neighbours.on_member(member)
+        if self._lines is None:
+            starts = {peer.id: peer.start for peer in self._scenario.robots}
+            self._lines = Ledger(
+                self.robot,
+                self.incarnation,
+                self._radii,
+                speed=self._speed,
+                period=self._scenario.time.step,
+                members=news,
+                starts=starts if self._roster.founding else None,
+            )
+            self._locate()
+        else:
+            for member in news:
+                self._lines.on_member(member)
 
     def _await(self, active: Iterable[int]) -> None:
         """Await this tick's State of all that take part and have not sent it yet."""
@@ -95,7 +143,7 @@ class Robot:
         if position is not None:
             gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
             slice_norm = self._law.slice_norm(position)
-            if self._filtered:
+            if self._filtered and self._lines is not None:
                 proposals, answers = self._lines.speak(self._desired)
         return State(
             self.robot,
@@ -119,8 +167,8 @@ class Robot:
     def hear(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived."""
         robot, tick = state.robot, state.tick
-        if self._open and tick <= self.tick and self._link.ideal:
-            self._learn(state)  # as `command` would in a moment
+        if self._open and tick <= self.tick and self._link.ideal and self._lines is not None:
+            self._learn(self._lines, state)  # as `command` would in a moment
         else:
             self._link.put(state)
         if tick >= self.tick:
@@ -138,53 +186,68 @@ class Robot:
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
         self._open = False
-        self._take_over(self.tick)
-        position = self._estimate.position
-        velocity = STILL
-        if position is None:
-            self._desired = STILL
-        else:
-            self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
-            velocity = self._allowed(position, self._lines.make_room(self._desired))
-        return Command(self.robot, self.incarnation, self.tick, velocity)
+        lines, position = self._lines, self._estimate.position
+        velocity = self._desired = STILL
+        if lines is not None:
+            self._take_over(lines, self.tick)
+            if lines.keeps_clear or not self._filtered:
+                self._kept = self._roster.version
+            if position is not None:
+                self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
+                velocity = self._allowed(lines, position, lines.make_room(self._desired))
+        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)
 
-    def _take_over(self, tick: int) -> None:
+    def complaint(self) -> Command:
+        """In place of a Command that cannot be given: whose States are missing."""
+        lacking = tuple(sorted(self._awaited)[:NAMED])
+        return Command(self.robot, self.incarnation, self.tick, STILL, self._kept, lacking)
+
+    def _take_over(self, lines: Ledger, tick: int) -> None:
         """Hear all States that are due by `tick`."""
         for state in self._link.take(tick):
-            self._learn(state)
+            self._learn(lines, state)
 
-    def _learn(self, state: PeerState) -> None:
+    def _learn(self, lines: Ledger, state: PeerState) -> None:
         self._neighbours.hear(state)
-        self._lines.hear(state)
+        lines.hear(state)
 
-    def _allowed(self, position: Vector, desired: Vector) -> Vector:
+    def _allowed(self, lines: Ledger, position: Vector, desired: Vector) -> Vector:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        if not self._lines.ready:
+        if not lines.ready or self._estimate.lost:
             return STILL
-        room = self._scenario.workspace.radius - self._radius - self._estimate.bound
         return safe_velocity(
             desired,
             position,
-            self._lines.half_planes(),
-            workspace=room,
+            lines.half_planes(),
+            boundary=self._boundary,
             speed=self._control.speed,
             period=self._scenario.time.step,
+            shape=self._estimate.shape,
             noise=self._scenario.actuation.bound,
         )
 
     # -- about itself
 
-    def is_down(self, measurement: Measurement) -> bool:
-        """Whether the world has fenced this life."""
-        return any(d.robot == self.robot and d.incarnation >= self.incarnation for d in measurement.down)
+    def has_ended(self, measurement: Measurement) -> bool:
+        """Whether the world says that this life is over."""
+        roster = measurement.roster
+        return roster is not None and has_ended(roster, self.robot, self.incarnation)
+
+    @property
+    def note(self) -> str:
+        """What a person should know of this robot; "" if nothing."""
+        if not self._estimate.contradiction:
+            return ""
+        does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
+        return f"{self._estimate.contradiction}; {does}"
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
         heard = tuple(sorted((state.robot, state.tick) for state in self._neighbours.heard()))
         position, bound = self._estimate.position, self._estimate.bound
-        lines = self._lines.sides() if self._filtered else ()
+        lines = self._lines.sides() if self._filtered and self._lines is not None else ()
         return Health(
             self.robot,
             self.incarnation,
@@ -195,4 +258,5 @@ class Robot:
             rejected,
             heard,
             lines,
+            self.note,
         )

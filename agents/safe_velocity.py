@@ -1,7 +1,7 @@
 """The applied velocity: nearest to the desired one within all that must be obeyed until it expires.
 
-A convex program in two variables: half-planes, the workspace disk, the speed disk. All contain 0, so
-standing still is always allowed and any positive scale or projection keeps phi descending.
+A convex program in two variables: half-planes, what the boundary leaves, the speed disk. All contain 0,
+so standing still is always allowed and any positive scale or projection keeps phi descending.
 
 Execution noise turns v into v + |v| w with |w| <= noise < 1. Against a half-plane n.d <= s of
 displacements, n.d + noise |d| <= s is wanted: one branch of a hyperbola around n. The wedge from its
@@ -14,9 +14,11 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
+from agents.polygon import Polygon
 
-_CUTS: Final = 12  # tangents of the workspace boundary that are tried
+_CUTS: Final = 12  # half-planes of the boundary that are tried
 _SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
 
 Vector = tuple[float, float]
@@ -27,9 +29,10 @@ def safe_velocity(
     position: Vector,
     half_planes: Sequence[HalfPlane],
     *,
-    workspace: float,
+    boundary: RoundBoundary,
     speed: float,
     period: float,
+    shape: Polygon | None = None,
     noise: float = 0.0,
 ) -> Vector:
     """The velocity nearest to `desired` that keeps all constraints until `period` is over, m/s.
@@ -40,9 +43,10 @@ def safe_velocity(
         desired: m/s.
         position: estimated own centre, m.
         half_planes: where the estimated centre must stay; one already violated must not be approached.
-        workspace: largest allowed distance of the estimated centre from the origin, m.
+        boundary: what the true centre must not leave.
         speed: speed limit, m/s.
         period: how long the command holds, s.
+        shape: where the true centre can be, around the estimated one; None where that is exact.
         noise: bound on the relative execution noise, in [0, 1).
     """
     x, y = position
@@ -51,18 +55,26 @@ def safe_velocity(
     limits = _near(half_planes, x, y, reach * (1.0 + noise))
     if noise > 0.0:
         limits = [wedge for limit in limits for wedge in _wedge(limit, noise)]
-    rim = max(workspace, math.hypot(x, y))
     step = _nearest(want, limits, reach)
     for _ in range(_CUTS):
-        ex, ey = x + step[0], y + step[1]
-        distance = math.hypot(ex, ey)
-        if distance + noise * math.hypot(*step) <= rim * (1.0 + 1e-12):
+        cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)
+        if cut is None:
             break
-        nx, ny = ex / distance, ey / distance
-        cut = HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
         limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
         step = _nearest(want, limits, reach)
-    return _inwards(step, position, limits, rim=rim, reach=reach, period=period, noise=noise)
+    for shrink in _SHRINK:
+        # Shrinking makes room at all edges but those through 0; only then can these be moved off.
+        step = _nudged((step[0] * shrink, step[1] * shrink), limits)
+        vx, vy = step[0] / period, step[1] / period
+        dx, dy = vx * period, vy * period
+        if (
+            math.hypot(dx, dy) <= reach
+            and math.hypot(vx, vy) * period <= reach
+            and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
+            and boundary.cut(x, y, shape, dx, dy, noise=noise) is None
+        ):
+            return vx, vy
+    return 0.0, 0.0
 
 
 def _near(half_planes: Sequence[HalfPlane], x: float, y: float, reach: float) -> list[HalfPlane]:
@@ -121,32 +133,6 @@ def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, reach: float
         low = high = 0.5 * (low + high)
     along = min(max(along, low), high)
     return limit * nx - along * ny, limit * ny + along * nx
-
-
-def _inwards(
-    step: Vector,
-    position: Vector,
-    limits: Sequence[HalfPlane],
-    *,
-    rim: float,
-    reach: float,
-    period: float,
-    noise: float,
-) -> Vector:
-    """The velocity for `step`, nudged and shortened until floating point agrees that all constraints hold."""
-    for shrink in _SHRINK:
-        step = _nudged(step, limits)
-        vx, vy = step[0] / period * shrink, step[1] / period * shrink
-        dx, dy = vx * period, vy * period
-        length = math.hypot(dx, dy)
-        if (
-            length <= reach
-            and math.hypot(vx, vy) * period <= reach
-            and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
-            and math.hypot(position[0] + dx, position[1] + dy) + noise * length <= rim
-        ):
-            return vx, vy
-    return 0.0, 0.0
 
 
 def _nudged(step: Vector, limits: Sequence[HalfPlane]) -> Vector:

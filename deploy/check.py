@@ -1,110 +1,23 @@
-"""`disknav check`: what the theory says about a scenario, and what is seen in practice."""
+"""`disknav check`: evaluates the theory for a scenario, and looks at what is seen in practice."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from agents.navigation.assumptions import Margins, Status, first_status, margins, second_status
 from agents.navigation.best_bound import best_bounds
-from agents.navigation.bounds import Bounds
 from agents.navigation.function import Array, Problem, displacements, in_free_space
 from agents.navigation.reachability import mirrored_triples
 from agents.navigation.tuning import automatic_k, density
-from deploy.check_practice import Practice, practice
-from deploy.check_render import render
+from deploy.check_practice import practice
+from deploy.check_report import Assumption, Certified, CheckReport, Free, Shortfall
 from protocol.scenario import Scenario
 from world.measures import tight
 
-__all__ = [
-    "Assumption",
-    "Certified",
-    "CheckReport",
-    "Free",
-    "Practice",
-    "Shortfall",
-    "render",
-    "report",
-    "to_json",
-]
-
 LISTED = 5  # shortfalls that are spelled out
-
-
-@dataclass(frozen=True)
-class Free:
-    """Whether a configuration is free, and its smallest clearance, m (negative is overlap)."""
-
-    free: bool
-    clearance: float
-
-
-@dataclass(frozen=True)
-class Shortfall:
-    """A cluster for which an assumption is not shown. Ids, None when it stands for all clusters of its size.
-
-    margin: left-hand side minus right-hand side, m, not positive.
-    """
-
-    robots: tuple[int, ...] | None
-    size: int
-    margin: float
-    status: Status
-
-
-@dataclass(frozen=True)
-class Assumption:
-    """One assumption over all clusters, in the limit of small eps; worst: the smallest margin, m."""
-
-    status: Status
-    worst: float
-    clusters: int
-    failing: int
-    shortfalls: tuple[Shortfall, ...]  # smallest clusters first, then the widest gap; at most LISTED
-
-
-@dataclass(frozen=True)
-class Certified:
-    """What a stored certificate proves, None when nothing yet, or why it was refused."""
-
-    file: str
-    k: float | None
-    refused: str | None = None
-
-
-@dataclass(frozen=True)
-class CheckReport:
-    """Everything `disknav check` says. Lengths in m, eps in m^2.
-
-    exact: every cluster was looked at and Lambda', Lambda'' are attained; else they are proven upper bounds.
-    bounds: at the best eps, None where the assumptions are not shown.
-    """
-
-    scenario: str
-    robots: int
-    density: float
-    tight: float | None
-    k: float
-    automatic: bool
-    automatic_k: float
-    start: Free
-    goal: Free
-    unreachable: tuple[tuple[int, int, int], ...]
-    every_cluster: bool
-    exact: bool
-    assumption_1: Assumption
-    assumption_2: Assumption
-    bounds: Bounds | None
-    practice: Practice | None
-    certificate: Certified | None
-
-    @property
-    def guaranteed(self) -> bool:
-        """Whether the theory covers the k in use."""
-        return self.bounds is not None and self.k > self.bounds.polar
 
 
 def report(scenario: Scenario, certificate: Certified | None = None) -> CheckReport:
@@ -136,14 +49,6 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
         practice=practice(problem, start, scenario.seed),
         certificate=certificate,
     )
-
-
-def to_json(found: CheckReport) -> dict[str, Any]:
-    """Plain data; an infinite number becomes None, since JSON has none."""
-    plain = _finite(asdict(found)) | {"guaranteed": found.guaranteed}
-    if found.bounds is not None:
-        plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
-    return dict(plain)
 
 
 def _problem(scenario: Scenario) -> tuple[Problem, Array, tuple[int, ...]]:
@@ -188,11 +93,3 @@ def _assumption(
 def _names(ids: tuple[int, ...], found: Margins, row: int) -> tuple[int, ...] | None:
     members = found.clusters.names(row)
     return None if members is None else tuple(ids[i] for i in members)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-if TYPE_CHECKING:
-    from deploy.check import Assumption, CheckReport, Free, Shortfall
+from deploy.check_report import Assumption, CheckReport, Free, Shortfall
 
 CAVEAT = (
     "The conditions are sufficient and very conservative (the paper's own simulations never check them): "

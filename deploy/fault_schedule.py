@@ -21,11 +21,15 @@ class FaultSchedule:
         self._out: set[int] = set()  # robots that are killed or paused
 
     def due(self, clock: Clock) -> list[ProcessFault]:
-        """Faults to carry out now, in the order of their ticks; each is returned once."""
-        if clock.verdict or clock.turn < self._turn:
+        """Faults to carry out now, in the order of their ticks; each is returned once.
+
+        None before the run has begun: everybody begins it, whatever happens to them in the first tick.
+        None for a turn that there is not: the clock is a stranger's.
+        """
+        if clock.verdict or not self._turn <= clock.turn < len(self._scenarios):
             return []
         faults = self._begin(clock.turn) if clock.turn > self._turn else []
-        while self._due and self._due[0][0] <= clock.tick:
+        while clock.founded and self._due and self._due[0][0] <= clock.tick:
             faults.append(self._due.pop(0)[-1])
         for fault in faults:
             (self._out.add if fault.event in ("kill", "pause") else self._out.discard)(fault.robot)

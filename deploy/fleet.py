@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import signal
+import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,6 +19,7 @@ from deploy.hosts.spawners import HostSpawners
 from deploy.hosts.spread import Spread, places
 from deploy.options import RunOptions
 from deploy.process_life import Exit, Usage
+from deploy.reports import Report, Reports
 from deploy.security.membership import Membership
 from deploy.supervisor import Supervisor
 from deploy.topology import Mesh, Routed, Topology
@@ -28,8 +31,9 @@ from protocol.events import Event, Sample
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario import ProcessFault, Scenario
+from world.admission import AWAY
+from world.journal import Journal
 
-Report = dict[str, Any]
 Watcher = Callable[[Clock], None]
 _START = 30.0  # s for a process to say that it is ready
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
@@ -54,6 +58,9 @@ class Fleet:
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
 
+    Attributes:
+        rejected: messages that were no world's, by reason.
+
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
     """
@@ -68,19 +75,21 @@ class Fleet:
         on_report: Callable[[Report], None] | None = None,
     ) -> None:
         self._scenarios, self._options = scenarios, options
-        self._watch, self._record, self._on_report = watch, record, on_report
+        self._watch, self._record = watch, record
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports: list[Report] = []
+        self._reports = Reports(on_report)
+        self._leaving = _LEAVING
         self._stack = ExitStack()
+        self.rejected: Counter[str] = Counter()
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
             self._hosts = self._host_spawners()
             self._supervisor = stack.enter_context(Supervisor(self._hosts))
             self.topology = self._begin(stack)
-            self._start_world()
+            self._start_world(self._journal(stack))
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
             self._stack = stack.pop_all()
@@ -100,9 +109,14 @@ class Fleet:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:
             return self._link(Spread(options.hosts, membership, self._hosts))
-        record = None if self._record is None else (options.run, self._record)
-        self._supervisor.start([table.router(membership.router(), record)])
-        return Routed(self._supervisor.report("router", _START), membership)
+        record = None if self._record is None or options.restarts else (options.run, self._record)
+        router = table.router(membership.router(), record, options.restarts)
+        self._supervisor.start([router])
+        endpoint = self._supervisor.report(table.ROUTER, _START)
+        connection, *others = router.arguments  # whoever comes after it is to be found where it was
+        again = (replace(connection, listen=(endpoint,)), *others)
+        self._supervisor.amend(replace(router, arguments=again))
+        return Routed(endpoint, membership)
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
@@ -112,11 +126,27 @@ class Fleet:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""
         spread.spawners.greet()
         for host in spread.hosts.hosts:
-            self._supervisor.start([table.linked_router(spread.router(host), host.name)])
+            self._supervisor.start(
+                [table.linked_router(spread.router(host), host.name, self._options.restarts)]
+            )
             self._supervisor.report(table.router_name(host.name), _START)
         return spread
 
-    def _start_world(self) -> None:
+    def _journal(self, stack: ExitStack) -> Path | None:
+        """Where the world is to keep its journal, if it is to be started again: made here, so that a world
+        that finds none does not begin anew what another one began."""
+        if not self._options.restarts:
+            return None
+        journal = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "journal"
+        Journal.create(journal, self._options.run, self._scenarios)
+        hosts, spawners = self._options.hosts, self._hosts
+        folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
+        if hosts is None or spawners is None or folder is None:
+            return journal
+        spawners.store(hosts.world_host.name, journal)
+        return Path(folder) / journal.name
+
+    def _start_world(self, journal: Path | None) -> None:
         """The world, and before anything can happen the recorder, unless the router is it."""
         run, topology = self._options.run, self.topology
         options, scenarios = self._options, self._scenarios
@@ -127,11 +157,14 @@ class Fleet:
             options.lockstep,
             speed=options.speed,
             restarts=options.restarts,
+            journal=journal,
         )
         self._supervisor.start([world])
         own_router = options.transport == "routed" and options.router is None and options.hosts is None
-        if self._record is not None and not own_router:
-            self._supervisor.start([table.recorder(topology.observer(), run, self._record)])
+        # A recording in a router would end with it.
+        if self._record is not None and (options.restarts or not own_router):
+            away = AWAY if options.restarts else 0.0
+            self._supervisor.start([table.recorder(topology.observer(), run, self._record, away)])
             self._supervisor.report(table.RECORDER, _START)
 
     def _robots(self) -> list[table.Process]:
@@ -155,12 +188,12 @@ class Fleet:
                     self._cut("interrupted", ENOUGH)
                     break
                 self._take(self._bus.receive(_POLL))
-                self._check(self._supervisor.poll())
+                self._check(self._poll())
         except KeyboardInterrupt:
             self._cut("interrupted", INTERRUPTED)
         except FleetLostError as loss:
             self._cut("aborted", str(loss))
-        return self._reports
+        return self._reports.all
 
     def signal(self, name: str, number: int) -> None:
         """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
@@ -172,7 +205,7 @@ class Fleet:
 
     def processes(self) -> list[dict[str, Any]]:
         """Let everybody leave, stop whoever does not; what each process cost."""
-        deadline = time.monotonic() + _LEAVING
+        deadline = time.monotonic() + self._leaving
         while not all(map(table.is_router, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
         self._supervisor.stop()
@@ -184,14 +217,21 @@ class Fleet:
             return
         try:
             message = decode(event.key, event.payload)
-        except MessageError:
-            return  # robots and world count what they refuse
-        if isinstance(message, Result):
-            self._reports.append(json.loads(message.report))
-            if self._on_report is not None:
-                self._on_report(self._reports[-1])
-        elif isinstance(message, Clock):
+            if isinstance(message, Result):
+                self._reports.add(message.report)
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
+        if isinstance(message, Clock):
             self._follow(message)
+
+    def _poll(self) -> list[Exit]:
+        """Who has ended. A world that can be started again has told its reports here, too: what it publishes
+        may be lost with a router."""
+        exits = self._supervisor.poll()
+        for text in self._supervisor.heard(table.WORLD):
+            self._reports.add(text)
+        return exits
 
     def _follow(self, clock: Clock) -> None:
         self._clock = clock
@@ -213,9 +253,13 @@ class Fleet:
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
+            if exit_.again and not exit_.expected:
+                print(f"disknav: {exit_}; it is started again", file=sys.stderr, flush=True)
+            if exit_.again:
+                continue
             if exit_.process.vital:
                 self._listen_on()
-            tolerable = exit_.expected or exit_.again or self._has_begun
+            tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
 
@@ -225,7 +269,7 @@ class Fleet:
 
     @property
     def _complete(self) -> bool:
-        return len(self._reports) == len(self._scenarios)
+        return len(self._reports.all) == len(self._scenarios)
 
     def _listen_on(self) -> None:
         """What a process said before it ended may still be on its way."""
@@ -235,16 +279,20 @@ class Fleet:
 
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""
-        if "world" in self._supervisor.running():
-            self._supervisor.signal("world", signal.SIGTERM)
+        if self._options.restarts:
+            self._leaving = 0.0  # robots wait for a world that will not be back
+        reports = self._reports.all
+        if table.WORLD in self._supervisor.running():
+            self._supervisor.signal(table.WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
-            already = len(self._reports)
-            while len(self._reports) == already and time.monotonic() < deadline:
+            already = len(reports)
+            while len(reports) == already and time.monotonic() < deadline:
                 self._take(self._bus.receive(_POLL))
-        if not self._reports:
-            self._reports.append(self._unjudged())
-        if self._reports[-1]["verdict"] != "collision":
-            self._reports[-1].update(verdict=verdict, reason=reason)
+                self._poll()
+        if not reports:
+            reports.append(self._unjudged())
+        if reports[-1]["verdict"] != "collision":
+            reports[-1].update(verdict=verdict, reason=reason)
 
     def _unjudged(self) -> Report:
         return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)

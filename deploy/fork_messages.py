@@ -74,7 +74,7 @@ class Exited(_News, frozen=True):
 Request = Start | Signal | Store | Beat
 News = Started | Report | Exited
 
-MAX_NEWS = 1 << 20  # bytes
+MAX_NEWS = 1 << 23  # bytes; twice the largest result
 
 _encoder = msgspec.msgpack.Encoder()
 _decoder = msgspec.msgpack.Decoder(News)

@@ -10,13 +10,16 @@ from agents.node import RobotNode
 from deploy.fault_schedule import FaultSchedule
 from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
+from protocol.bus import Bus
 from protocol.bus_local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.events import Event, Sample
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.scenario import ProcessFault, Scenario
+from world.journal import Journal
 from world.node import WorldNode
+from world.replay import Resumed, resume
 
 Watcher = Callable[[Clock], None]
 
@@ -31,6 +34,8 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
+        joining: robot ids in the order in which they join; increasing unless given.
+        journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
     """
 
     def __init__(
@@ -42,19 +47,47 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
+        joining: Sequence[int] | None = None,
+        journal: Path | None = None,
     ) -> None:
         self.network = LocalNetwork()
         self.run = run
-        bus = self.network.connect()
-        self.world = WorldNode(bus, run, scenarios, lockstep, speed=speed)
-        bus.node = self.world
+        self._scenarios, self._lockstep, self._speed = scenarios, lockstep, speed
+        self._path = journal
+        self._reports: list[dict[str, Any]] = []
+        self.start_world()
         self._recorder = None if record is None else self._record(record)
         self.robots: dict[int, LocalBus] = {}
-        for robot in scenarios[0].ids:
+        for robot in joining or scenarios[0].ids:
             self.start(robot)
         operator = self.network.connect()
         operator.subscribe(world_key(run, "clock"))
         operator.node = Operator(self, FaultSchedule(scenarios), watch)
+
+    def start_world(self) -> None:
+        """Start the world's node, where the journal says that it was."""
+        self._past: Resumed | None = None
+        if self._path is not None:
+            self._past = resume(Journal(self._path, self.run, self._scenarios), self._scenarios)
+        self.world_bus = self.network.connect()
+        self.world = self.world_bus.node = self._world(self.world_bus)
+
+    def _world(self, bus: Bus) -> WorldNode:
+        return WorldNode(
+            bus,
+            self.run,
+            self._scenarios,
+            self._lockstep,
+            speed=self._speed,
+            past=self._past,
+            tell=self._reports.append,
+        )
+
+    def kill_world(self) -> None:
+        """End the world's node at once; its token goes, and nothing is left of it but its journal."""
+        self.world_bus.close()
+        if self._past is not None:
+            self._past.journal.close()
 
     def start(self, robot: int) -> None:
         """Start a robot's node."""
@@ -89,7 +122,7 @@ class LocalFleet:
             self.world.interrupt("interrupted", "stopped by the user")
         if self._recorder is not None:
             self._recorder.close()
-        return self.world.reports
+        return self._reports
 
 
 class Operator:

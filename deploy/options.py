@@ -13,7 +13,7 @@ from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
 Mode = Literal["lockstep", "realtime"]
-RESTARTS = 3  # of a robot that is started again on failure, unless the policy says how many
+RESTARTS = 3  # of a process that is started again on failure, unless the policy says how many
 _POLICY = re.compile(r"never|on-failure(?::([1-9][0-9]{0,3}))?")
 
 
@@ -23,7 +23,7 @@ def fresh_run_name() -> str:
 
 
 def restarts(policy: str) -> int:
-    """How many times a robot is started again by the policy `never` or `on-failure[:N]`.
+    """How many times a process is started again by the policy `never` or `on-failure[:N]`.
 
     Raises:
         UsageError: it is neither.
@@ -47,7 +47,7 @@ class RunOptions:
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
     hosts: HostsTable | None = None  # where processes run; all here unless given
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
-    restarts: int = 0  # how many times a robot that fails is started again
+    restarts: int = 0  # how many times a process that fails is started again: robot, world or router
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":

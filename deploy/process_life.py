@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import psutil
@@ -53,7 +53,8 @@ class Life:
     again: bool = False  # start it again as soon as it has ended
     restarts: int = 0
     failures: int = 0
-    report: str | None = None
+    report: str | None = None  # the first of the latest process
+    unheard: list[str] = field(default_factory=list)  # all reports that nobody has asked for
     cpu_s: float = 0.0  # of ended processes
     max_rss_mb: float = 0.0
 

@@ -13,6 +13,7 @@ from world.node import GATHERING
 
 RECORDER = "recorder"
 ROUTER = "router"
+WORLD = "world"
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,15 +28,15 @@ class Process:
     reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
 
 
-def router(connection: Connection, record: tuple[str, Path] | None = None) -> Process:
+def router(connection: Connection, record: tuple[str, Path] | None = None, restarts: int = 0) -> Process:
     """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
     entry, arguments = ("main", ()) if record is None else ("recording", record)
-    return Process(ROUTER, f"deploy.router:{entry}", (connection, *arguments), vital=True, reports=True)
+    return Process(ROUTER, f"deploy.router:{entry}", (connection, *arguments), True, restarts, reports=True)
 
 
-def linked_router(connection: Connection, host: str) -> Process:
+def linked_router(connection: Connection, host: str, restarts: int = 0) -> Process:
     """The router of one of several hosts; it reports once it is linked with those that it connects to."""
-    return Process(router_name(host), "deploy.router:linked", (connection,), vital=True, reports=True)
+    return Process(router_name(host), "deploy.router:linked", (connection,), True, restarts, reports=True)
 
 
 def world(
@@ -46,10 +47,16 @@ def world(
     gathering: float = GATHERING,
     speed: float = 0.0,
     restarts: int = 0,
+    journal: Path | None = None,
 ) -> Process:
-    """The world of a run; `restarts` as its robots' rows have it."""
+    """The world of a run; `restarts` as its robots' rows have it.
+
+    With a `journal` it can be started again as often, too, and reports every report as JSON.
+    """
     arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts)
-    return Process("world", "world.process:main", arguments, vital=True)
+    if journal is None:
+        return Process(WORLD, "world.process:main", arguments, vital=True)
+    return Process(WORLD, "world.process:supervised", (*arguments, journal), True, restarts, reports=True)
 
 
 def robot(connection: Connection, run: str, identity: int, restarts: int = 0) -> Process:
@@ -58,9 +65,9 @@ def robot(connection: Connection, run: str, identity: int, restarts: int = 0) ->
     return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
 
 
-def recorder(connection: Connection, run: str, path: Path) -> Process:
-    """A recorder where there is no router of our own; it reports once it cannot miss anything."""
-    return Process(RECORDER, "deploy.recording.process:main", (connection, run, path), reports=True)
+def recorder(connection: Connection, run: str, path: Path, away: float = 0.0) -> Process:
+    """A recorder beside the router; it reports once it cannot miss anything. `away`: see `Recorder`."""
+    return Process(RECORDER, "deploy.recording.process:main", (connection, run, path, away), reports=True)
 
 
 def router_name(host: str) -> str:

@@ -69,7 +69,7 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",
 }
-_INNER = (messages.Proposal, messages.Answer, messages.Down)
+_INNER = (messages.Proposal, messages.Answer, messages.Roster, messages.Member, messages.Down)
 
 
 def page() -> str:
@@ -153,6 +153,8 @@ def _plain(described: Any) -> str:
         return "[x, y]"
     if isinstance(described, msgspec.inspect.StructType):
         return f"[{described.cls.__name__}](#{described.cls.__name__.lower()})"
+    if isinstance(described, msgspec.inspect.LiteralType):
+        return " or ".join(f'"{value}"' for value in described.values)
     return _WORDS[type(described)]
 
 

@@ -63,6 +63,16 @@ class Supervisor:
             raise ProcessError(f"{name} {state}; what it said stands above")
         return life.report
 
+    def amend(self, process: Process) -> None:
+        """Replace the row of this name, from its next process on."""
+        self._life(process.name).process = process
+
+    def heard(self, name: str) -> list[str]:
+        """What a reporting process, or one before it, has said since this was last asked."""
+        life = self._life(name)
+        heard, life.unheard = life.unheard, []
+        return heard
+
     def poll(self, timeout: float = 0.0) -> list[Exit]:
         """Exits since the last call; waits at most `timeout` s for the first news."""
         self._read(timeout)
@@ -160,6 +170,7 @@ class Supervisor:
             life.pid = news.pid
         elif isinstance(news, Report):
             life.report = life.report or news.text
+            life.unheard.append(news.text)
         elif isinstance(news, Exited):
             self._ended(life, news)
 

@@ -25,6 +25,6 @@ def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[s
     report.update({name: {} for name in _PER_ROBOT})
     report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)
     if last is not None:
-        report.update(ticks=last.tick, sim_time=last.time)
+        report.update(turn=last.turn, ticks=last.tick, sim_time=last.time)
         report["phi"]["last"] = last.phi
     return report

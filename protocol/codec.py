@@ -7,7 +7,7 @@ numbers are right and it speaks under its own key; else MessageError names one o
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
+from typing import Final
 
 import msgspec
 
@@ -23,6 +23,7 @@ from protocol.messages import (
 )
 from protocol.reader import reader
 
+LARGEST: Final = 1e100  # a number whose square is one, too; nothing in a run comes near it
 REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity")
 
 encode = msgspec.msgpack.encode
@@ -41,40 +42,44 @@ def decode(key: str, payload: bytes) -> AnyMessage:
 
 
 def check_finite(stream: str, message: AnyMessage) -> None:
-    """Refuse a message of `stream` that holds a number which is infinite, or none.
+    """Refuse a message of `stream` that holds a number beyond `LARGEST`, or none.
 
     Raises:
         MessageError: not-finite.
     """
     if not _is_finite(message):
-        raise MessageError("not-finite", f"{stream}: holds a number that is infinite or not a number")
+        raise MessageError("not-finite", f"{stream}: holds a number that is infinite, absurd or none")
 
 
 def _is_finite(message: AnyMessage) -> bool:
-    """Whether all numbers of a message are finite. A sum is finite only if all its terms are: for those
-    of every tick that costs a third of looking at each number, which is left to sums that overflow."""
+    """Whether all numbers of a message are sane. A sum of magnitudes is so only if all its terms are: for
+    those of every tick that costs a third of looking at each number, which is left to the larger sums."""
     if isinstance(message, State):
         total = _state_sum(message)
     elif isinstance(message, Command):
-        total = message.velocity[0] + message.velocity[1]
-    elif isinstance(message, Measurement) and not message.down:
-        total = message.displacement[0] + message.displacement[1]
+        total = abs(message.velocity[0]) + abs(message.velocity[1])
+    elif isinstance(message, Measurement) and message.roster is None:
+        total = abs(message.displacement[0]) + abs(message.displacement[1])
         if message.position is not None:
-            total += message.position[0] + message.position[1]
+            total += abs(message.position[0]) + abs(message.position[1])
     else:
-        return all(map(isfinite, _numbers(message)))
-    return isfinite(total) or all(map(isfinite, _numbers(message)))
+        return all(map(_is_sane, _numbers(message)))
+    return _is_sane(total) or all(map(_is_sane, _numbers(message)))
+
+
+def _is_sane(number: float) -> bool:
+    return -LARGEST <= number <= LARGEST
 
 
 def _state_sum(state: State) -> float:
-    """Sum of all floating-point numbers of a State."""
+    """Sum of the magnitudes of all floating-point numbers of a State."""
     vx, vy = state.desired
-    total = state.bound + state.gamma + state.slice + vx + vy
+    total = state.bound + state.gamma + state.slice + abs(vx) + abs(vy)
     if state.position is not None:
         x, y = state.position
-        total += x + y
+        total += abs(x) + abs(y)
     for line in state.proposals:
-        total += line.nx + line.ny + line.offset
+        total += abs(line.nx) + abs(line.ny) + abs(line.offset)
     return total
 
 
@@ -106,8 +111,8 @@ def _measurement_numbers(measurement: Measurement) -> Iterator[float]:
     yield from measurement.displacement
     if measurement.position is not None:
         yield from measurement.position
-    for down in measurement.down:
-        yield from down.position
+    for member in () if measurement.roster is None else measurement.roster.members:
+        yield from (member.radius, member.bound, *(member.position or ()))
 
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:

@@ -71,9 +71,17 @@ class JoinError(DisknavError):
     """The world turned a robot away: unknown id, or that id is already running."""
 
 
+class RosterError(DisknavError):
+    """The roster does not allow what was asked of it: to admit, fence, announce or remove that disk now."""
+
+
 class ProcessError(DisknavError):
     """A process of the fleet did not start, or ended when it should not have."""
 
 
 class RecordingError(DisknavError):
     """A recording cannot be read, or does not say what its result claims."""
+
+
+class JournalError(DisknavError):
+    """A world's journal cannot be gone on with: damaged, of another run, or not there."""

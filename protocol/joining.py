@@ -3,6 +3,9 @@
 Both are msgpack maps (the one place where a reader without this code may want to ask, too):
 request `{"robot": id, "session": text, "health": Health | nil}`, reply one of `Admission`,
 `Refusal`, `Wait`, `Finished`, told apart by `"reply"`. An empty request gets the scenario alone.
+
+`session` is a text of the process's own choosing, the same for all its requests. Who asks again is
+admitted as the same life, for a reply may be lost, until `health` says that this life is over.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import msgspec
 from protocol.errors import MessageError
 from protocol.messages import Count, Health, Id
 from protocol.scenario import Scenario
+from protocol.streams import STREAMS
 
 
 class Join(msgspec.Struct, frozen=True):
@@ -29,6 +33,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     lockstep: bool
     scenario: Scenario
     oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier turn
+    away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
@@ -59,6 +64,8 @@ class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
 
 Reply = Admission | Refusal | Wait | Finished | Overview
 
+LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
+
 _encode = msgspec.msgpack.encode
 _request = msgspec.msgpack.Decoder(Join)
 _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
@@ -71,6 +78,8 @@ def encode_request(join: Join) -> bytes:
 
 def decode_request(payload: bytes) -> Join:
     """Read a request; raises MessageError."""
+    if len(payload) > LIMIT:
+        raise MessageError("oversize", f"join request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
         return _request.decode(payload)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:

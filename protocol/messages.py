@@ -1,5 +1,5 @@
 """Messages: what travels under each key. On the wire each is one msgpack array: a tag
-that names type and version (`"state/1"`), then the fields in the order in which they stand here.
+that names type and version (`"state/2"`), then the fields in the order in which they stand here.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
@@ -8,12 +8,12 @@ The comment beside a field begins with its unit, if it has one; `docs/streams.md
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 import msgspec
 from msgspec import Meta
 
-VERSION = 1
+VERSION = 2
 HIGHEST_ID: Final = 999_999_999
 
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
@@ -58,6 +58,28 @@ class Down(msgspec.Struct, frozen=True, array_like=True, gc=False):
     position: Vector  # m, centre of the disk, exact
 
 
+Status = Literal["live", "appearing", "standing", "gone"]
+
+
+class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """One id of the roster: its newest life, and whether its disk may move, appears, stands or is gone."""
+
+    robot: Id  # whose disk it is
+    incarnation: Count  # newest life that was admitted, 0 for none
+    status: Status  # live: may move; appearing: nothing is there yet; standing: never moves in this life
+    radius: Size  # m, of the disk
+    position: Vector | None = None  # m, centre of a disk that appears or stands
+    bound: Size = 0.0  # m, the centre is at most this far from `position`
+    founding: Count = 0  # the life that began the run at its start and knows the initial lines, 0 for none
+
+
+class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Who is there, in one numbered version; versions only grow."""
+
+    version: Count  # of two rosters the one with the higher number holds
+    members: tuple[Member, ...]  # all ids that ever were in the run, ascending
+
+
 class Measurement(Message, frozen=True, array_like=True, gc=False):
     """World to one robot, opens a tick: all commands of earlier ticks are settled."""
 
@@ -68,7 +90,7 @@ class Measurement(Message, frozen=True, array_like=True, gc=False):
     stamp: Count  # tick at which `position` was true, <= tick
     displacement: Vector  # m, really executed during the previous tick (odometry, immediate and exact)
     active: tuple[Id, ...]  # robots that state and command this tick
-    down: tuple[Down, ...] = ()  # fenced robots
+    roster: Roster | None = None  # the newest one, until this life has acknowledged it
     over: bool = False  # the run has ended: join again, as a new life or to learn that there is no more
 
 
@@ -94,6 +116,8 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # its life
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
+    roster: Count = 0  # newest version of the roster that this life keeps to from this command on
+    awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
@@ -108,6 +132,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap
     phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
+    founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

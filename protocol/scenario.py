@@ -76,6 +76,8 @@ class Sensing:
     bias: Point = (0.0, 0.0)
     dropout: Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
+    contradiction: Literal["stand", "newest"] = "stand"
 
     @property
     def bound(self) -> float:

@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterator
 from protocol.scenario_shape import Finding, Steps
 from protocol.scenario_sound import Sound
 
+_MEMBERS = 50_000  # the scenario is part of several messages
 # what a process is -> what may happen to it -> what it is then
-_EVENTS = {
+EVENTS = {
     "running": {"kill": "killed", "pause": "paused", "restart": "running"},
     "paused": {"kill": "killed", "resume": "running", "restart": "running"},
     "killed": {"restart": "running"},
@@ -59,7 +60,11 @@ def _partitions(sound: Sound) -> Iterator[Finding]:
         if begin is not None and end is not None and end <= begin:
             yield ("link", "partition", i, "until"), f"{end:g} s is not after `from`, {begin:g} s"
     seen: dict[tuple[int, int], Steps] = {}
-    for steps, partition in _members(sound):
+    members = list(_members(sound))
+    if len(members) > _MEMBERS:
+        text = f"the groups of all partitions name {len(members)} robots; at most {_MEMBERS} are allowed"
+        yield ("link", "partition"), text
+    for steps, partition in members:
         robot = sound.get(*steps)
         if robot is not None and seen.setdefault((partition, robot), steps) != steps:
             yield steps, f"robot {robot} is in a group of this partition already"
@@ -76,8 +81,8 @@ def _events(sound: Sound) -> Iterator[Finding]:
     state: dict[int, str] = {}
     for at, i, robot, event in sorted(faults):
         now = state.get(robot, "running")
-        if event not in _EVENTS[now]:
-            text = f"robot {robot} is {now} at {at:g} s; possible then: {', '.join(_EVENTS[now])}"
+        if event not in EVENTS[now]:
+            text = f"robot {robot} is {now} at {at:g} s; possible then: {', '.join(EVENTS[now])}"
             yield ("process", i, "event"), text
         else:
-            state[robot] = _EVENTS[now][event]
+            state[robot] = EVENTS[now][event]

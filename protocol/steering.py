@@ -14,6 +14,8 @@ from msgspec import Meta
 
 from protocol.errors import MessageError
 
+LIMIT = 1024  # bytes of a request
+
 
 class Steer(msgspec.Struct, frozen=True):
     """What is asked; None leaves a setting as it is."""
@@ -51,6 +53,8 @@ class Steering(msgspec.Struct):
 
 def decode_steer(payload: bytes) -> Steer:
     """Read a request; raises MessageError."""
+    if len(payload) > LIMIT:
+        raise MessageError("oversize", f"control request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
         return msgspec.msgpack.decode(payload, type=Steer)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:

@@ -25,7 +25,7 @@ class Stream(NamedTuple):
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("measurement", Measurement, "world", _EACH_TICK, True, True, 64 * 1024),
+    Stream("measurement", Measurement, "world", _EACH_TICK, True, True, 128 * 1024),
     Stream("state", State, "robot", _EACH_TICK, True, True, 128 * 1024),
     Stream("command", Command, "robot", _EACH_TICK, True, True, 1024),
     Stream(

@@ -13,15 +13,17 @@ from protocol.messages import (
     Down,
     Health,
     Measurement,
+    Member,
     Message,
     Proposal,
     Result,
+    Roster,
     State,
     Truth,
 )
 
-numbers = st.floats(allow_nan=False, allow_infinity=False)
-sizes = st.floats(0, 1e300)
+numbers = st.floats(-1e100, 1e100)
+sizes = st.floats(0, 1e100)
 ids = st.integers(1, 999_999_999)
 counts = st.integers(0, 2**53)
 vectors = st.tuples(numbers, numbers)
@@ -33,16 +35,29 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
 
 
 downs = several(st.builds(Down, ids, counts, vectors))
+members = several(
+    st.builds(
+        Member,
+        ids,
+        counts,
+        st.sampled_from(["live", "appearing", "standing", "gone"]),
+        sizes,
+        positions,
+        sizes,
+        counts,
+    )
+)
+rosters = st.none() | st.builds(Roster, counts, members)
 proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "measurement": st.builds(
-        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), downs, st.booleans()
+        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), rosters, st.booleans()
     ),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),
-    "command": st.builds(Command, ids, counts, counts, vectors),
+    "command": st.builds(Command, ids, counts, counts, vectors, counts),
     "clock": st.builds(
         Clock,
         counts,
@@ -54,6 +69,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         numbers,
         numbers,
         st.text(max_size=9),
+        st.booleans(),
     ),
     "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
     "health": st.builds(
@@ -73,8 +89,9 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
 }
 
 _DOWN = (Down(2, 1, (0.3, 0.4)),)
+_ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
 ONE: dict[str, Message] = {
-    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), _DOWN),
+    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), _ROSTER),
     "state": State(
         1,
         2,
@@ -87,8 +104,8 @@ ONE: dict[str, Message] = {
         (Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
         (Answer(3, 1, 4, 5),),
     ),
-    "command": Command(1, 2, 3, (0.1, 0.2)),
-    "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why"),
+    "command": Command(1, 2, 3, (0.1, 0.2), 4),
+    "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
     "result": Result("{}"),

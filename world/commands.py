@@ -15,6 +15,7 @@ class Commands:
     Attributes:
         velocities: taken in this tick, m/s, by robot.
         waiting: robots that still owe one.
+        lacking: robots whose States are missing to one that cannot command, by robot.
         missed: commands that never came, over all active robots and ticks.
         refused: commands that were not taken, by reason: late, early, incarnation (of another
             life), fenced, inactive, duplicate, unknown.
@@ -22,6 +23,7 @@ class Commands:
 
     def __init__(self, lives: Lives) -> None:
         self.velocities: dict[int, Vector] = {}
+        self.lacking: dict[int, tuple[int, ...]] = {}
         self.waiting: set[int] = set()
         self.missed = 0
         self.refused: Counter[str] = Counter()
@@ -32,7 +34,7 @@ class Commands:
     def open(self, tick: int, active: Iterable[int]) -> None:
         """Begin a tick in which `active` robots owe a command."""
         self._tick, self._open = tick, True
-        self.velocities, self.waiting = {}, set(active)
+        self.velocities, self.lacking, self.waiting = {}, {}, set(active)
 
     def close(self) -> None:
         """End the tick: what is outstanding was missed."""
@@ -48,14 +50,18 @@ class Commands:
             self.velocities.pop(robot, None)
 
     def accept(self, command: Command) -> bool:
-        """Take a command, or count why not."""
+        """Take a command, or count why not; whoever cannot command yet says why."""
         reason = self._refusal(command)
         if reason:
             self.refused[reason] += 1
             return False
+        if command.awaits:
+            self.lacking[command.robot] = command.awaits
+            return False
         self.waiting.discard(command.robot)
         self.velocities[command.robot] = command.velocity
         self._lives.of[command.robot].heard = self._tick
+        self._lives.acknowledge(command.robot, command.roster)
         return True
 
     def _refusal(self, command: Command) -> str:
@@ -64,7 +70,7 @@ class Commands:
             return "unknown"
         if command.incarnation != life.incarnation:
             return "incarnation"
-        if life.down is not None:
+        if life.fenced:
             return "fenced"
         if command.tick != self._tick or not self._open:
             return "late" if command.tick < self._tick else "early"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from protocol.steering import Steering
 
@@ -16,22 +17,29 @@ class Pacing:
     Args:
         lockstep: whether ticks wait for the robots, or end when their time is over.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
+        clock: tells the time, s.
 
     Attributes:
         steering: what viewers ask of a lock-step clock.
-        since: s, monotonic: when the present tick, or the present wait, began.
-        deadline: s, monotonic: when to look at the latest.
+        since: s, by the clock: when the present tick, or the present wait, began.
+        deadline: s, by the clock: when to look at the latest.
     """
 
-    def __init__(self, lockstep: bool, speed: float) -> None:
+    def __init__(self, lockstep: bool, speed: float, clock: Callable[[], float] = time.monotonic) -> None:
         self.lockstep = lockstep
         self.steering = Steering(speed=speed)
+        self._clock = clock
         self._repeat = REPEAT
         self.wait()
+        self._began = self.since
+
+    def now(self) -> float:
+        """The time, s."""
+        return self._clock()
 
     def wait(self) -> None:
         """A wait begins now."""
-        self.since = time.monotonic()
+        self.since = self._clock()
         self.look_again(self.since)
 
     def look_again(self, now: float) -> None:
@@ -40,7 +48,12 @@ class Pacing:
 
     def waited(self) -> float:
         """For how long, s."""
-        return time.monotonic() - self.since
+        return self._clock() - self.since
+
+    @property
+    def has_repeated(self) -> bool:
+        """Whether the present tick was told again."""
+        return self._repeat > REPEAT
 
     def repeats(self) -> bool:
         """Whether it is time to tell the present tick again: what was said in it may be lost."""
@@ -50,22 +63,28 @@ class Pacing:
         return True
 
     def holds(self, tick: int, step: float) -> bool:
-        """Whether a viewer's pause or speed holds back `tick`, of `step` s."""
+        """Whether a viewer's pause or speed holds back `tick`, of `step` s: `step / speed` after the one
+        before began, however long that is."""
         steering = self.steering
         if steering.speed > 0.0 and not steering.paused and tick > 0:
-            due = self.since + step / steering.speed
-            if time.monotonic() < due:
-                self.deadline = due
+            due = self._began + step / steering.speed
+            now = self._clock()
+            if now < due:
+                self.deadline = min(due, now + BEAT)
                 return True
         return not steering.allow()
 
     def begin(self, tick: int, step: float) -> None:
         """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""
-        now = time.monotonic()
+        now = self._began = self._clock()
         if self.lockstep:
-            self.since, self._repeat = now, REPEAT
-            self.look_again(now)
+            self.begin_again()
         else:
             due = self.since + step if tick > 0 else now
             self.since = due if now < due + step else now  # a tick too late: do not hurry to catch up
             self.deadline = self.since + step
+
+    def begin_again(self) -> None:
+        """The present tick of lock-step begins, or is told anew."""
+        self.since, self._repeat = self._clock(), REPEAT
+        self.look_again(self.since)

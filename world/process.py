@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from protocol.bus_zenoh import ZenohBus
@@ -13,7 +15,9 @@ from protocol.drive import Stop, drive, stop_on_signal
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
 from protocol.scenario import Scenario
+from world.journal import Journal
 from world.node import GATHERING, WorldNode
+from world.replay import Resumed, resume
 
 SUCCESS, FAULT = 0, 3
 
@@ -26,20 +30,25 @@ def main(
     gathering: float = GATHERING,
     speed: float = 0.0,
     restarts: int = 0,
+    journal: Path | None = None,
     *,
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
 ) -> int:
     """Judge `scenarios` one after another in `run`; returns the exit status.
 
     `gathering` is how long robots may take to join, s; `speed` and `restarts` as in `WorldNode`; `tell`
-    is told every report at the end.
+    is told every report. With a `journal` (see `Journal.create`) this process goes on where another one
+    died, and a report may be told again; the file is removed once all is over.
 
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
-    3: the network is gone.
+    3: the network is gone, or the journal is not what it should be.
     """
-    node = None
+    past = None
     try:
         with stop_on_signal():
+            if journal is not None:
+                past = resume(Journal(journal, checked_run(run), scenarios, _say), scenarios)
+                _say_where(past)
             bus = ZenohBus(connection)
             node = WorldNode(
                 bus,
@@ -49,18 +58,31 @@ def main(
                 gathering=gathering,
                 speed=speed,
                 restarts=restarts,
+                say=_say,
+                past=past,
+                tell=tell,
             )
             drive(node, bus, on_stop=partial(node.interrupt, "interrupted", "the world was asked to stop"))
     except Stop:
-        _tell_all(node, tell)
-        return SUCCESS
+        pass
     except DisknavError as error:
-        print(f"world: {error}", file=sys.stderr, flush=True)
+        _say(error)
         return FAULT
-    _tell_all(node, tell)
+    if past is not None:
+        past.journal.remove()
     return SUCCESS
 
 
-def _tell_all(node: WorldNode | None, tell: Callable[[dict[str, Any]], None]) -> None:
-    for report in () if node is None else node.reports:
-        tell(report)
+def supervised(*arguments: Any) -> int:
+    """As `main`; the last argument takes every report as JSON text, whatever becomes of the network."""
+    *others, say = arguments
+    return main(*others, tell=lambda report: say(json.dumps(report)))
+
+
+def _say_where(past: Resumed) -> None:
+    if past.journal.past or past.turn.number:
+        _say(f"goes on at tick {past.turn.world.tick} of {past.turn.scenario.name!r}")
+
+
+def _say(what: object) -> None:
+    print(f"world: {what}", file=sys.stderr, flush=True)

@@ -14,6 +14,8 @@ from world.measures import normalised_length, tight
 from world.record import Record
 from world.sensing import Sensor
 
+LISTED = 5000  # entries of a list that may grow without limit: the result is one message
+
 
 def report(
     scenario: Scenario,
@@ -28,6 +30,7 @@ def report(
 ) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
+    Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
     excursions: largest distance of each robot from the segment between its start and its goal.
 
     Args:
@@ -48,7 +51,7 @@ def report(
         "reason": verdict[1],
         "arrived": arrived,
         "collisions": len(record.contacts.all),
-        "contacts": [_contact(contact, step) for contact in record.contacts.all],
+        "contacts": [_contact(contact, step) for contact in record.contacts.all[:LISTED]],
         "min_clearance": record.clearance,
         "nrl": normalised_length(scenario, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
@@ -80,10 +83,14 @@ def _contact(contact: Contact, step: float) -> dict[str, Any]:
 def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str, Any]:
     """What the scenario asked for, and what came of it."""
     return {
-        "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied],
+        "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied[:LISTED]],
         "fenced": [
             {"robot": down.robot, "incarnation": down.incarnation, "tick": tick}
-            for tick, down in lives.fenced
+            for tick, down in lives.fenced[:LISTED]
+        ],
+        "given_up": [
+            {"robot": robot, "incarnation": incarnation, "tick": tick, "reason": reason}
+            for tick, robot, incarnation, reason in lives.given_up[:LISTED]
         ],
         "measurements": {
             "delayed": sum(sensor.delayed for sensor in sensors),

@@ -24,9 +24,11 @@ class Turn:
         received, rejected: commands accepted, and payloads refused by reason.
     """
 
-    def __init__(self, number: int, scenario: Scenario, incarnations: Mapping[int, int]) -> None:
+    def __init__(
+        self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
+    ) -> None:
         self.number, self.scenario = number, scenario
-        self.world = World(scenario, incarnations)
+        self.world = World(scenario, incarnations, version)
         self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
         self.opened = False
         self.began = time.monotonic()
@@ -48,6 +50,7 @@ class Turn:
             truth.clearance,
             truth.phi,
             world.reason,
+            world.founded,
         )
 
     def is_marked(self) -> bool:
@@ -67,4 +70,5 @@ class Turn:
         report = self.world.report()
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
+        report["turn"] = self.number
         return report

@@ -6,7 +6,7 @@ One tick: `open_tick` (and `join` for whoever is awaited), `accept` commands, `c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import msgspec
@@ -14,8 +14,10 @@ import msgspec
 from protocol.messages import Command, Down, Measurement, Truth, Vector
 from protocol.scenario import Scenario
 from world.commands import Commands
+from world.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
 from world.kinematics import Bodies
 from world.lives import Lives
+from world.patience import blamed
 from world.record import Record
 from world.report import report
 from world.sensing import Sensor
@@ -31,21 +33,27 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        note: is told every input that this world has taken, in order, before the call that gave it returns.
+            The same inputs given to another world of the same scenario make it the same (`world.replay`).
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int] | None = None) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int] | None = None, version: int = 0
+    ) -> None:
         """Args:
         scenario: with the gain k a number.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
+        version: last known version of the roster, of earlier runs.
         """
         self.tick = 0
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
         self._bodies = Bodies(scenario)
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
-        self._lives = Lives(scenario, incarnations or {})
+        self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
         self._record = Record(scenario, self._bodies.positions)
         self._judge = Judge(scenario, scenario.ids)
@@ -61,9 +69,29 @@ class World:
         return self._record.news()
 
     @property
+    def checksum(self) -> int:
+        """Of where every disk is, to the last bit."""
+        return checksum(self._bodies.positions)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether `tick` has begun."""
+        return self._measurements is not None
+
+    @property
     def incarnations(self) -> dict[int, int]:
         """Newest incarnation of every robot; a following run counts on from there."""
         return self._lives.incarnations
+
+    @property
+    def version(self) -> int:
+        """Newest version of the roster; a following run counts on from there."""
+        return self._lives.version
+
+    @property
+    def founded(self) -> bool:
+        """Whether the first tick has begun, with all that were there."""
+        return self._lives.founded
 
     @property
     def down(self) -> tuple[Down, ...]:
@@ -93,16 +121,38 @@ class World:
         Raises:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
-        return self._lives.join(robot, heard=self.tick - 1 if self._measurements is None else self.tick)
+        incarnation = self._lives.join(
+            robot, heard=self.tick - 1 if self._measurements is None else self.tick
+        )
+        self._noted(Joined(robot, incarnation))
+        return incarnation
 
-    def lost(self, robot: int) -> None:
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life of a robot has joined this run and nothing has ended it."""
+        return self._lives.goes_on(robot, incarnation)
+
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still; it may join once it is resumed."""
+        return self._lives.is_paused(robot)
+
+    def lost(self, robot: int, reason: str = "") -> bool:
         """The robot's process is gone or given up on: it stands still and takes no part from now on.
 
-        In an open tick, `open_tick` tells the others of it.
+        In an open tick, `open_tick` tells the others of it. False if it took no part anyway; else a
+        `reason` stands in the report.
         """
-        self._lives.lose(robot)
-        if robot not in self.active:
-            return
+        took_part = self._lives.lose(robot)
+        if took_part and reason:
+            self._lament(robot, reason)
+        if robot in self.active:
+            self._leave_out(robot)
+        self._noted(Lost(robot, reason))
+        return took_part
+
+    def _lament(self, robot: int, reason: str) -> None:
+        self._lives.given_up.append((self.tick, robot, self._lives.of[robot].incarnation, reason))
+
+    def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
         self._commands.drop(robot)
         if self._measurements is not None:
@@ -113,18 +163,32 @@ class World:
     def expect(self, robot: int) -> None:
         """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
         self._lives.expect(robot)
+        self._noted(Expected(robot))
 
-    def give_up_waiting(self, robot: int) -> None:
-        """Go on without a robot of `awaiting_join`; it may still join later."""
-        self._lives.give_up(robot)
+    def give_up_waiting(self, robot: int, reason: str = "") -> bool:
+        """Go on without a robot of `awaiting_join`; it may still join later. As `lost` otherwise."""
+        awaited = self._lives.give_up(robot)
+        if awaited and reason:
+            self._lament(robot, reason)
+        self._noted(GivenUp(robot, reason))
+        return awaited
+
+    def blamed(self) -> dict[int, str]:
+        """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
+        lacking, self._commands.lacking = self._commands.lacking, {}
+        return blamed(self.active, self._commands.waiting, lacking)
 
     def open_tick(self) -> dict[int, Measurement]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
 
-        The scenario's process faults of this tick happen first. While robots are awaited the tick does
+        The scenario's process faults of this tick happen first, those of the first tick once all are there:
+        whatever the order of joining, everybody begins the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
         if self._measurements is None:
+            self._noted(Opened())
+            if not self._begun():
+                return {}
             self._lives.apply_faults(self.tick)
             awaited = self.awaiting_join
             if awaited:
@@ -133,6 +197,12 @@ class World:
             self._commands.open(self.tick, self.active)
             self._measurements = self._tell(self.active, self._sense())
         return self._measurements
+
+    def _begun(self) -> bool:
+        """Whether the run has begun, or begins now."""
+        if not self.founded and not self.awaiting_join:
+            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+        return self.founded
 
     def _sense(self) -> _Sensed:
         """One measurement of every robot, those who do not listen included: sensors keep running."""
@@ -144,19 +214,29 @@ class World:
 
     def _tell(self, active: tuple[int, ...], sensed: _Sensed | None = None) -> dict[int, Measurement]:
         """Measurements for all that may listen; without positions unless `sensed` has them."""
-        tick, down = self.tick, self.down
+        tick = self.tick
         moved = dict(zip(self._bodies.ids, self._bodies.displacements, strict=True))
         told = {}
         for robot, life in self._lives.listeners():
             position, stamp = sensed[robot] if sensed else (None, tick)
             told[robot] = Measurement(
-                robot, life.incarnation, tick, position, stamp, moved[robot], active, down
+                robot,
+                life.incarnation,
+                tick,
+                position,
+                stamp,
+                moved[robot],
+                active,
+                self._lives.roster_for(robot),
             )
         return told
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
-        return self._commands.accept(command)
+        taken = self._commands.accept(command)
+        if taken:
+            self._noted(command)
+        return taken
 
     def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
@@ -169,6 +249,8 @@ class World:
         self.tick += 1
         self._record.add(self._bodies.positions)
         self._decide()
+        if self.note is not None:
+            self.note(Closed(self.checksum))
 
     def _fence(self) -> None:
         for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
@@ -181,12 +263,19 @@ class World:
             alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
             verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
             if verdict:
-                self.finish(verdict, reason)
+                self._finish(verdict, reason)
 
     def finish(self, verdict: str, reason: str) -> None:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
-        if self.verdict:
-            return
+        if not self.verdict:
+            self._finish(verdict, reason)
+            self._noted(Ended(verdict, reason))
+
+    def _noted(self, taken: Input) -> None:
+        if self.note is not None:
+            self.note(taken)
+
+    def _finish(self, verdict: str, reason: str) -> None:
         touches = len(self._record.contacts.all)
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"

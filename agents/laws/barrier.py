@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.laws.nominal import Nominal
+from agents.lines.boundary import RoundBoundary
 from agents.neighbours import Neighbours
 from agents.safe_velocity import safe_velocity
 from protocol.scenario import Scenario
@@ -40,6 +41,7 @@ class BarrierLaw:
         self._speed, self._period = control.speed, scenario.time.step
         self._gain = GAIN if control.barrier_gain is None else control.barrier_gain
         self._room = scenario.workspace.radius - scenario.spec(robot).radius
+        self._boundary = RoundBoundary(self._room)
         self._radius = scenario.spec(robot).radius + margin
         self._radii = {spec.id: spec.radius + margin for spec in scenario.robots if spec.id != robot}
         self._nominal = Nominal(
@@ -71,7 +73,7 @@ class BarrierLaw:
             if place is None:
                 continue
             apart, share = own - np.array(place), 1.0
-            state = None if peer in neighbours.down else neighbours.state(peer)
+            state = None if peer in neighbours.standing else neighbours.state(peer)
             if state is not None:
                 share = 0.5
                 apart -= (tick - state.tick) * self._period * np.array(state.desired)
@@ -84,5 +86,5 @@ class BarrierLaw:
     def _inside(self, position: Vector, velocity: Vector) -> Vector:
         """The boundary curves towards a robot that moves along it: the nearest velocity that stays inside."""
         return safe_velocity(
-            velocity, position, (), workspace=self._room, speed=self._speed, period=self._period
+            velocity, position, (), boundary=self._boundary, speed=self._speed, period=self._period
         )

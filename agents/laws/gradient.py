@@ -27,7 +27,8 @@ class GradientLaw:
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
         self._gain = pace.gain(control.speed, scenario.time.step, scenario.time.tolerance)
-        self._progress = Progress(scenario.time.step) if control.escape else None
+        lap = max(each.radius for each in scenario.robots) / control.speed
+        self._progress = Progress(scenario.time.step, lap) if control.escape else None
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
 

@@ -70,7 +70,7 @@ class OrcaLaw:
             self._simulator.set_agent_radius(agent, self._radii[peer])
             self._simulator.set_agent_max_neighbors(agent, 0)  # what a peer will do is not asked
         vx, vy = 0.0, 0.0
-        state = None if peer in neighbours.down else neighbours.state(peer)
+        state = None if peer in neighbours.standing else neighbours.state(peer)
         if state is not None:
             vx, vy = state.desired
             age = (tick - state.tick) * self._period

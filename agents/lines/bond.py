@@ -9,6 +9,7 @@ from agents.lines.fixed_disk import FixedDisk
 from agents.lines.line import HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from agents.peer_state import PeerState
+from protocol.messages import Member
 
 _ROOM: Final = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
 
@@ -28,7 +29,8 @@ class Bond:
     Attributes:
         end: this robot's end of the line.
         state: newest State heard of the peer's present life.
-        disk: the peer's, while it is fenced.
+        disk: the peer's, while it stands, or is kept free for it to appear.
+        excused: whether the peer's disk is not in the workspace, as far as is known.
         sides: where the own centre must stay because of the lines obeyed.
         settled: whether both obey one and the same line, and nothing about it is open. Then
             nx, ny: its normal, away from this robot.
@@ -43,6 +45,8 @@ class Bond:
         "answers_left",
         "disk",
         "end",
+        "excused",
+        "heard",
         "limit",
         "nx",
         "ny",
@@ -69,7 +73,8 @@ class Bond:
     ) -> None:
         # What is looked at in every tick comes first, so that it lies together in memory.
         self.owns = owns
-        self.settled = self.anew = False
+        self.settled = self.anew = self.excused = False
+        self.heard = 0  # newest life of the peer that was heard
         self.answers_left = 0
         self.state: PeerState | None = None
         self.nx = self.ny = self.limit = self.offset = 0.0
@@ -82,8 +87,13 @@ class Bond:
 
     @property
     def ready(self) -> bool:
-        """Whether the peer is surely behind something that this robot obeys."""
-        return self.end.agreed or (self.disk is not None and self.disk.half_plane is not None)
+        """Whether the peer is surely behind something that this robot obeys, or not there."""
+        return self.excused or self.end.agreed or self.keeps_clear
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether this robot keeps to a half-plane between it and the peer's standing disk."""
+        return self.disk is not None and self.disk.half_plane is not None
 
     @property
     def half_planes(self) -> tuple[HalfPlane, ...]:
@@ -93,8 +103,8 @@ class Bond:
         return (*self.sides, self.disk.half_plane)
 
     def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
-        """How far to back off, m, so that a line fits between this robot and a peer's new life; to be
-        asked while there is none.
+        """How far to back off, m, so that a line fits between this robot and a peer's new life, or its disk
+        can appear; to be asked while there is no line.
 
         A line needs room for both error bounds. A life that has just begun may know its place less well
         than the one before it, and cannot move until it has a line with everybody.
@@ -103,14 +113,19 @@ class Bond:
             x, y, bound: own position, m, and its error bound, m.
         """
         state = self.state
-        if state is None or not state.placed:
+        if state is not None and state.placed:
+            dx, dy, theirs = x - state.x, y - state.y, state.bound
+        elif self.disk is not None and self.disk.half_plane is None:
+            dx, dy, theirs = x - self.disk.x, y - self.disk.y, 0.0
+        else:
             return 0.0, 0.0
-        dx, dy = x - state.x, y - state.y
         distance = math.hypot(dx, dy)
-        lacking = self.own_radius + self.radius + bound + state.bound - distance
+        lacking = self.own_radius + self.radius + bound + theirs - distance
         lacking += _ROOM * min(self.own_radius, self.radius)
-        if lacking <= 0.0 or distance == 0.0:
+        if lacking <= 0.0:
             return 0.0, 0.0
+        if distance == 0.0:
+            return lacking, 0.0
         return lacking * dx / distance, lacking * dy / distance
 
     def meet(self, state: PeerState) -> bool:
@@ -120,6 +135,8 @@ class Bond:
             if not self.end.meet(state.incarnation):
                 return False
             self.anew = self.anew or known is not None
+            self.heard = state.incarnation
+            self.excused = False
             self.state = state
             self.renew()
         elif state.tick > known.tick:
@@ -138,12 +155,36 @@ class Bond:
             line = self.end.obeyed[0]
             self.offset = line.offset if self.owns else -line.offset
 
-    def bury(self, life: int, place: tuple[float, float]) -> None:
-        """The peer's `life` is fenced with its centre at `place`, m; old or repeated news does no harm."""
-        if life < self.end.peer_life:
-            return
-        self.disk = FixedDisk(*place, self.radius, self.own_radius, self.half_planes)
-        self.end.bury(life)
+    def on_member(self, member: Member) -> None:
+        """A newer roster says something else of the peer than the one before."""
+        if member.incarnation < self.heard:
+            return  # whoever was heard since is in the workspace, and nothing of an older life excuses it
+        if member.status == "live":
+            self.excused = False
+        elif member.status == "gone":
+            self._release(member.incarnation)
+        else:
+            self._stand(member)
+
+    def _stand(self, member: Member) -> None:
+        """The peer's disk stands at a place, or is to appear there; nothing is there yet if this robot is in
+        its way, so that it may move away."""
+        assert member.position is not None
+        self.radius = member.radius
+        radius = member.radius + member.bound
+        self.disk = FixedDisk(*member.position, radius, self.own_radius, self.half_planes)
+        self.excused = member.status == "appearing"
+        self._end(member.incarnation)
+
+    def _release(self, incarnation: int) -> None:
+        """The peer's disk is not in the workspace any more."""
+        self.disk = None
+        self.excused = True
+        self._end(incarnation)
+
+    def _end(self, incarnation: int) -> None:
+        """No life up to this one moves again: its disk, or nothing, replaces all lines."""
+        self.end.bury(incarnation)
         self.state = None
         self.anew = True
         self.renew()

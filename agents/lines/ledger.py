@@ -1,9 +1,10 @@
 """All the lines of one robot: what it must obey now, what it says about them.
 
-Messages carry only what is open. A proposal is repeated in every State until it is answered. An
-answer is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner
-without an unanswered proposal needs no answer; one that has any repeats it for ever, so if every
-answer so far was lost, the next repetition that arrives brings about another.
+Messages carry only what is open. A proposal is repeated in every State until it is answered, or,
+if a State has no room for all, at least the newest of the pair (`spoken.fitting`). An answer is said when
+a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
+proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
+lost, the next repetition that arrives brings about another, and that settles all older ones.
 
 The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
 replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
@@ -16,22 +17,22 @@ that halves the age of the lines, and the arrival times with it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from types import MappingProxyType
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from agents.lines.bond import Bond
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.pair import Follower, Owner
 from agents.lines.placement import Disk, initial_line, is_same, place
-from agents.lines.spoken import answer_of, proposals_of
+from agents.lines.spoken import answer_of, fitting, proposals_of
 from agents.peer_state import PeerState
-from protocol.messages import Answer, Down, Proposal
+from agents.polygon import Polygon
+from protocol.messages import Answer, Member, Proposal
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-_NOBODY: Mapping[int, int] = MappingProxyType({})
 RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
 
@@ -47,8 +48,8 @@ class Ledger:
         radii: radius of every robot, m, own included.
         speed: the most that a robot really moves, m/s.
         period: of one tick, s.
-        starts: where every robot's first life begins, m, if this is the own first life in the run.
-        first_lives: incarnation of those lives.
+        members: the others in the first roster that this life hears.
+        starts: where every robot begins, m, if this life is a founding one.
     """
 
     def __init__(
@@ -59,20 +60,19 @@ class Ledger:
         *,
         speed: float,
         period: float,
+        members: Sequence[Member] = (),
         starts: Mapping[int, tuple[float, float]] | None = None,
-        first_lives: Mapping[int, int] = _NOBODY,
     ) -> None:
+        self._robot, self._incarnation = robot, incarnation
         self._radius = radii[robot]
         self._period, self._reach = period, speed * period
+        founding = {each.robot: each.founding for each in members}
         self._bonds = {
-            peer: Bond(
+            peer: self._bond(
                 peer,
-                incarnation,
-                owns=robot < peer,
-                own_radius=self._radius,
-                radius=radii[peer],
-                initial=None if starts is None else initial_line(robot, peer, starts, radii),
-                peer_life=0 if starts is None else first_lives.get(peer, 0),
+                radii[peer],
+                None if starts is None else initial_line(robot, peer, starts, radii),
+                founding.get(peer, 0),
             )
             for peer in sorted(radii)
             if peer != robot
@@ -82,15 +82,33 @@ class Ledger:
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
+        self._shape: Polygon | None = None
+        for member in members:
+            if member.status != "live":
+                self.on_member(member)
 
-    def locate(self, tick: int, position: tuple[float, float], bound: float) -> None:
-        """Take the own position (m), at most `bound` (m) from the truth, at the start of `tick`."""
+    def _bond(self, peer: int, radius: float, initial: Line | None, peer_life: int) -> Bond:
+        return Bond(
+            peer,
+            self._incarnation,
+            owns=self._robot < peer,
+            own_radius=self._radius,
+            radius=radius,
+            initial=initial,
+            peer_life=peer_life,
+        )
+
+    def locate(
+        self, tick: int, position: tuple[float, float], bound: float, shape: Polygon | None = None
+    ) -> None:
+        """Take the own position (m) at the start of `tick`; the truth is at most `bound` (m) from it, and
+        within `shape` around it if that is given."""
         self._tick = tick
         self._x, self._y = position
-        self._bound = bound
+        self._bound, self._shape = bound, shape
         for bond in self._each if self._disturbed else ():
             if bond.disk is not None:
-                bond.disk.renew(self._x, self._y, bound)
+                bond.disk.renew(self._x, self._y, bound, shape)
 
     def hear(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
@@ -107,18 +125,27 @@ class Ledger:
         else:
             self._hear_proposals(bond, bond.end, state)
 
-    def peer_down(self, down: Down) -> None:
-        """The world announces to this life that a peer's is fenced; old or repeated news does no harm."""
-        bond = self._bonds.get(down.robot)
-        if bond is not None:
-            self._disturbed = True
-            bond.bury(down.incarnation, down.position)
-            if bond.disk is not None:
-                bond.disk.renew(self._x, self._y, self._bound)
+    def on_member(self, member: Member) -> None:
+        """A newer roster says something else of a peer than the one before."""
+        bond = self._bonds.get(member.robot)
+        if bond is None:
+            bond = self._bonds[member.robot] = self._bond(member.robot, member.radius, None, 0)
+            self._each.append(bond)
+        self._disturbed = self._disturbed or member.status != "live"
+        bond.on_member(member)
+        if bond.disk is not None:
+            bond.disk.renew(self._x, self._y, self._bound, self._shape)
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether the own disk is and stays clear of every place where a disk is to appear."""
+        return not self._disturbed or all(
+            bond.keeps_clear or bond.disk is None for bond in self._each if bond.excused
+        )
 
     @property
     def ready(self) -> bool:
-        """Whether there is a line with every live peer; a robot that is not ready must stand still."""
+        """Whether every peer that is there is behind something; who is not ready must stand still."""
         for bond in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
             if not (bond.settled or bond.ready):
                 return False
@@ -139,30 +166,50 @@ class Ledger:
         return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
-        """Where the estimated own centre must stay; radius and error bound are subtracted.
+        """Where the estimated own centre must stay; radius and extent of the own set are subtracted.
 
         Without those that are out of reach within a tick.
         """
-        x, y, margin = self._x, self._y, self._bound + 2.0 * ROUNDING
-        near = margin + 2.0 * self._reach
+        x, y = self._x, self._y
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for bond in self._each:
             if bond.settled:
                 if bond.limit - bond.nx * x - bond.ny * y < near:
+                    margin = self._extent(bond.nx, bond.ny) + 2.0 * ROUNDING
                     found.append(HalfPlane(bond.nx, bond.ny, bond.limit - margin))
                 continue
             for side in bond.half_planes:
                 if side.slack(x, y) < near:
+                    margin = self._extent(side.nx, side.ny) + 2.0 * ROUNDING
                     found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
         return found
 
-    def sides(self) -> tuple[tuple[int, float, float, float], ...]:
-        """All obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit."""
-        return tuple(
-            (bond.peer, side.nx, side.ny, side.limit + self._radius)
+    def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
+        """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
+        radius = shape.radius
+        return [
+            (bond.peer, side)
             for bond in self._each
             for side in bond.half_planes
-        )
+            if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
+        ]
+
+    def _extent(self, nx: float, ny: float) -> float:
+        """How far the own set reaches from the own position in the direction (nx, ny), m."""
+        return self._bound if self._shape is None else self._shape.extent(nx, ny)
+
+    def sides(self) -> tuple[tuple[int, float, float, float], ...]:
+        """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
+        them, or if those are too many, the tightest of each pair."""
+        sides = [(bond.peer, side) for bond in self._each for side in bond.half_planes]
+        if len(sides) > SHOWN:
+            sides.sort(key=self._slack, reverse=True)
+            sides = list(dict(sides).items())  # the last of each pair
+        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in sides)
+
+    def _slack(self, side: tuple[int, HalfPlane]) -> float:
+        return side[1].slack(self._x, self._y)
 
     def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
@@ -180,7 +227,7 @@ class Ledger:
             elif bond.answers_left:
                 bond.answers_left -= 1
                 answers.append(answer_of(bond))
-        return tuple(proposals), tuple(answers)
+        return tuple(fitting(proposals, len(answers))), tuple(answers)
 
     def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
         life = state.incarnation
@@ -202,7 +249,7 @@ class Ledger:
     def _fits(self, line: Line, owner: bool) -> bool:
         """Whether the own disk surely satisfies a line now."""
         side = line.side(self._radius, owner)
-        return line.is_unit and side.slack(self._x, self._y) >= self._bound + ROUNDING
+        return line.is_unit and side.slack(self._x, self._y) >= self._extent(side.nx, side.ny) + ROUNDING
 
     def _consider(self, bond: Bond, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.

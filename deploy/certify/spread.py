@@ -11,7 +11,7 @@ from deploy.certify.boxes.scene import Scene
 from deploy.certify.boxes.search import grow
 from deploy.certify.campaign import widen
 from deploy.certify.frontier import Frontier, Grown, Open
-from deploy.studies.cluster import connected
+from deploy.scheduler import connected
 from protocol.errors import ProcessError
 
 if TYPE_CHECKING:

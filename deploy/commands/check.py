@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from deploy.check import Certified
+    from deploy.check_report import Certified
     from protocol.scenario import Scenario
 
 
@@ -25,23 +25,25 @@ def check(
 
     Exit status: 0 valid (whatever the theory says), 2 invalid.
     """
-    from deploy import check as theory
+    from deploy.check import report
+    from deploy.check_render import render
+    from deploy.check_report import to_json
     from deploy.load import load
 
     valid = load(scenario, setting or [], seed)
-    report = theory.report(valid, _certificate(scenario, valid))
+    found = report(valid, _certificate(scenario, valid))
     if as_json:
-        sys.stdout.write(json.dumps(theory.to_json(report), indent=2) + "\n")
+        sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
     else:
         from rich.console import Console
 
-        Console().print(theory.render(report))
+        Console().print(render(found))
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
     """What lies beside the scenario."""
     from deploy.certify.certificate import ProofError, path_for, stored
-    from deploy.check import Certified
+    from deploy.check_report import Certified
 
     path = str(path_for(name))
     try:

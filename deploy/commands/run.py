@@ -56,7 +56,7 @@ def run(
         str,
         typer.Option(
             metavar="POLICY",
-            help=f"A robot whose process fails: never, or on-failure[:N] times ({RESTARTS} unless given).",
+            help=f"A process that fails is started again: never, or on-failure[:N] ({RESTARTS} times each).",
         ),
     ] = "never",
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,

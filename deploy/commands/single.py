@@ -56,19 +56,27 @@ def world(
         list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
     ] = None,
     secure: Secure = None,
+    journal: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
+    ] = None,
 ) -> None:
     """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
 
-    Example: disknav world figure-1 --run demo > report.json
+    Example: disknav world figure-1 --run demo --journal demo.journal > report.json
     """
     from deploy.load import load
+    from world.journal import Journal
     from world.process import main
 
     membership = Membership(secure)
     loaded = load(scenario, setting or [], seed)
     connection = membership.client(WORLD, (router or membership.default_router,))
     run_name = _run(membership, run)
-    raise typer.Exit(main(connection, run_name, [loaded], mode == "lockstep", tell=_print_report))
+    if journal is not None and not journal.exists():
+        Journal.create(journal, run_name, [loaded])
+    lockstep = mode == "lockstep"
+    raise typer.Exit(main(connection, run_name, [loaded], lockstep, journal=journal, tell=_print_report))
 
 
 def router(

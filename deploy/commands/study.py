@@ -46,23 +46,32 @@ def study(
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
+    found: Annotated[
+        Path, typer.Option(metavar="FOLDER", help="falsify: where to keep the scenarios that it finds.")
+    ] = Path("out/falsify"),
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
 ) -> None:
     """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
+
+    [b]falsify[/b] is no table: it searches for a scenario that breaks what is promised, half of --runs (1000)
+    drawn anew, half mutants of near misses, and shrinks what it finds to small files in --found.
+    With --transport routed or mesh each is run on real processes too, and compared.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.
 
     Examples: disknav study tightness --json tightness.json --plot tightness.png;
     disknav study robustness --random 10000 --json faults.json;
-    disknav study tuning --runs 5 --transport local
+    disknav study tuning --runs 5 --transport local;
+    disknav study falsify --runs 50000 --seed 7 --json falsify.json
 
     With [b]--scheduler[/b] each Dask worker runs batches of eight, in-process or as fleets of its own host;
     workers need the same version of disknav, and one thread each: dask worker ADDRESS --nthreads 1.
 
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.request import Request, perform
+    from deploy.studies.perform import perform
+    from deploy.studies.request import Request
 
     request = Request(
         name=name,
@@ -77,5 +86,6 @@ def study(
         plot=plot,
         fresh=fresh,
         quiet=quiet,
+        found=found,
     )
     raise typer.Exit(perform(request))

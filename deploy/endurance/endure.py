@@ -16,8 +16,9 @@ from deploy.endurance import flatness
 from deploy.endurance.course import course
 from deploy.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.endurance.samples import Samples
-from deploy.fleet import ENOUGH, Fleet, Report
+from deploy.fleet import ENOUGH, Fleet
 from deploy.options import RunOptions
+from deploy.reports import Report
 from protocol.messages import Clock
 
 LAUNCHER = "launcher"

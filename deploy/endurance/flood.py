@@ -18,8 +18,9 @@ from deploy.endurance.course import course
 from deploy.endurance.flooder import Flooded, Flooder
 from deploy.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.endurance.stretches import Stretches
-from deploy.fleet import ENOUGH, Fleet, Report
+from deploy.fleet import ENOUGH, Fleet
 from deploy.options import RunOptions, fresh_run_name
+from deploy.reports import Report
 from deploy.security.membership import missing_library
 from deploy.security.roster import Roster
 from protocol.messages import Clock

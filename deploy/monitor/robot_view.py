@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from deploy.monitor.thinned import Thinned
@@ -72,7 +73,7 @@ class RobotView:
     def distance(self) -> float:
         """To the goal, m."""
         (x, y), (gx, gy) = self.position, self.spec.goal
-        return float(((gx - x) ** 2 + (gy - y) ** 2) ** 0.5)
+        return math.hypot(gx - x, gy - y)
 
     def age(self, now: float) -> float | None:
         """Seconds since its newest state; None before the first."""

@@ -75,6 +75,8 @@ class View:
         if robot is None:
             self.world_alive = alive
             return
+        if self.scenario is not None and robot not in self.robots:
+            return  # nobody of this run
         self._tokens[robot] = alive
         if robot in self.robots and not self.verdict:  # at the end everybody leaves, and that is well
             self.robots[robot].alive = alive

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -26,7 +27,11 @@ _ASK_TIMEOUT = 2.0
 
 
 class Watcher(SharedView):
-    """Implements `protocol.bus.Node` for the thread that owns `bus`, and `Source` for all others."""
+    """Implements `protocol.bus.Node` for the thread that owns `bus`, and `Source` for all others.
+
+    Attributes:
+        rejected: messages and tokens that are nobody's, by reason.
+    """
 
     def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
         """Args:
@@ -36,6 +41,7 @@ class Watcher(SharedView):
         """
         super().__init__(run)
         self.finished = False
+        self.rejected: Counter[str] = Counter()
         self.deadline = time.monotonic()
         self._bus, self._run = bus, run
         self._wishes: SimpleQueue[Steer] = SimpleQueue()
@@ -77,7 +83,8 @@ class Watcher(SharedView):
         try:
             robot = parse(event.key).robot
         except KeyGrammarError:
-            return  # a stranger's token under our name says nothing about any robot
+            self.rejected["key"] += 1  # a stranger's token under our name says nothing about any robot
+            return
         self.change(lambda view, _: view.present(robot, event.alive))
         if robot is None:
             if event.alive and not self._there:
@@ -87,8 +94,9 @@ class Watcher(SharedView):
     def _on_sample(self, sample: Sample) -> None:
         try:
             message = decode(sample.key, sample.payload)
-        except MessageError:
-            return  # robots and world count what is malformed; a watcher has nobody to tell
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
         if self._known and self._is_news(message):
             self._learn()
         self.change(lambda view, now: view.hear(message, now))

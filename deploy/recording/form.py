@@ -27,6 +27,7 @@ _SCALARS: dict[type, str] = {
     inspect.IntType: "integer",
     inspect.FloatType: "number",
     inspect.StrType: "string",
+    inspect.LiteralType: "string",
 }
 _VECTOR = ("x", "y")
 _NONE: Mapping[str, Any] = MappingProxyType({})

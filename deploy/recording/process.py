@@ -27,12 +27,18 @@ _NICENESS = 5
 _LAST_WORDS = 3.0  # s for the result to arrive after this process was asked to stop
 
 
-def main(connection: Connection, run: str, path: Path, ready: Callable[[str], None] | None = None) -> int:
+def main(
+    connection: Connection,
+    run: str,
+    path: Path,
+    away: float = 0.0,
+    ready: Callable[[str], None] | None = None,
+) -> int:
     """Record `run` to `path` until its result is there; returns the exit status.
 
-    `ready` is told the path once nothing published from then on can be missed. 0: the recording is
-    complete, or this process was asked to stop. 2: the file cannot be created. 3: no network, no world,
-    or the disk is full.
+    `away` as in `Recorder`. `ready` is told the path once nothing published from then on can be missed.
+    0: the recording is complete, or this process was asked to stop. 2: the file cannot be created.
+    3: no network, no world, or the disk is full.
     """
     try:
         with stop_on_signal():
@@ -40,7 +46,7 @@ def main(connection: Connection, run: str, path: Path, ready: Callable[[str], No
             # The fleet first. On Linux this is about this thread alone: those that hear stay as quick.
             os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
             recorder = _recorder(
-                bus, checked_run(run), RecordingFile(path), ready and partial(ready, str(path))
+                bus, checked_run(run), RecordingFile(path), ready and partial(ready, str(path)), away
             )
             drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
     except Stop:
@@ -78,11 +84,15 @@ class Aboard:
 
 
 def _recorder(
-    bus: ZenohBus, run: str, file: RecordingFile | FileBeside, on_ready: Callable[[], None] | None = None
+    bus: ZenohBus,
+    run: str,
+    file: RecordingFile | FileBeside,
+    on_ready: Callable[[], None] | None = None,
+    away: float = 0.0,
 ) -> Recorder:
     heard = bus.bursts(everything(run))  # one subscription, so that the order of arrival is kept
     bus.subscribe(world_key(run, "result"))
-    return Recorder(bus, run, file, on_ready=on_ready, heard=heard)
+    return Recorder(bus, run, file, on_ready=on_ready, heard=heard, away=away)
 
 
 def _tell(error: DisknavError) -> None:

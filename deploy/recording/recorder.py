@@ -40,6 +40,7 @@ class Recorder:
         on_ready: called once the scenario is known; nothing that is published from then on can be missed.
         heard: gives the keys and payloads that have arrived since it was called last.
         patience: s that the world may take to appear.
+        away: s that it may be gone later, and come back; 0: the recording ends with it.
 
     Raises:
         BusError: no world within `patience` s.
@@ -54,9 +55,11 @@ class Recorder:
         on_ready: Callable[[], None] | None = None,
         heard: Callable[[], list[tuple[str, bytes]]] | None = None,
         patience: float = PATIENCE,
+        away: float = 0.0,
     ) -> None:
         self.finished = False
         self._bus, self._run, self._patience = bus, run, patience
+        self._away, self._back_by = away, inf
         self._on_ready, self._ready = on_ready, False
         self._file, self._heard = file, heard
         self._aside: list[tuple[str, bytes]] = []
@@ -82,7 +85,7 @@ class Recorder:
     def wake(self, now: float) -> None:
         if not self._ready:
             raise BusError(f"run {self._run!r}: no world to record within {self._patience:g} s")
-        if self._result is not None and now >= self._result_due:
+        if now >= min(self._result_due, self._back_by):
             self.close()
             return
         self._listen()
@@ -111,9 +114,10 @@ class Recorder:
         self.close()
 
     def _on_world(self, alive: bool) -> None:
-        if not alive:
+        self._back_by = inf if alive else time.monotonic() + self._away
+        if not alive and not self._away:
             self.close()
-        elif not self._ready:
+        elif alive and not self._ready:
             reply = joining.decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
             if not isinstance(reply, joining.Overview):
                 raise BusError(f"run {self._run!r}: the world does not say which scenario it runs")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from deploy.options import Transport
+from deploy.studies.arrival import arrival
 from deploy.studies.delay import delay
 from deploy.studies.paper import tightness, tuning
 from deploy.studies.peers import peers
@@ -20,6 +21,7 @@ _BUILD: dict[StudyName, Callable[..., Study]] = {
     "tightness": tightness,
     "tuning": tuning,
     "robustness": robustness,
+    "arrival": arrival,
     "delay": delay,
     "peers": peers,
     "scale": scale,

@@ -113,10 +113,29 @@ def _scale(rows: Sequence[Row]) -> Figure:
     return figure
 
 
+def _arrival(rows: Sequence[Row]) -> Figure:
+    """Which share of those whose goals leave room had arrived by when."""
+    figure, ((axes,),) = panels(1, 1, 3.6)
+    for n, row in enumerate(rows):
+        times = row["times"]
+        axes.step(
+            [0.0, *times],
+            [100.0 * came / max(1, row["room"]) for came in range(len(times) + 1)],
+            where="post",
+            color=colour(n),
+            label=f"noise {1e3 * row['noise']:g} mm, density {row['density']:g}",
+        )
+    axes.set(xlabel="time, s", ylabel="arrived, %", ylim=(0.0, 101.0))
+    heading(figure, f"{runs(rows)} a curve; of those whose goals leave room for the error sets")
+    legend(figure)
+    return figure
+
+
 _CHARTS: dict[str, Callable[[Sequence[Row]], Figure]] = {
     "tightness": _tightness,
     "tuning": _tuning,
     "robustness": _robustness,
+    "arrival": _arrival,
     "delay": delay,
     "scale": _scale,
     "peers": peers,

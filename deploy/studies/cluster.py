@@ -6,25 +6,24 @@ results once, so no row is lost and none comes twice.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from deploy.options import fresh_run_name
+from deploy.scheduler import connected
 from deploy.studies.provenance import code_digest
 from deploy.studies.study import Run
-from deploy.studies.worker import Job, Result, execute, kept
-from protocol.errors import DisknavError, ProcessError, UsageError
+from deploy.studies.worker import Batch, Perform, Result, execute
+from protocol.errors import DisknavError, ProcessError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Future
 
 Outcome = tuple[Run, Result]
 
 BATCH = 8  # runs a task: what is lost with a worker, or runs on for nothing after Ctrl-C, is at most this
-_REACHING = 10.0  # s for the scheduler to answer
 _GATHERING = 10.0  # s for it to have a worker
 _LOOK = 1.0  # s between looks at whether there still are workers
 _DESERTED = 60.0  # s without any worker
@@ -33,15 +32,16 @@ _DESERTED = 60.0  # s without any worker
 class Cluster:
     """A context manager; leaving it cancels whatever is outstanding."""
 
-    def __init__(self, address: str) -> None:
-        """Connect to the scheduler at `address`, such as `tcp://10.0.0.1:8786`.
+    def __init__(self, address: str, perform: Perform = execute) -> None:
+        """Connect to the scheduler at `address`, such as `tcp://10.0.0.1:8786`; `perform` is what it is for.
 
         Raises:
             UsageError: the library is missing, or `address` is none.
             ProcessError: no scheduler answers there, or it has no workers.
         """
-        self._address = address
+        self._address, self._perform = address, perform
         self._name = fresh_run_name()
+        self._number = count()
         self._client = connected(address)
         self._given: list[Future[list[Outcome]]] = []
         self._await_workers()
@@ -58,7 +58,7 @@ class Cluster:
             self._client.cancel(self._given, force=True)
         self._client.close()
 
-    def run(self, batches: Sequence[Sequence[Job]]) -> Iterator[Outcome]:
+    def run(self, batches: Sequence[Batch]) -> Iterator[Outcome]:
         """Results of all batches, as they come.
 
         Raises:
@@ -73,10 +73,10 @@ class Cluster:
                 yield from self._result(future)
                 future.release()
 
-    def _submitted(self, batches: Sequence[Sequence[Job]]) -> list[Future[list[Outcome]]]:
-        digest, number = code_digest(), count()
+    def _submitted(self, batches: Sequence[Batch]) -> list[Future[list[Outcome]]]:
+        arguments = code_digest(), self._name, self._perform
         return [
-            self._client.submit(perform, batch, digest, self._name, key=f"{self._name}-{next(number)}")
+            self._client.submit(within_dask, batch, *arguments, key=f"{self._name}-{next(self._number)}")
             for batch in batches
         ]
 
@@ -133,10 +133,11 @@ class Cluster:
 _ON = "the same command goes on from what is done"
 
 
-def perform(batch: Sequence[Job], digest: str, stop: str) -> list[Outcome]:
+def within_dask(batch: Batch, digest: str, stop: str, perform: Perform) -> list[Outcome]:
     """Run a batch in a worker.
 
     Args:
+        perform: what is done with it.
         digest: of the code that the results are to come from.
         stop: name of an event; once it is set, nobody waits for the results any more.
 
@@ -154,31 +155,13 @@ def perform(batch: Sequence[Job], digest: str, stop: str) -> list[Outcome]:
     stopped = Event(stop)
 
     def send(run: Run, result: dict[str, Any]) -> None:
-        outcomes.append((run, kept(result)))
+        outcomes.append((run, result))
         if stopped.is_set():
             raise StudyStoppedError("the study was stopped")
 
-    execute(batch, send)
+    perform(batch, send)
     return outcomes
 
 
 class StudyStoppedError(DisknavError):
     """Nobody waits for this batch any more."""
-
-
-def connected(address: str) -> Client:
-    try:
-        from distributed import Client
-    except ModuleNotFoundError as error:
-        raise UsageError("a cluster needs the library distributed: pip install 'disknav[cluster]'") from error
-    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by exceptions
-    try:
-        return Client(address, timeout=_REACHING, set_as_default=False)
-    except ValueError as error:
-        raise UsageError(f"{address!r} is no address of a Dask scheduler: {error}") from error
-    except OSError as error:
-        raise ProcessError(
-            f"no Dask scheduler answers at {address} within {_REACHING:g} s; "
-            "is it running (`dask scheduler`), and reachable from here?"
-        ) from error

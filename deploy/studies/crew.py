@@ -11,7 +11,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from deploy.studies.study import Run
-from deploy.studies.worker import Job, work
+from deploy.studies.worker import Batch, Perform, execute, work
 from protocol.errors import ProcessError
 
 Outcome = tuple[Run, dict[str, Any]]
@@ -20,13 +20,15 @@ Outcome = tuple[Run, dict[str, Any]]
 class Crew:
     """A context manager; leaving it ends every worker, and with it whatever that has started."""
 
-    def __init__(self, jobs: int) -> None:
+    def __init__(self, jobs: int, perform: Perform = execute) -> None:
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload(["deploy.studies.worker"])
         self._workers: dict[Channel[Any, Any], BaseProcess] = {}
         for number in range(jobs):
             ours, theirs = context.Pipe()
-            worker = context.Process(target=work, args=(theirs,), name=f"worker-{number}", daemon=True)
+            worker = context.Process(
+                target=work, args=(theirs, perform), name=f"worker-{number}", daemon=True
+            )
             worker.start()
             theirs.close()
             self._workers[ours] = worker
@@ -41,7 +43,7 @@ class Crew:
         for worker in self._workers.values():
             worker.join()
 
-    def run(self, batches: Sequence[Sequence[Job]]) -> Iterator[Outcome]:
+    def run(self, batches: Sequence[Batch]) -> Iterator[Outcome]:
         """Results of all batches, as they come.
 
         Raises:
@@ -74,7 +76,7 @@ class Crew:
         return outcome
 
 
-def _give(channel: Channel[Any, Any], waiting: deque[Sequence[Job]], busy: set[Channel[Any, Any]]) -> None:
+def _give(channel: Channel[Any, Any], waiting: deque[Batch], busy: set[Channel[Any, Any]]) -> None:
     if waiting:
         channel.send(waiting.popleft())
         busy.add(channel)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.progress import TimeRemainingColumn as TimeLeftColumn
-
-from deploy.studies.study import Run
 
 
 class StudyProgress:
     """A bar over all runs, those known from before included; a context manager."""
 
-    def __init__(self, name: str, runs: Sequence[Run], left: Sequence[Run], quiet: bool) -> None:
+    def __init__(self, name: str, total: int, done: int, quiet: bool) -> None:
         self._progress = Progress(
             TextColumn(name),
             BarColumn(bar_width=24),
@@ -28,7 +24,7 @@ class StudyProgress:
             transient=True,
             disable=quiet,
         )
-        self._task = self._progress.add_task("", total=len(runs), completed=len(runs) - len(left))
+        self._task = self._progress.add_task("", total=total, completed=done)
 
     def __enter__(self) -> StudyProgress:
         self._progress.start()
@@ -37,6 +33,6 @@ class StudyProgress:
     def __exit__(self, *_: object) -> None:
         self._progress.stop()
 
-    def advance(self, cell: str) -> None:
-        """One more run is done, of this cell."""
-        self._progress.update(self._task, advance=1, description=cell)
+    def advance(self, said: str) -> None:
+        """One more run is done; `said` stands beside the bar."""
+        self._progress.update(self._task, advance=1, description=said)

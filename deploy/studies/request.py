@@ -1,29 +1,15 @@
-"""One call of `disknav study`, from what was asked for to table, picture, file and exit status."""
+"""What one call of `disknav study` asks for."""
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
-
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.json_output import check as check_json
-from deploy.json_output import is_standard_output, write_json
+from deploy.json_output import is_standard_output
 from deploy.options import Transport
-from deploy.plot.draw import PICTURES
-from deploy.plot.draw import check as check_plot
-from deploy.studies.adjusted import adjusted
-from deploy.studies.catalogue import defaults, find
-from deploy.studies.provenance import provenance
-from deploy.studies.run_log import RunLog
-from deploy.studies.runner import Outcome, execute
-from deploy.studies.study import Study, StudyName
-from deploy.studies.table import table
-from protocol.errors import UsageError
+from deploy.studies.study import StudyName
 
-_PAPER = 160  # columns where there is no terminal
+FOUND = Path("out/falsify")  # where a search keeps what it finds
 
 
 @dataclass(frozen=True)
@@ -42,76 +28,9 @@ class Request:
     plot: Path | None
     fresh: bool
     quiet: bool
+    found: Path = FOUND
 
     @property
     def file(self) -> Path | None:
         """The file to write, if it is one."""
         return None if is_standard_output(self.target) else self.target
-
-
-def perform(request: Request) -> int:
-    """Run the study and say what came of it; the exit status.
-
-    Raises:
-        UsageError, ScenarioError: what was asked for does not exist or cannot be written.
-        ProcessError: the cluster, a worker or a fleet was lost; the same request goes on from there.
-    """
-    usual = defaults(request.name)
-    transport = request.transport or usual.transport
-    jobs = 1 if usual.one_job else request.jobs
-    if usual.one_job and request.scheduler is not None:
-        raise UsageError(
-            f"study {request.name} measures how fast one machine is: run it there, not on a cluster"
-        )
-    study = adjusted(
-        find(request.name, request.runs, request.seed, request.random, request.transport), request.settings
-    )
-    _check(request, study)
-    quiet = request.quiet or is_standard_output(request.target)
-    with RunLog(_log_path(request.file), fresh=request.fresh) as log:
-        outcome = execute(study, transport, log, jobs=jobs, scheduler=request.scheduler, quiet=quiet)
-    document = {
-        "study": study.name,
-        "rows": outcome.rows,
-        "provenance": provenance(request.seed, transport, jobs)
-        | {
-            "scheduler": request.scheduler,
-            "settings": list(request.settings),
-            "complete": outcome.complete,
-        },
-    }
-    write_json(document, request.target)
-    if request.plot is not None and outcome.rows:
-        from deploy.studies.chart import draw_study
-
-        draw_study(study.name, outcome.rows, request.plot)
-    if not quiet:
-        Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
-    return _status(study, outcome, request.file)
-
-
-def _check(request: Request, study: Study) -> None:
-    """Find out before the runs what would fail after them."""
-    if request.file is not None and not request.file.parent.is_dir():
-        raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
-    check_json(request.target)
-    if request.plot is not None:
-        check_plot(request.plot)
-        if request.plot.suffix not in PICTURES:
-            raise UsageError(f"{request.plot}: a study is drawn as a picture: {', '.join(PICTURES)}")
-    cell = study.cells[0]
-    cell.build(cell.seeds[0])
-
-
-def _log_path(file: Path | None) -> Path | None:
-    return None if file is None else file.with_name(file.name + ".runs.jsonl")
-
-
-def _status(study: Study, outcome: Outcome, file: Path | None) -> int:
-    if not outcome.complete:
-        further = (
-            "the same command goes on from here" if file else "with --json FILE it could be gone on with"
-        )
-        print(f"disknav: stopped; {further}", file=sys.stderr)
-        return EXIT_INTERRUPTED
-    return EXIT_ARRIVED if study.sound(outcome.rows) else EXIT_OTHERWISE

@@ -55,7 +55,7 @@ def execute(
         if left:
             dealt = batches(study, left, jobs if scheduler is None else ceil(len(left) / BATCH))
             crew = Crew(min(jobs, len(dealt))) if scheduler is None else Cluster(scheduler)
-            progress = StudyProgress(study.name, runs, left, quiet)
+            progress = StudyProgress(study.name, len(runs), reused, quiet)
             _execute(study, dealt, crew, results, log, progress)
     except KeyboardInterrupt:
         complete = False

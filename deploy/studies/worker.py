@@ -26,6 +26,8 @@ from protocol.errors import ProcessError
 Result = dict[str, Any]
 Job = tuple[Run, Build]
 Send = Callable[[Run, Result], None]
+Batch = Sequence[tuple[Run, Any]]  # runs, each with what `Perform` needs of it
+Perform = Callable[[Batch, Send], None]
 
 FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result
 # Of a result, which says more than a study needs:
@@ -39,18 +41,18 @@ KEPT = (
 # fmt: on
 
 
-def work(channel: Channel[Any, Any]) -> None:
+def work(channel: Channel[Any, Any], perform: Perform) -> None:
     """Serve batches until the other end is gone. The parent alone decides what a Ctrl-C means."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     def send(run: Run, result: Result) -> None:
-        channel.send((run, kept(result)))
+        channel.send((run, result))
 
     try:
         while True:
-            batch: list[Job] = channel.recv()
-            execute(batch, send)
+            batch: list[Any] = channel.recv()
+            perform(batch, send)
             channel.send(None)
     except (EOFError, BrokenPipeError):
         return
@@ -69,7 +71,7 @@ def execute(batch: Sequence[Job], send: Send) -> None:
     """
     if batch[0][0].transport == "local":
         for run, build in batch:
-            send(run, _in_process(run, build))
+            send(run, kept(_in_process(run, build)))
     else:
         _on_fleet(batch, send)
 
@@ -95,7 +97,7 @@ def _on_fleet(batch: Sequence[Job], send: Send) -> None:
 
     def on_report(report: Result) -> None:
         if not alone:
-            send(next(waiting), complete(report, options, []))
+            send(next(waiting), kept(complete(report, options, [])))
 
     with Fleet([build(run.seed) for run, build in batch], options, on_report=on_report) as fleet:
         reports = fleet.execute()
@@ -104,4 +106,4 @@ def _on_fleet(batch: Sequence[Job], send: Send) -> None:
         done = f"{len(reports)} of {len(batch)} runs"
         raise ProcessError(f"the fleet ended after {done}: {reports[-1]['reason']}")
     if alone:
-        send(batch[0][0], complete(reports[0], options, processes))
+        send(batch[0][0], kept(complete(reports[0], options, processes)))

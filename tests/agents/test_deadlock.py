@@ -80,6 +80,38 @@ def test_swinging_to_and_fro_is_no_progress() -> None:
     assert strongest == 1.0
 
 
+@pytest.mark.parametrize("period", [0.01, 0.05, 0.25, 0.5])
+@pytest.mark.parametrize("lap", [0.02, 0.4, 0.75, 10.0])
+def test_swinging_every_other_tick_is_no_progress_at_any_period(period: float, lap: float) -> None:
+    progress, strongest = Progress(period, lap), 0.0
+    for tick in range(max(400, round(10 * lap / period))):
+        swing = -1.0 if tick % 2 else 1.0
+        strength = progress.update(
+            displacement=(swing * period, 0.0), desired=(swing, 0.0), free=1.0, gamma=0.2, barred=lambda: True
+        )
+        strongest = max(strongest, strength)
+    assert strongest == 1.0
+
+
+@pytest.mark.parametrize("factor", [0.01, 0.1, 10.0, 1000.0])
+def test_time_has_no_scale_of_its_own(factor: float) -> None:
+    """Whoever moves and computes so many times slower waits and escapes so many times longer."""
+    usual, slow = Progress(0.05, 0.41), Progress(0.05 * factor, 0.41 * factor)
+    for tick in range(200):
+        moved = 0.0 if tick % 90 < 60 else 0.005
+        one, other = (
+            progress.update(
+                displacement=(moved, 0.0),
+                desired=(speed, 0.0),
+                free=speed,
+                gamma=0.2,
+                barred=lambda: True,
+            )
+            for progress, speed in ((usual, 0.1), (slow, 0.1 / factor))
+        )
+        assert other == pytest.approx(one, abs=1e-9)
+
+
 def test_an_escape_that_does_not_help_pauses() -> None:
     progress = Progress(0.05)
     strengths = [still(progress, 0.05) for _ in range(240)]

@@ -17,7 +17,7 @@ from agents.peer_state import PeerState
 from deploy.load import load
 from deploy.local import LocalFleet
 from protocol.errors import UsageError
-from protocol.messages import Down
+from protocol.messages import Member
 from protocol.scenario import Control, RobotSpec, Scenario, Time
 
 LAWS = ("orca", "barrier")
@@ -127,7 +127,7 @@ def test_barriers_hold_with_equality_where_they_bind() -> None:
 def test_a_fenced_robot_takes_no_half_of_a_barrier() -> None:
     own = choose(crossing("barrier", symmetry_noise=0.0, barrier_gain=1.0, margin=0.0), 1)
     known = heard(0.1, 0.0)
-    known.fence([Down(robot=2, incarnation=1, position=(0.1, 0.0))])
+    known.on_member(Member(2, 1, "standing", 0.04, (0.1, 0.0)))
     assert 2.0 * 0.1 * own.velocity((0.0, 0.0), STILL, known, 0)[0] == pytest.approx(0.1**2 - 0.08**2)
 
 

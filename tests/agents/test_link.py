@@ -1,5 +1,6 @@
 """Injected link faults: when a State is heard, how often, and by whom."""
 
+import tracemalloc
 from dataclasses import replace
 
 from hypothesis import given
@@ -81,3 +82,21 @@ def test_receivers_draw_independently() -> None:
             link.put(state(2, tick))
         kept.append({s.tick for s in link.take(1000)})
     assert kept[0] != kept[1]
+
+
+def test_draws_are_not_kept_but_drawn_again() -> None:
+    """Of 200 robots those of one tick take 10 kB, and States may be of any tick, in any order."""
+    robots = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in range(1, 201))
+    link = Link(Scenario(robots=robots, seed=5, link=LinkFaults(delay=0.1, loss=0.5)), 1)
+    states = [state(2, tick) for tick in range(1500)]
+    tracemalloc.start()
+    try:
+        for each in (*states, *reversed(states)):
+            link.put(each)
+        link.take(2000)
+        kept, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert kept < 200_000
+    assert link.lost % 2 == 0  # the same fate whenever it is drawn
+    assert 1300 < link.lost < 1700

@@ -105,7 +105,7 @@ def test_damage_is_seen_as_by_anybody_else(
 def test_numbers_said_to_others_are_not_looked_at() -> None:
     state = said([Proposal(3, 1, 1, math.nan, 0.0, 0.0)])
     assert PeerReader(2, 1, RADIUS).read(encode(state)).proposals == ()
-    with pytest.raises(MessageError, match="infinite or not a number"):
+    with pytest.raises(MessageError, match="infinite, absurd or none"):
         PeerReader(3, 1, RADIUS).read(encode(state))
 
 
@@ -123,8 +123,8 @@ def changed(place: int, value: Any) -> bytes:
         (encode(said())[:-1], "shape"),
         (encode(said()) + b"\x00", "shape"),
         (bytes(STREAMS["state"].limit + 1), "oversize"),
-        (changed(0, "state/2"), "version"),
-        (changed(0, "command/1"), "type"),
+        (changed(0, "state/3"), "version"),
+        (changed(0, "command/2"), "type"),
         (changed(1, 9), "identity"),
         (changed(1, 0), "shape"),
         (changed(4, (0.0, math.inf)), "not-finite"),

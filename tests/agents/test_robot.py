@@ -23,7 +23,7 @@ orders = st.lists(st.permutations([OWN, *OTHERS]), min_size=TICKS, max_size=TICK
 def robots() -> tuple[World, dict[int, Robot]]:
     world = World(SCENARIO)
     lives = {robot: world.join(robot) for robot in IDS}
-    return world, {robot: Robot(SCENARIO, robot, life, lives) for robot, life in lives.items()}
+    return world, {robot: Robot(SCENARIO, robot, life) for robot, life in lives.items()}
 
 
 def heard(state: State) -> PeerState:

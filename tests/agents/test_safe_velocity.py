@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from agents.safe_velocity import safe_velocity
 
@@ -36,7 +37,9 @@ def problems(draw: st.DrawFn) -> tuple[tuple[float, float], tuple[float, float],
 def solved(
     desired: tuple[float, float], position: tuple[float, float], planes: list[HalfPlane], noise: float = 0.0
 ) -> tuple[float, float]:
-    return safe_velocity(desired, position, planes, workspace=ROOM, speed=SPEED, period=PERIOD, noise=noise)
+    return safe_velocity(
+        desired, position, planes, boundary=RoundBoundary(ROOM), speed=SPEED, period=PERIOD, noise=noise
+    )
 
 
 @given(problems(), st.sampled_from([0.0, 0.01, 0.3, 0.9]), angles)

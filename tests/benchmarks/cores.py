@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.peer_state import said_to
 from agents.robot import Robot
@@ -45,7 +46,7 @@ class Fleet:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.world = scenario, World(scenario)
         lives = {robot: self.world.join(robot) for robot in scenario.ids}
-        self.robots = {i: Robot(scenario, i, life, lives) for i, life in lives.items()}
+        self.robots = {i: Robot(scenario, i, life) for i, life in lives.items()}
         self.states: dict[int, State] = {}
         self.radii = {spec.id: spec.radius for spec in scenario.robots}
 
@@ -164,7 +165,8 @@ def _filter(fleet: Fleet) -> Callable[[], object]:
     scenario, states = fleet.scenario, fleet.states
     radii = {robot.id: robot.radius for robot in scenario.robots}
     starts = {i: state.position for i, state in states.items() if state.position is not None}
-    speed, period, edge = scenario.control.speed, scenario.time.step, scenario.workspace.radius
+    speed, period = scenario.control.speed, scenario.time.step
+    boundary = RoundBoundary(scenario.workspace.radius - radii[1])
     ledger = Ledger(1, 1, radii, speed=speed, period=period, starts=starts)
     own, desired = starts[1], states[1].desired
     tick = [0]
@@ -177,8 +179,7 @@ def _filter(fleet: Fleet) -> Callable[[], object]:
             if i != 1:
                 ledger.hear(said_to(1, _at(state, tick[0]), radii[state.robot]))
         planes = ledger.half_planes() if ledger.ready else []
-        room = edge - radii[1]
-        return spoken, safe_velocity(desired, own, planes, workspace=room, speed=speed, period=period)
+        return spoken, safe_velocity(desired, own, planes, boundary=boundary, speed=speed, period=period)
 
     return step
 

@@ -39,11 +39,13 @@ def scenario(robots: int, safety: Filter = "separating-lines") -> Scenario:
     return replace(loaded, control=replace(loaded.control, filter=safety))
 
 
-def measure(robots: int, seconds: float = 3.0, safety: Filter = "separating-lines") -> Measured:
-    """Run a routed fleet in lock-step for about `seconds`."""
+def measure(
+    robots: int, seconds: float = 3.0, safety: Filter = "separating-lines", restarts: int = 0
+) -> Measured:
+    """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a journal."""
     repeated = [scenario(robots, safety)] * _TURNS
     watch = _Watch(seconds)
-    with Fleet(repeated, RunOptions("routed", "lockstep"), watch=watch) as fleet:
+    with Fleet(repeated, RunOptions("routed", "lockstep", restarts=restarts), watch=watch) as fleet:
         fleet.execute()
     return watch.measured()
 

@@ -6,7 +6,7 @@ import pytest
 
 from deploy.load import load
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import cores, floors, recording
+from tests.benchmarks import cores, floors, journal, recording
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -49,6 +49,16 @@ def test_who_records_or_watches_is_measured(variant: str) -> None:
     found = recording.cost(load("figure-1", ["time.limit=0.5"]), variant)
     assert found.ticks_per_second > 0.0
     assert found.cpu_ms > 0.0
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+def test_the_journal_is_measured() -> None:
+    found = journal.cost(2, 0.2, rounds=1)
+    assert found.plain > 0.0
+    assert found.ratio == found.journalled / found.plain
+    assert journal.added(2, repeat=1) < 1e6
+    assert journal.replay(2).size > 20.0
 
 
 def test_the_ratio_is_to_the_same_round() -> None:

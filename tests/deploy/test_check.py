@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from deploy.check import CheckReport, render, report, to_json
+from deploy.check import report
+from deploy.check_render import render
+from deploy.check_report import CheckReport, to_json
 from deploy.load import read
 from protocol.scenario import Control, RobotSpec, Scenario, Workspace
 

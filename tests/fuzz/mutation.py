@@ -41,14 +41,14 @@ _WORDS = (
     "[[]]",
     "'''",
     "robots",
-    "state/1",
+    "state/2",
     "state/2",
     "**",
 )
 JUNK: tuple[Any, ...] = (
     None, True, False, 0, -1, 1, 2**31, 2**53 + 1, 2**63 - 1, -(2**63), 2**64 - 1,
     0.0, -0.0, 1e-320, 5e-324, 1e308, -1e308, math.nan, math.inf, -math.inf, 0.1,
-    "", "x", "auto", "state/1", "\0", "é" * 40, b"", b"\xff\xfe", [], {}, [[]], [{}], {"": 0},
+    "", "x", "auto", "state/2", "\0", "é" * 40, b"", b"\xff\xfe", [], {}, [[]], [{}], {"": 0},
     {"x": {}}, [0.0, 0.0], [1, "x"],
 )  # fmt: skip
 WRITTEN: tuple[Any, ...] = (

@@ -16,16 +16,21 @@ from typing import Any
 
 import msgspec
 
+from agents.node import RobotNode
 from agents.peer_reader import PeerReader
 from agents.peer_state import PeerState
+from deploy.fleet import Fleet
 from deploy.library.demonstrations import crash
-from deploy.load import read
+from deploy.load import load, read
 from deploy.local import LocalFleet
+from deploy.monitor.watcher import watch_local
+from deploy.options import RunOptions
 from deploy.studies.fault_scenario import fault_scenario
 from protocol import joining, keys
+from protocol.bus_local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
-from protocol.events import Event, Sample
+from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
 from protocol.messages import Health, State
 from protocol.scenario import Scenario
@@ -40,6 +45,7 @@ from protocol.scenario_file import (
 from protocol.steering import Steer, decode_steer
 from protocol.streams import STREAMS
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
+from world.node import WorldNode
 
 _KEPT = 40  # valid messages a stream
 _SETTINGS = (
@@ -200,6 +206,77 @@ def _read_steer(payload: bytes) -> bool:
     return True
 
 
+# -- whatever happens to those who take part
+
+_RUN = "local"  # the name of a run in one process
+_EVENTS = (
+    f"disknav/{_RUN}/robot/0/alive", f"disknav/{_RUN}/robot/x/alive", f"disknav/{_RUN}/robot/7/alive",
+    f"disknav/{_RUN}/robot/999999999/alive", f"disknav/{_RUN}/robot/1/alive", f"disknav/{_RUN}/robot/alive",
+    f"disknav/{_RUN}/robot/1/2/3/4/5/alive", f"disknav/{_RUN}/robot/*/command", f"disknav/{_RUN}/**", "**",
+    f"disknav/{_RUN}/world/scenario", f"disknav/{_RUN}/world/control", f"disknav/{_RUN}/world/alive",
+    f"disknav/{_RUN}/world/*", "@/router/alive", "",
+)  # fmt: skip
+_Drawn = tuple[str, str, bytes]  # what happens, under which key, with what
+
+
+def _draw_events(rng: Random) -> list[_Drawn]:
+    return [_draw_event(rng) for _ in range(rng.randint(1, 4))]
+
+
+def _draw_event(rng: Random) -> _Drawn:
+    happens = rng.choice(("appears", "goes", "published", "published", "asked"))
+    key = rng.choice(_EVENTS)
+    valid, other = rng.choice(_requests()), rng.choice(_steers())
+    if happens == "published":
+        samples = _traffic()[rng.choice(tuple(STREAMS))]
+        (key, valid), (_, other) = rng.choice(samples), rng.choice(samples)
+    match rng.randrange(6):
+        case 0:
+            key = damaged_text(key, rng.choice(_EVENTS), rng)
+        case 1:
+            key = rng.choice(_EVENTS)
+    return happens, key, _payload(valid, other, rng)
+
+
+@cache
+def _participants_of() -> Scenario:
+    return load("swap-2")
+
+
+def _deaf(_: bytes) -> None:
+    """Hear a reply, and make nothing of it."""
+
+
+def _take_part(drawn: list[_Drawn]) -> bool:
+    """A world, a robot, a watcher and a launcher live through it, and the world counts what is nobody's."""
+    network = LocalNetwork()
+    bus = network.connect()
+    world = bus.node = WorldNode(bus, _RUN, [_participants_of()])
+    robots = network.connect()
+    robot = robots.node = RobotNode(robots, _RUN, 1)
+    robot.wake(0.0)
+    watcher = watch_local(network, _RUN)
+    watcher.wake(0.0)
+    launcher = Fleet([_participants_of()], RunOptions())
+    everybody: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
+    for happens, key, payload in drawn:
+        event: Event
+        if happens == "published":
+            event = Sample(key, payload)
+        elif happens == "asked":
+            event = Request(key, payload, _deaf)
+        else:
+            event = Presence(key, happens == "appears")
+        for handle in everybody[-1:] if happens == "asked" else everybody:
+            handle(event)
+    watcher.snapshot()
+    watcher.overview()
+    rejected = world._turn.rejected
+    if rejected.total():
+        raise MessageError(next(iter(rejected)), f"counted: {dict(rejected)}")
+    return True
+
+
 # -- keys
 
 
@@ -286,10 +363,11 @@ def _read_file(content: bytes) -> bool:
 
 
 TARGETS = {
-    "message": Target(_draw_message, _read_message, MessageError, 9),
+    "message": Target(_draw_message, _read_message, MessageError, 8),
     "join": Target(_requested(_requests), _read_request, MessageError, 2),
     "reply": Target(_requested(_replies), _read_reply, MessageError, 1),
     "steer": Target(_requested(_steers), _read_steer, MessageError, 1),
+    "event": Target(_draw_events, _take_part, MessageError, 1),
     "key": Target(_draw_key, _read_key, KeyGrammarError, 2),
     "document": Target(_draw_document, lambda d: _same_again(parse_document(d)), ScenarioError, 2),
     "text": Target(_draw_text, lambda text: _same_again(parse_toml(text)), ScenarioError, 1),

@@ -33,6 +33,11 @@ def test_the_issue_in_one_line() -> None:
         ("[sensing]\nnoise = -0.1" + ROBOTS, "sensing.noise", "at least 0"),
         ("[sensing]\nnoise_bound = -0.1" + ROBOTS, "sensing.noise_bound", "at least 0"),
         ("[sensing]\ndropout = 1.5" + ROBOTS, "sensing.dropout", "at most 1"),
+        (
+            "[sensing]\ncontradiction = 'guess'" + ROBOTS,
+            "sensing.contradiction",
+            "must be 'stand' or 'newest'",
+        ),
         ("[sensing]\nbias = [1]" + ROBOTS, "sensing.bias", "2 elements"),
         ("[sensing]\nrobots = []" + ROBOTS, "sensing.robots", "empty"),
         ("[sensing]\nrobots = [1, 9]" + ROBOTS, "sensing.robots[1]", "no robot 9"),
@@ -131,3 +136,12 @@ def test_text_in_another_encoding_is_named_as_such() -> None:
     assert str(caught.value).isascii()
     assert {problem.path for problem in caught.value.problems} == {"name", "link.?", "control.k"}
     assert "must be a string, not text that is not Unicode" in str(caught.value)
+
+
+def test_partitions_that_no_message_has_room_for_are_refused() -> None:
+    partition = "[[link.partition]]\nfrom = {0}\nuntil = {1}\ngroups = [[1], [2]]\n"
+    text = "".join(partition.format(n, n + 1) for n in range(25_001))
+    found = problems(text + ROBOTS)
+    assert found == {
+        "link.partition": "the groups of all partitions name 50002 robots; at most 50000 are allowed"
+    }

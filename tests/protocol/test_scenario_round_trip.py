@@ -58,7 +58,14 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         st.booleans(),
     )
     sensing = st.builds(
-        Sensing, spans, nonnegative, st.none() | nonnegative, points, shares, st.none() | some_ids
+        Sensing,
+        spans,
+        nonnegative,
+        st.none() | nonnegative,
+        points,
+        shares,
+        st.none() | some_ids,
+        st.sampled_from(["stand", "newest"]),
     )
     faults = st.builds(ProcessFault, st.sampled_from(IDS), nonnegative, st.just("restart"))
     return Scenario(

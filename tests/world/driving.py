@@ -40,7 +40,9 @@ def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> Non
     assert not world.awaiting_join
     for robot in world.active:
         velocity = (velocities or {}).get(robot, (0.0, 0.0))
-        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity))
+        roster = told[robot].roster
+        kept = 0 if roster is None else roster.version
+        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity, kept))
     assert not world.waiting
     world.close_tick()
 

@@ -2,7 +2,7 @@ import pytest
 from driving import STEP, advance, joined, toward, two
 
 from protocol.errors import JoinError
-from protocol.messages import Command, Down
+from protocol.messages import Command, Down, Member
 from protocol.scenario import Link, Partition, ProcessFault, Time
 from world.world import World
 
@@ -36,7 +36,8 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     advance_to(world, 3 + FENCE)
     assert world.down == (Down(2, 1, stood),)
     told = world.open_tick()
-    assert told[1].down == told[2].down == world.down  # it may still listen
+    assert told[1].roster == told[2].roster  # it may still listen
+    assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood, founding=1)
     assert told[1].active == told[2].active == (1,)
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
     advance_to(world, 20)
@@ -177,7 +178,7 @@ def test_a_short_pause_ends_in_the_same_life():
     advance_to(world, 6)
     told = world.open_tick()
     assert world.awaiting_join == frozenset()
-    assert (told[2].incarnation, told[2].active, told[2].down) == (1, (1, 2), ())
+    assert (told[2].incarnation, told[2].active, world.down) == (1, (1, 2), ())
 
 
 def test_a_long_pause_ends_in_a_new_life():
@@ -186,9 +187,23 @@ def test_a_long_pause_ends_in_a_new_life():
     told = world.open_tick()
     assert world.awaiting_join == {2}
     assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
-    assert told[2].down == (Down(2, 1, place(world, 2)),)
+    assert told[2].roster.members[1].position == place(world, 2)
+    assert world.down == (Down(2, 1, place(world, 2)),)
     assert world.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
+
+
+def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
+    world = faulty((2, 3, "restart"), (2, 3, "pause"), (2, 6, "resume"))
+    advance_to(world, 3)
+    assert world.open_tick().keys() == {1}
+    with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
+        world.join(2)
+    advance_to(world, 6)
+    world.open_tick()
+    assert world.awaiting_join == {2}
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
 
 
 def test_restart_waits_for_a_new_life():
@@ -226,38 +241,31 @@ def test_a_robot_that_never_starts_is_a_disk_that_stands():
     assert world.down == (Down(2, 0, (-0.1, -0.1)),)
 
 
-@pytest.mark.parametrize("early", [False, True])
-def test_a_kill_at_the_start_keeps_a_robot_out_whenever_its_process_joins(early):
-    faults = (ProcessFault(2, 0.0, "kill"),)
-    world = World(two(process=faults, time=PATIENT))
+@pytest.mark.parametrize("event", ["kill", "pause", "restart"])
+def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
+    world = World(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
     world.join(1)
-    if early:
+    assert world.open_tick() == {}
+    assert (world.founded, world.awaiting_join) == (False, {2})
+    world.join(2)
+    told = world.open_tick()
+    assert world.founded
+    if event == "restart":
+        assert (world.awaiting_join, told) == ({2}, {})
         world.join(2)
-    world.open_tick()
-    assert (world.awaiting_join, world.active) == (frozenset(), (1,))
-    if not early:
-        with pytest.raises(JoinError, match="robot 2 is kept down by the scenario"):
-            world.join(2)
+        told = world.open_tick()
+    founding = {member.robot: member.founding for member in told[1].roster.members}
+    assert founding == {1: 1, 2: 1}  # the second life of a tick is none of those that begin it
+    assert world.active == ((1, 2) if event == "restart" else (1,))
 
 
-@pytest.mark.parametrize("when", ["before", "during", "after"])
-def test_a_pause_at_the_start_ends_alike_whenever_the_process_joins(when):
+def test_a_pause_from_the_start_ends_in_the_founding_life():
     faults = (ProcessFault(2, 0.0, "pause"), ProcessFault(2, 2 * STEP, "resume"))
-    world = World(two(process=faults, time=PATIENT))
-    world.join(1)
-    if when == "before":
-        world.join(2)
-    world.open_tick()
-    if when == "during":
-        world.join(2)
-    assert world.active == (1,)
+    world = joined(two(process=faults, time=PATIENT))
     advance_to(world, 2)
-    world.open_tick()
-    assert world.awaiting_join == ({2} if when == "after" else frozenset())
-    if when == "after":
-        world.join(2)
-        world.open_tick()
+    told = world.open_tick()
     assert (world.active, world.incarnations) == ((1, 2), {1: 1, 2: 1})
+    assert told[2].roster.members[1].founding == 1
 
 
 def test_scheduled_faults_give_the_same_trajectory_again():

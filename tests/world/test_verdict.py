@@ -107,7 +107,7 @@ def test_aborted_when_the_others_are_down_for_good():
 
 def test_aborted_when_nobody_is_left():
     setting = two(process=(ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")))
-    world = joined(setting, [2])
+    world = joined(setting)
     while not world.verdict:
         advance(world)
     assert (world.verdict, world.reason) == ("aborted", "robots 1, 2 are down for good")

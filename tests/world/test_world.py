@@ -69,7 +69,8 @@ def test_measurements_lead_from_truth_to_truth_bit_for_bit():
         truth = dict(zip(world.truth.robots, world.truth.positions, strict=True))
         for robot, measurement in told.items():
             assert measurement.tick == measurement.stamp == tick
-            assert (measurement.active, measurement.down) == ((1, 2), ())
+            assert measurement.active == (1, 2)
+            assert (measurement.roster is None) == (tick > 0)
             assert measurement.position == truth[robot]
             dx, dy = measurement.displacement
             assert truth[robot] == (before[robot][0] + dx, before[robot][1] + dy)
@@ -186,7 +187,7 @@ def test_the_report_has_every_field_and_is_plain_json():
     assert json.loads(json.dumps(report, allow_nan=False)) == report
     assert report["faults"]["sensing"] == [
         {"delay": [0.0, 0.3], "noise": 0.002, "noise_bound": None, "bias": [0.0, 0.0]}
-        | {"dropout": 0.2, "robots": None}
+        | {"dropout": 0.2, "robots": None, "contradiction": "stand"}
     ]
     assert report["faults"]["actuation"] == {"noise": 0.1}
     assert report["faults"]["link"]["partition"] == []

@@ -4,19 +4,20 @@ import math
 
 from agents.lines.ledger import RENEWALS, Ledger
 from agents.peer_state import said_to
-from protocol.messages import Answer, Proposal, State
+from protocol.messages import Answer, Member, Proposal, State
 
 ROBOTS = 16
 RADII = dict.fromkeys(range(1, ROBOTS + 1), 0.02)
 STARTS = {
     i: (0.8 * math.cos(math.tau * i / ROBOTS), 0.8 * math.sin(math.tau * i / ROBOTS)) for i in RADII
 }  # far apart
-LIVES = dict.fromkeys(RADII, 7)
+MEMBERS = [Member(i, 7, "live", RADII[i], founding=7) for i in RADII]
 DESIRED = (0.05, 0.02)
 
 
 def ledger(robot: int) -> Ledger:
-    made = Ledger(robot, 7, RADII, speed=0.1, period=0.05, starts=STARTS, first_lives=LIVES)
+    others = [member for member in MEMBERS if member.robot != robot]
+    made = Ledger(robot, 7, RADII, speed=0.1, period=0.05, members=others, starts=STARTS)
     made.locate(0, STARTS[robot], 0.0)
     return made
 

@@ -17,10 +17,11 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
+from agents.lines.boundary import RoundBoundary
 from agents.lines.ledger import Ledger
 from agents.peer_state import said_to
 from agents.safe_velocity import safe_velocity
-from protocol.messages import Down, State
+from protocol.messages import Member, State
 
 SPEED, PERIOD, ROOM = 0.4, 0.05, 0.3  # fast, so that a few ticks suffice to collide
 RADII = {1: 0.04, 2: 0.03, 3: 0.05}
@@ -44,19 +45,20 @@ class Fleet(RuleBasedStateMachine):
         self.truth = dict(STARTS)
         self.error = dict.fromkeys(RADII, (0.0, 0.0))
         self.life = dict.fromkeys(RADII, 1)
-        self.down: dict[int, Down] = {}
+        self.down: dict[int, Member] = {}
         self.sent: list[State] = []
         self.ledger = {robot: self.newborn(robot, STARTS if known else None) for robot in RADII}
 
     def newborn(self, robot: int, starts: dict[int, tuple[float, float]] | None) -> Ledger:
+        live = (Member(i, self.life[i], "live", RADII[i], founding=1) for i in RADII)
         ledger = Ledger(
             robot,
             self.life[robot],
             RADII,
             speed=SPEED,
             period=PERIOD,
+            members=[self.down.get(each.robot, each) for each in live if each.robot != robot],
             starts=starts,
-            first_lives=dict.fromkeys(RADII, 1),
         )
         ledger.locate(self.tick, self.estimate(robot), self.bound)
         return ledger
@@ -133,7 +135,7 @@ class Fleet(RuleBasedStateMachine):
             self.towards_next(robot, turn),
             self.estimate(robot),
             ledger.half_planes(),
-            workspace=room,
+            boundary=RoundBoundary(room),
             speed=SPEED,
             period=PERIOD,
         )
@@ -144,18 +146,18 @@ class Fleet(RuleBasedStateMachine):
         self.life[robot] += 1
         self.down.pop(robot, None)
         self.ledger[robot] = self.newborn(robot, None)
-        for down in self.down.values():
-            self.ledger[robot].peer_down(down)
 
     @rule(robot=robots)
     def fence(self, robot: int) -> None:
-        self.down[robot] = Down(robot, self.life[robot], self.truth[robot])
+        radius, place = RADII[robot], self.truth[robot]
+        self.down[robot] = Member(robot, self.life[robot], "standing", radius, place, founding=1)
 
     @precondition(lambda self: self.down)
     @rule(robot=robots)
     def announce(self, robot: int) -> None:
-        for down in self.down.values():
-            self.ledger[robot].peer_down(down)
+        for member in self.down.values():
+            if member.robot != robot:
+                self.ledger[robot].on_member(member)
 
     @invariant()
     def apart(self) -> None:

@@ -4,7 +4,7 @@ import math
 
 from agents.lines.ledger import Ledger
 from agents.peer_state import PeerState, said_to
-from protocol.messages import Down, Proposal, State
+from protocol.messages import Member, Proposal, State
 
 RADII = {1: 0.04, 2: 0.04}
 STILL = (0.0, 0.0)
@@ -30,7 +30,7 @@ def test_no_room_is_asked_of_a_peer_that_is_far_enough() -> None:
 def test_a_neighbour_backs_off_until_a_line_fits() -> None:
     ledger, position = robot(1), 0.0
     ledger.locate(0, (position, 0.0), 0.001)
-    ledger.peer_down(Down(2, 1, (0.082, 0.0)))
+    ledger.on_member(Member(2, 1, "standing", 0.04, (0.082, 0.0)))
     for tick in range(1, 9):
         ledger.hear(said(2, 2, tick, 0.082, 0.003))
         vx, vy = ledger.make_room(STILL)

@@ -19,6 +19,7 @@ pytest.importorskip("distributed")
 
 from distributed import Client, LocalCluster
 
+from deploy import scheduler as reached
 from deploy.studies import cluster as module
 from deploy.studies.adjusted import adjusted
 from deploy.studies.cluster import Cluster
@@ -108,7 +109,7 @@ def test_other_code_on_a_worker_is_refused(scheduler: str, monkeypatch: pytest.M
 
 
 def test_nobody_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_REACHING", 0.3)
+    monkeypatch.setattr(reached, "_REACHING", 0.3)
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))  # bound, and nobody listens
         address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -11,13 +12,15 @@ import pytest
 from rich.console import Console
 
 from deploy.library import swap
+from deploy.studies.arrival import arrival, crowd, room
 from deploy.studies.chart import draw_study
 from deploy.studies.fault_scenario import fault_scenario
 from deploy.studies.paper import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers import LAWS, peers
+from deploy.studies.perform import perform
 from deploy.studies.provenance import provenance
 from deploy.studies.random_faults import outcome, random_faults
-from deploy.studies.request import Request, perform
+from deploy.studies.request import Request
 from deploy.studies.robustness import Conditions, grid, robustness
 from deploy.studies.run_log import RunLog
 from deploy.studies.runner import execute
@@ -26,12 +29,13 @@ from deploy.studies.statistics import deviation, power_law
 from deploy.studies.study import Study
 from deploy.studies.table import table
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario import Scenario
+from protocol.scenario import Scenario, Workspace
 from protocol.scenario_file import validated
 
 PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
 SMALL: dict[str, Callable[[], Study]] = {
     "robustness": lambda: robustness(1, conditions=[Conditions(), Conditions(noise=0.001)]),
+    "arrival": lambda: arrival(1),
     "random faults": lambda: random_faults(4),
     "scale": lambda: scale(1, robots=(3, 4), transports=("local",)),
 }
@@ -167,3 +171,16 @@ def test_peers_meet_the_same_scenarios(tmp_path: Path) -> None:
 def head_on_apart(seed: int) -> Scenario:
     """Two robots that change places, slightly off the saddle."""
     return swap(2, 0.005, seed)
+
+
+def test_goals_leave_room_where_the_error_sets_fit_between_all_disks_and_the_wall() -> None:
+    scenario = crowd(0.33, 0.003, 1)
+    one, other = scenario.robots[:2]
+    assert room(scenario) > 0.0
+    gx, gy = other.goal
+    for gap, fits in ((0.0013, True), (0.0011, False)):  # two sets of 0.6 mm
+        goal = (gx + one.radius + other.radius + gap, gy)
+        beside = replace(scenario, robots=(replace(one, goal=goal), other), workspace=Workspace(9.0))
+        assert (room(beside) >= 0.0) == fits
+        goal = (scenario.workspace.radius - one.radius - 0.5 * gap, 0.0)
+        assert (room(replace(scenario, robots=(replace(one, goal=goal),))) >= 0.0) == fits

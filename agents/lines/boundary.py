@@ -1,0 +1,121 @@
+"""What encloses the fleet, handed out like everything else that is obeyed: as half-planes.
+
+A centre x that moves by d stays inside if n.(x + d) <= W for every direction n, W the largest distance from
+the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
+for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W - h(n), and
+n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n, half-planes are
+handed out one by one, for a displacement that violates them. A boundary with straight sides would give those.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, final
+
+from mypy_extensions import mypyc_attr
+
+from agents.lines.line import ROUNDING, HalfPlane
+from agents.polygon import Polygon
+
+_WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left
+
+
+@final
+@mypyc_attr(acyclic=True)
+class RoundBoundary:
+    """A circle around the origin.
+
+    Args:
+        radius: the largest distance W of the own centre from the origin, m.
+    """
+
+    __slots__ = ("radius",)
+
+    def __init__(self, radius: float) -> None:
+        self.radius = radius
+
+    def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
+        """The tangent behind which the corner of `shape` around (x, y) lies that sticks out most, if that is
+        worth a cut."""
+        far, fx, fy = self.radius + _WORTH * shape.radius, 0.0, 0.0
+        for index, vx in enumerate(shape.xs):
+            px, py = x + vx, y + shape.ys[index]
+            distance = math.hypot(px, py)
+            if distance > far:
+                far, fx, fy = distance, px, py
+        return None if fx == fy == 0.0 else HalfPlane(fx / far, fy / far, self.radius)
+
+    def cut(
+        self,
+        x: float,
+        y: float,
+        shape: Polygon | None,
+        dx: float,
+        dy: float,
+        *,
+        noise: float = 0.0,
+        tolerance: float = 0.0,
+    ) -> HalfPlane | None:
+        """A half-plane of displacements that the displacement (dx, dy) violates; None if it violates none.
+
+        Args:
+            x, y, shape: the set where the own centre can be, m; without `shape` it is (x, y).
+            noise: bound on the relative execution noise: executed is d + |d| w, |w| <= noise.
+            tolerance: share of the distance from the origin by which a violation does not count.
+        """
+        extra = noise * math.hypot(dx, dy)
+        if shape is None:
+            return self._cut_of_point(x, y, dx, dy, extra, tolerance)
+        rim = self.radius - shape.margin - 2.0 * ROUNDING
+        if rim <= 0.0:
+            return _against(dx, dy)
+        if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:
+            return None
+        worst = tolerance * rim
+        wx = wy = limit = 0.0
+        for index, vx in enumerate(shape.xs):
+            px, py = x + vx, y + shape.ys[index]
+            qx, qy = px + dx, py + dy
+            distance = math.hypot(qx, qy)
+            if distance + extra - rim <= worst:
+                continue
+            nx, ny = qx / distance, qy / distance
+            room = rim - nx * px - ny * py
+            if room < 0.0:  # this corner is not inside, and may only return
+                nx, ny = _edge_of_cone(px, py, dx, dy, rim)
+                room = 0.0
+            excess = nx * dx + ny * dy + extra - room
+            if excess > worst:
+                worst, wx, wy, limit = excess, nx, ny, room
+        if wx == 0.0 and wy == 0.0:
+            return None
+        least = rim + shape.margin - wx * x - wy * y - shape.extent(wx, wy)
+        return HalfPlane(wx, wy, max(0.0, min(limit, least)))
+
+    def _cut_of_point(
+        self, x: float, y: float, dx: float, dy: float, extra: float, tolerance: float
+    ) -> HalfPlane | None:
+        rim = max(self.radius, math.hypot(x, y))  # outside by rounding only
+        qx, qy = x + dx, y + dy
+        distance = math.hypot(qx, qy)
+        if distance + extra <= rim * (1.0 + tolerance):
+            return None
+        nx, ny = qx / distance, qy / distance
+        return HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
+
+
+def _against(dx: float, dy: float) -> HalfPlane | None:
+    """What forbids a displacement: there is no more room than rounding needs."""
+    length = math.hypot(dx, dy)
+    return HalfPlane(dx / length, dy / length, 0.0) if length > 0.0 else None
+
+
+def _edge_of_cone(px: float, py: float, dx: float, dy: float, rim: float) -> tuple[float, float]:
+    """Of the directions n with n.p >= rim, p outside, the one at the edge that (dx, dy) leads towards."""
+    distance = math.hypot(px, py)
+    ux, uy = px / distance, py / distance
+    cosine = rim / distance
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    if ux * dy - uy * dx < 0.0:
+        sine = -sine
+    return cosine * ux - sine * uy, cosine * uy + sine * ux

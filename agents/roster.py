@@ -1,0 +1,50 @@
+"""The roster as one robot knows it: the newest version that it has heard. Decisions about lives are the
+coordinator's; this robot only follows its versions, and never an older one than it already knows."""
+
+from __future__ import annotations
+
+from typing import final
+
+from protocol.messages import Member, Roster
+
+
+@final
+class KnownRoster:
+    """The newest roster heard by one life of one robot.
+
+    Args:
+        robot: own id.
+        incarnation: own life.
+
+    Attributes:
+        version: of it; 0 as long as there is none.
+    """
+
+    def __init__(self, robot: int, incarnation: int) -> None:
+        self.version = 0
+        self._robot, self._incarnation = robot, incarnation
+        self._members: dict[int, Member] = {}
+
+    def update(self, roster: Roster) -> list[Member]:
+        """Take over a roster if it is newer; what it says anew of others, in the order of their ids."""
+        if roster.version <= self.version:
+            return []
+        before, self._members = self._members, {each.robot: each for each in roster.members}
+        self.version = roster.version
+        return [
+            each for each in roster.members if each.robot != self._robot and before.get(each.robot) != each
+        ]
+
+    @property
+    def founding(self) -> bool:
+        """Whether this life was there before the first tick, and so knows the initial lines."""
+        own = self._members.get(self._robot)
+        return own is not None and own.founding == self._incarnation > 0
+
+
+def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
+    """Whether a roster says that this life is over: its disk stands, or a newer life is there."""
+    for member in roster.members:
+        if member.robot == robot and member.incarnation >= incarnation:
+            return member.incarnation > incarnation or member.status != "live"
+    return False

@@ -1,0 +1,1 @@
+"""A search for scenarios that break what is promised: random draws, mutants of near misses, shrinking."""

@@ -1,0 +1,160 @@
+"""What a worker does with one number of a campaign: a trial, or the shrinking of what a trial showed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+from deploy.load import resolved
+from deploy.options import Transport
+from deploy.studies.falsify.draw import drawn
+from deploy.studies.falsify.mutate import mutated
+from deploy.studies.falsify.nearness import nearness
+from deploy.studies.falsify.observe import Observation, observe
+from deploy.studies.falsify.on_processes import on_processes
+from deploy.studies.falsify.shrink import shrunk
+from deploy.studies.falsify.violation import Violation, other_trajectory
+from deploy.studies.study import Run
+from deploy.studies.worker import Send
+from protocol.scenario import Scenario
+from protocol.scenario_file import apply_settings, document_of, parse_document, parse_toml, write_toml
+
+Result = dict[str, Any]
+Task = Callable[[Run], Result]
+
+REPEATED = 8  # one in so many is run again with the robots joining in another order
+TRIES: dict[Transport, int] = {"local": 600, "routed": 40, "mesh": 40}  # of one shrinking
+
+
+class Source(Protocol):
+    """Where the scenario of a trial comes from."""
+
+    def __call__(self, number: int) -> tuple[Scenario, int]:
+        """The scenario, and how many draws were refused for it."""
+
+
+@dataclass(frozen=True)
+class Fresh:
+    """A scenario that has nothing to do with any other."""
+
+    seed: int
+
+    def __call__(self, number: int) -> tuple[Scenario, int]:
+        return drawn(self.seed, number)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A scenario a little different from one that came near to touching."""
+
+    seed: int
+    parent: Scenario
+    other: Scenario
+
+    def __call__(self, number: int) -> tuple[Scenario, int]:
+        return mutated(self.parent, self.other, self.seed, number)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Run a scenario, judge it, and say how near it came."""
+
+    source: Source
+    settings: tuple[str, ...] = ()
+
+    def scenario(self, number: int) -> tuple[Scenario, int]:
+        """What is run, settings laid over it, and how many draws were refused.
+
+        Raises:
+            ScenarioError: a setting does not fit the scenario.
+        """
+        scenario, refused = self.source(number)
+        if self.settings:
+            document = apply_settings(document_of(scenario), self.settings)
+            scenario = resolved(parse_document(document, scenario.name))
+        return scenario, refused
+
+    def __call__(self, run: Run) -> Result:
+        """In plain types; `niche` and `score` are None for what is no near miss but a violation."""
+        began = time.monotonic()
+        scenario, refused = self.scenario(run.seed)
+        repeated = run.seed % REPEATED == 0
+        seen = observe(scenario)
+        found = examined(scenario, seen, run.transport, repeated=repeated)
+        near = None
+        if seen.report is not None and not found:
+            near = nearness(scenario, seen.truths, seen.sides, seen.report["faults"])
+        return {
+            "refused": refused,
+            "repeated": repeated,
+            "violations": [asdict(each) for each in found],
+            "scenario": write_toml(scenario) if found else None,
+            "niche": None if near is None else near.niche,
+            "score": None if near is None else near.score,
+            "verdict": None if seen.report is None else seen.report["verdict"],
+            "robot_ticks": 0 if seen.report is None else len(scenario.robots) * seen.report["ticks"],
+            "seconds": time.monotonic() - began,
+        }
+
+
+@dataclass(frozen=True)
+class Shrinking:
+    """Find the smallest scenario that shows one violation of another one."""
+
+    toml: str
+    violation: Violation
+
+    def __call__(self, run: Run) -> Result:
+        """The scenario, what it shows now, and how many were tried."""
+        scenario = resolved(parse_toml(self.toml))
+        shown = self.violation
+
+        def shows(smaller: Scenario) -> bool:
+            nonlocal shown
+            for each in _looked_for(smaller, self.violation, run.transport):
+                if each.making == self.violation.making:
+                    shown = each
+                    return True
+            return False
+
+        smallest, tried = shrunk(
+            scenario, shows, TRIES[run.transport if self.violation.kind == "bus" else "local"]
+        )
+        return {"scenario": write_toml(smallest), "violation": asdict(shown), "tried": tried}
+
+
+def examined(
+    scenario: Scenario, seen: Observation, transport: Transport, *, repeated: bool
+) -> list[Violation]:
+    """All violations of a run that was seen, in another order and on processes if asked for."""
+    found = list(seen.violations)
+    if seen.report is not None and repeated:
+        found += in_another_order(scenario, seen.trajectory)
+    if seen.report is not None and transport != "local":
+        found += on_processes(scenario, transport, seen.trajectory)
+    return found
+
+
+def in_another_order(scenario: Scenario, trajectory: str) -> list[Violation]:
+    """Whether robots that join in the opposite order drive another trajectory."""
+    other = observe(scenario, joining=scenario.ids[::-1])
+    if other.report is None:
+        return other.violations
+    if other.trajectory == trajectory:
+        return []
+    return [other_trajectory("order", trajectory, other.trajectory, "if robots join in the opposite order")]
+
+
+def _looked_for(scenario: Scenario, violation: Violation, transport: Transport) -> list[Violation]:
+    """Violations of a scenario, as far as one like this may be among them."""
+    seen = observe(scenario)
+    by_bus = transport if violation.kind == "bus" else "local"
+    return examined(scenario, seen, by_bus, repeated=violation.kind == "order")
+
+
+def perform(batch: Sequence[tuple[Run, Task]], send: Send) -> None:
+    """Do what a worker was given, one after the other."""
+    for run, task in batch:
+        send(run, task(run))

@@ -1,0 +1,489 @@
+"""Every rule of the safety protocol, and the product without it: what a source would read if nobody had
+thought of the rule. The models have to find a violation in each (`test_mutants`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tests.agents.lines import skirmish, walk
+from tests.agents.lines.product import Product
+from tests.agents.lines.small_model import Bounds, search
+from tests.interpreted import Edit
+
+_PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
+    f"agents.lines.{name}" for name in ("pair", "bond", "fixed_disk", "ledger", "boundary")
+)
+_ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
+_ROLL, _COMMANDS, _LIVES, _BODIES = "world.roll", "world.commands", "world.lives", "world.kinematics"
+_RUNS = 2_000  # random ones in which a mutant has to be found, at most
+
+
+class Mutant(NamedTuple):
+    """The product without one rule.
+
+    Attributes:
+        rule: its short name.
+        says: the rule.
+        edits: what reads otherwise without it.
+        saved: False: the coordinator tells what it decided before it writes it down.
+        model: that finds a violation; "walk" and "skirmish" are random, "pair" is exhaustive within `bounds`.
+    """
+
+    rule: str
+    says: str
+    edits: tuple[Edit, ...] = ()
+    saved: bool = True
+    model: str = "walk"
+    bounds: Bounds = Bounds()
+
+
+class Found(NamedTuple):
+    """A violation, and after how many runs or states; none if it is ""."""
+
+    tried: int
+    violation: str
+
+
+def hunt(mutant: Mutant, runs: int = _RUNS) -> Found:
+    """Look for what goes wrong without the rule."""
+    product = Product(mutant.edits)
+    if mutant.model == "pair":
+        return Found(*search(mutant.bounds, product, mutant.saved))
+    for seed in range(runs):
+        if mutant.model == "walk":
+            violation = walk.violation_of(seed, product, mutant.saved)
+        else:
+            violation = skirmish.violation_of(seed, product)
+        if violation:
+            return Found(seed + 1, violation)
+    return Found(runs, "")
+
+
+PAIR = (
+    Mutant(
+        "propose-satisfied",
+        "an owner proposes only a line that its own disk satisfies now",
+        (Edit(_LEDGER, "if line is None or not self._fits(line, owner=True):", "if line is None:"),),
+    ),
+    Mutant(
+        "obey-at-once",
+        "an owner obeys a proposal from the moment when it makes it",
+        (
+            Edit(
+                _PAIR,
+                "return (*self._inherited, *held, *self.proposed.values())",
+                "return (*self._inherited, *held)",
+            ),
+        ),
+    ),
+    Mutant(
+        "obey-both",
+        "until there is an answer it obeys what it held, too",
+        (Edit(_PAIR, "        self.number += 1\n", "        self.number += 1\n        self.held = None\n"),),
+    ),
+    Mutant(
+        "drop-on-answer",
+        "it drops a proposal only when an answer says that this number has been answered",
+        (
+            Edit(
+                _PAIR,
+                "for number, line in self.proposed.items() if number > seen}",
+                "for number, line in ()}",
+            ),
+        ),
+    ),
+    Mutant(
+        "hold-what-is-held",
+        "of the lines that were answered it goes on obeying the one that the follower holds",
+        (Edit(_PAIR, "if held in self.proposed:", "if seen in self.proposed:\n            held = seen"),),
+    ),
+    Mutant(
+        "adopt-satisfied",
+        "a follower adopts only a line that its own disk satisfies now",
+        (Edit(_PAIR, "if not fits(line):", "if False:"),),
+    ),
+    Mutant(
+        "answer-once",
+        "a number that was answered, or passed over, is never adopted later",
+        (Edit(_PAIR, "or number <= self.seen:\n", "or number == self.held_number:\n"),),
+    ),
+    Mutant(
+        "reject-for-ever",
+        "a number that was rejected is never adopted later, though the own disk may satisfy it then",
+        (Edit(_PAIR, "or number <= self.seen:\n", "or number <= self.held_number:\n"),),
+    ),
+    Mutant(
+        "no-line-no-motion",
+        "a robot moves only while every peer that is there is behind a line or a tangent",
+        (Edit(_LEDGER, "if not (bond.settled or bond.ready):", "if False:"),),
+    ),
+)
+
+
+LIVES = (
+    Mutant(
+        "answer-to-this-life",
+        "an answer counts only for the life of the owner that it names",
+        (Edit(_PAIR, "or life != self.life or not self.seen < seen", "or not self.seen < seen"),),
+    ),
+    Mutant(
+        "offer-to-this-life",
+        "a proposal counts only for the life of the follower that it names",
+        (Edit(_PAIR, "or life != self.life or number <= self.seen:", "or number <= self.seen:"),),
+    ),
+    Mutant(
+        "older-follower-ignored",
+        "an owner ignores lives of the follower that are older than the newest known",
+        (
+            Edit(
+                _PAIR,
+                "if not self.meet(peer_life) or life != self.life or not self.seen",
+                "if life != self.life or not self.seen",
+            ),
+            Edit(
+                _BOND,
+                "            if not self.end.meet(state.incarnation):\n                return False\n",
+                "            self.end.meet(state.incarnation)\n",
+            ),
+        ),
+    ),
+    Mutant(
+        "older-owner-ignored",
+        "a follower ignores lives of the owner that are older than the newest known",
+        (
+            Edit(
+                _PAIR,
+                "if not self.meet(peer_life) or life != self.life or number",
+                "if life != self.life or number",
+            ),
+            Edit(
+                _BOND,
+                "            if not self.end.meet(state.incarnation):\n                return False\n",
+                "            self.end.meet(state.incarnation)\n",
+            ),
+        ),
+    ),
+    Mutant(
+        "lives-are-ordered",
+        "which of two lives is the newer one follows from their numbers, not from who was heard last",
+        (
+            Edit(
+                _PAIR,
+                "        if peer_life > self.peer_life:\n            self.held_number",
+                "        if peer_life != self.peer_life:\n            self.held_number",
+            ),
+        ),
+    ),
+    Mutant(
+        "numbers-begin-anew",
+        "a follower counts the numbers of each life of the owner by themselves",
+        (Edit(_PAIR, "            self.held_number = self.seen = 0\n", ""),),
+    ),
+    Mutant(
+        "inherit-held",
+        "an owner whose follower lives anew goes on obeying the line that was held",
+        (
+            Edit(
+                _PAIR, "self._inherited = self.obeyed\n", "self._inherited = tuple(self.proposed.values())\n"
+            ),
+        ),
+    ),
+    Mutant(
+        "inherit-proposed",
+        "and every unanswered proposal: it may have been adopted in the moment of death",
+        (Edit(_PAIR, "self._inherited = self.obeyed\n", "self._inherited = self.obeyed[:1]\n"),),
+    ),
+    Mutant(
+        "unadopted-count-for-nothing",
+        "a proposal that no life is known to have adopted is no line: the peer may have moved past it",
+        (
+            Edit(
+                _PAIR,
+                "        self.proposed[self.number] = line\n",
+                "        self.proposed[self.number] = line\n        self.agreed = True\n",
+            ),
+        ),
+    ),
+    Mutant(
+        "offer-to-who-was-heard",
+        "nothing is offered to a life that has not been heard",
+        (
+            Edit(_LEDGER, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
+            Edit(
+                _LEDGER,
+                "        if state is None or not state.placed:\n            return 0\n",
+                "        if state is None:\n"
+                "            state = PeerState(bond.peer, 0, 0, True, 0.0, float(bond.peer), 0.0, 0.0, "
+                "0.0, 0.0, 0.0, radius=0.0)\n",
+            ),
+        ),
+        model="pair",
+        bounds=Bounds(lives=(2, 2), proposals=1, fences=1, versions=5),
+    ),
+    Mutant(
+        "dead-lines-are-kept",
+        "a follower whose owner lives anew goes on obeying the line that it holds",
+        (
+            Edit(
+                _PAIR,
+                "            self.held_number = self.seen = 0\n",
+                "            self.held_number = self.seen = 0\n            self._held = None\n",
+            ),
+            Edit(
+                _PAIR,
+                "        return self._held is not None\n\n    @property\n    def settled",
+                "        return True\n\n    @property\n    def settled",
+            ),
+        ),
+    ),
+)
+
+
+WHO_IS_THERE = (
+    Mutant(
+        "founding-only",
+        "only a life that began the run knows the initial lines",
+        (Edit(_ROSTER, "own.founding == self._incarnation > 0", "own.founding > 0"),),
+    ),
+    Mutant(
+        "late-lives-are-newcomers",
+        "whoever was not there when the run began is no founding life when it comes",
+        (
+            Edit(
+                _ROLL,
+                'self._put(replace(member, incarnation=incarnation, status="live", position=None, '
+                "bound=0.0))",
+                'self._put(replace(member, incarnation=incarnation, status="live", position=None, '
+                "bound=0.0, founding=member.founding or incarnation))",
+            ),
+        ),
+    ),
+    Mutant(
+        "newer-lives-only",
+        "only a life with a new number is admitted",
+        (Edit(_ROLL, "if incarnation <= member.incarnation:", "if False:"),),
+    ),
+    Mutant(
+        "acknowledge-before-appearing",
+        "a disk appears only after every live robot has acknowledged the version that announces it",
+        (Edit(_ROLL, "self._all_keep_clear() and ", ""),),
+    ),
+    Mutant(
+        "admission-is-no-acknowledgement",
+        "to be admitted with that version is no acknowledgement: the life may begin on the place",
+        (
+            Edit(
+                _ROLL,
+                "position=None, bound=0.0))\n\n    def fence",
+                "position=None, bound=0.0))\n"
+                "        self._kept[robot] = (incarnation, self.version)\n"
+                "\n"
+                "    def fence",
+            ),
+        ),
+    ),
+    Mutant(
+        "acknowledge-the-newest",
+        "an acknowledgement of an earlier version is none of this one",
+        (
+            Edit(
+                _ROLL,
+                "            self._kept.get(each.robot) == (each.incarnation, self.version)\n            for",
+                "            self._kept.get(each.robot, (0, 0))[0] == each.incarnation\n            for",
+            ),
+        ),
+    ),
+    Mutant(
+        "acknowledge-when-clear",
+        "a robot acknowledges only what it keeps clear of, by a tangent",
+        (Edit(_LEDGER, "return not self._disturbed or all(", "return True or all("),),
+    ),
+    Mutant(
+        "appear-where-nothing-stands",
+        "a disk appears only where no disk stands",
+        (Edit(_ROLL, " and self._is_free(member)", ""),),
+    ),
+    Mutant(
+        "appear-as-standing",
+        "what has appeared stands, for whoever is admitted later",
+        (
+            Edit(
+                _ROLL,
+                'self._put(replace(member, status="standing"))',
+                'self._put(replace(member, status="appearing", position=(9.0, 9.0)))',
+            ),
+        ),
+    ),
+    Mutant(
+        "gone-after-fenced",
+        "only what stands can be struck off",
+        (
+            Edit(
+                _ROLL,
+                '        if member.status != "standing":\n'
+                '            raise RosterError(f"robot {robot} cannot be removed',
+                '        if False:\n            raise RosterError(f"robot {robot} cannot be removed',
+            ),
+        ),
+    ),
+    Mutant(
+        "older-versions-ignored",
+        "a robot never follows a version older than one that it knows",
+        (Edit(_ROSTER, "if roster.version <= self.version:", "if roster.version == self.version:"),),
+    ),
+    Mutant(
+        "heard-life-is-not-excused",
+        "a version that is older than a life already heard excuses nobody",
+        (Edit(_BOND, "if member.incarnation < self.heard:", "if False:"),),
+        model="pair",
+        bounds=Bounds(lives=(1, 2), proposals=1, fences=1),
+    ),
+    Mutant(
+        "standing-is-there",
+        "a standing disk is behind a tangent, or the robot stands still",
+        (Edit(_BOND, 'self.excused = member.status == "appearing"', "self.excused = True"),),
+    ),
+    Mutant(
+        "tangent-when-clear",
+        "a tangent is taken only if the own disk satisfies it",
+        (Edit(_DISK, "if tangent.slack(x, y) >= extent + ROUNDING:", "if True:"),),
+    ),
+    Mutant(
+        "standing-behind-the-line",
+        "a line stays in the place of the tangent only if the disk stands behind it",
+        (Edit(_DISK, "if -side.slack(x, y) >= self._contact)", "if True)"),),
+    ),
+    Mutant(
+        "line-replaces-standing-when-agreed",
+        "a standing place counts until a line with the new life is agreed",
+        (
+            Edit(
+                _BOND,
+                "        if self.end.agreed:\n            self.disk = None\n",
+                "        if self.end.obeyed:\n            self.disk = None\n",
+            ),
+            Edit(
+                _BOND,
+                "return self.excused or self.end.agreed or self.keeps_clear",
+                "return self.excused or bool(self.end.obeyed) or self.keeps_clear",
+            ),
+        ),
+    ),
+    Mutant(
+        "standing-life-is-over",
+        "of a life that stands nothing counts any more, whatever it says",
+        (Edit(_BOND, "        self.end.bury(incarnation)\n", "        self.end.bury(incarnation - 1)\n"),),
+    ),
+    Mutant(
+        "save-before-telling",
+        "the coordinator writes down what it decided before it tells anybody",
+        saved=False,
+    ),
+)
+
+
+ITSELF = (
+    Mutant(
+        "settled-commands",
+        "lines are taken over only while no command is under way",
+        (Edit(_ROBOT, "if self._open and tick <= self.tick and self._link.ideal", "if self._link.ideal"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "own-error-at-lines",
+        "every place where the own centre can be keeps to the lines, not the most likely one",
+        (
+            Edit(
+                _LEDGER,
+                "return self._bound if self._shape is None else self._shape.extent(nx, ny)",
+                "return 0.0",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "own-error-at-the-wall",
+        "and to the wall",
+        (
+            Edit(
+                _BOUNDARY,
+                "if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:",
+                "if math.hypot(x + dx, y + dy) + extra <= rim:",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "actuation-error",
+        "a command leaves room for the stated error of its execution",
+        (Edit(_ROBOT, "noise=self._scenario.actuation.bound", "noise=0.0"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "missed-odometry",
+        "a tick whose odometry was missed may have led as far as any",
+        (
+            Edit(_ESTIMATE, 'self._settle(self.shape.widened(self._reach), "")', "pass"),
+            Edit(
+                _ESTIMATE,
+                "self._history.append(Move(0.0, 0.0, self._reach))",
+                "self._history.append(Move(0.0, 0.0, 0.0))",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "measured-then",
+        "a measurement is of the tick that its stamp names",
+        (Edit(_ESTIMATE, "for back in range(-age, 0):", "for back in ():"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "command-of-this-tick",
+        "a command counts only in the tick that it names",
+        (Edit(_COMMANDS, "if command.tick != self._tick or not self._open:", "if not self._open:"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "watchdog",
+        "a robot whose command is missing stands still",
+        (
+            Edit(
+                _BODIES,
+                "            velocity = commands.get(robot)\n",
+                "            velocity = self.last[robot] = commands.get(robot, self.last.get(robot))\n",
+            ),
+            Edit(
+                _BODIES,
+                "        self._actuation = Actuation(scenario)\n",
+                "        self._actuation = Actuation(scenario)\n        self.last: dict[int, Vector] = {}\n",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "fenced-never-moves",
+        "no command of a life is executed after it was announced as standing",
+        (
+            Edit(_COMMANDS, '        if life.fenced:\n            return "fenced"\n', ""),
+            Edit(
+                _LIVES,
+                "            if life.status is Status.UP:\n"
+                "                life.status = Status.LOST\n"
+                "\n"
+                "    def listeners",
+                "\n    def listeners",
+            ),
+            Edit(
+                _ROSTER,
+                'return member.incarnation > incarnation or member.status != "live"',
+                "return member.incarnation > incarnation",
+            ),
+        ),
+        model="skirmish",
+    ),
+)
+
+
+MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF)

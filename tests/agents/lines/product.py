@@ -1,0 +1,36 @@
+"""The product's own modules as the models drive them: interpreted, so that a mutant may read otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any
+
+from tests.interpreted import Edit, interpreted
+
+_LINES = [
+    f"agents.lines.{name}"
+    for name in ("line", "boundary", "placement", "pair", "fixed_disk", "bond", "spoken", "ledger")
+]
+_ROBOT = ["agents.roster", "agents.estimate", "agents.safe_velocity", "agents.robot"]
+_WORLD = [f"world.{name}" for name in ("roll", "lives", "commands", "kinematics", "world")]
+
+
+class Product:
+    """What the models take from the product.
+
+    Args:
+        edits: what reads otherwise than in the sources.
+    """
+
+    def __init__(self, edits: Sequence[Edit] = ()) -> None:
+        names = [*_LINES, *_ROBOT, *_WORLD]
+        modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
+        self.placement: Any = modules["agents.lines.ledger"]  # where `place` is looked up
+        self.Line: Any = modules["agents.lines.line"].Line
+        self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
+        self.Ledger: Any = modules["agents.lines.ledger"].Ledger
+        self.KnownRoster: Any = modules["agents.roster"].KnownRoster
+        self.Robot: Any = modules["agents.robot"].Robot
+        self.Roll: Any = modules["world.roll"].Roll
+        self.World: Any = modules["world.world"].World

@@ -1,0 +1,275 @@
+"""Whole robots in a world: every one drives at another or at the wall, and whatever can go wrong does.
+
+World, robots, and all that is in them are the real ones; only the law is replaced by one that wants to
+collide. The model is what lies between: processes that die, sleep and wake over an old queue, come late, talk
+on though they are fenced; and messages that are lost, late, repeated and reordered.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from random import Random
+from typing import Any
+
+from agents.peer_state import said_to
+from protocol.messages import Command, Measurement, State
+from protocol.scenario import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
+from tests.agents.lines.product import Product
+
+TICKS = 40
+STEP, SPEED = 0.05, 0.6  # s, m/s: a tick leads nearly as far as a small disk reaches
+TOLERANCE = 2e-9  # m
+
+Vector = tuple[float, float]
+
+
+def violation_of(seed: int, product: Product, ticks: int = TICKS) -> str:
+    """What goes wrong in the run with this seed; "" if nothing does."""
+    skirmish = Skirmish(seed, product)
+    for _ in range(ticks):
+        skirmish.tick()
+        violation = skirmish.violation()
+        if violation:
+            return f"in tick {skirmish.world.tick - 1}: {violation}"
+    return ""
+
+
+class Skirmish:
+    """One run, all of it drawn from its seed."""
+
+    def __init__(self, seed: int, product: Product) -> None:
+        rng = self.rng = Random(seed)
+        self.product, self.scenario = product, _scenario(seed, rng)
+        self.world = product.World(self.scenario)
+        self.processes: dict[int, _Process] = {}
+        self.former: list[_Process] = []
+        self.under_way: list[tuple[int, State, int]] = []  # tick of arrival, what, to whom
+        self.late: list[Command] = []
+        self.trouble = rng.choice((0.0, 0.02, 0.05, 0.1))  # share of ticks in which a process fails
+        self.loss = rng.choice((0.0, 0.1, 0.3, 0.6))
+        self.delay = rng.choice((0, 0, 1, 4, 15))  # ticks at most
+        self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
+        self.before: list[Vector] = list(self.world.truth.positions)
+        for robot in self.scenario.ids:
+            if rng.random() < 0.15:
+                self.world.give_up_waiting(robot)
+            else:
+                self._join(robot)
+
+    # -- one tick
+
+    def tick(self) -> None:
+        """All that happens in one."""
+        world = self.world
+        self._begin()
+        awake = [each for each in (*self.processes.values(), *self.former) if each.asleep <= 0]
+        self.rng.shuffle(awake)
+        if self.waits:
+            self._together(awake)
+        else:
+            self._each_by_itself(awake)
+        self._deliver()
+        for command in (*self.late, *self.late):
+            world.accept(command)
+        self.late = self.late[-20:]
+        world.close_tick()
+        for process in self.processes.values():
+            process.asleep -= 1
+
+    def _begin(self) -> None:
+        """Trouble comes first; then the world tells what it has to tell."""
+        rng, world = self.rng, self.world
+        for robot in self.scenario.ids:
+            if rng.random() < self.trouble:
+                self._trouble(robot)
+        told = world.open_tick()
+        for robot, measurement in told.items():
+            process = self.processes.get(robot)
+            if process is not None and rng.random() >= 0.3 * self.loss:
+                process.queue.append(measurement)
+        self.before = list(world.truth.positions)
+
+    def _together(self, awake: list[_Process]) -> None:
+        """All States are on their way before anybody commands."""
+        for process in awake:
+            self._open(process)
+        self._deliver()
+        for process in awake:
+            self._command(process)
+
+    def _each_by_itself(self, awake: list[_Process]) -> None:
+        """Nobody waits for anybody; who wakes handles all that it has missed."""
+        for process in awake:
+            while process.queue:
+                self._open(process)
+                self._command(process)
+            self._deliver()
+
+    def violation(self) -> str:
+        """What is wrong with where the disks are, or how they came there; "" if nothing."""
+        scenario, after = self.scenario, self.world.truth.positions
+        ids = scenario.ids
+        for number, robot in enumerate(ids):
+            radius = scenario.spec(robot).radius
+            outside = math.hypot(*after[number]) + radius - scenario.workspace.radius
+            if outside > TOLERANCE:
+                return f"robot {robot} is out of the workspace by {outside:.3g} m"
+            for index in range(number):
+                contact = radius + scenario.spec(ids[index]).radius
+                pairs = (self.before[number], self.before[index], after[number], after[index])
+                overlap = contact - _closest(*pairs)
+                if overlap > TOLERANCE:
+                    return f"robots {ids[index]} and {robot} overlap by {overlap:.3g} m"
+        return ""
+
+    # -- processes
+
+    def _join(self, robot: int) -> None:
+        """A new process for the robot; whoever stood for it may talk on."""
+        if robot in self.processes:
+            self.former.append(self.processes.pop(robot))
+        self._live(_Process(), robot)
+
+    def _live(self, process: _Process, robot: int) -> None:
+        """The process begins a new life of its robot."""
+        core = self.product.Robot(self.scenario, robot, self.world.join(robot))
+        core._law = _Attack(self.rng, self.world, robot)
+        process.core = core
+        self.processes[robot] = process
+
+    def _trouble(self, robot: int) -> None:
+        process = self.processes.get(robot)
+        if process is None:
+            if self.rng.random() < 0.7:
+                self._join(robot)
+            return
+        kind = self.rng.choice(("sleep", "sleep", "die", "restart"))
+        if kind == "sleep":
+            process.asleep = self.rng.randint(1, 12)
+            return
+        self.world.lost(robot)
+        if kind == "die":
+            self.former.append(self.processes.pop(robot))
+        else:
+            self._join(robot)
+
+    def _open(self, process: _Process) -> None:
+        """Handle Measurements up to the next that opens a tick, as `RobotNode` does."""
+        process.opened = False
+        while process.queue and not process.opened:
+            measurement = process.queue.popleft()
+            core = process.core
+            if core.has_ended(measurement):
+                if self.processes.get(core.robot) is process and self.world._lives.of[core.robot].fenced:
+                    self._live(process, core.robot)
+            elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
+                process.state = core.measure(measurement)
+                process.opened = True
+                self._publish(process.state)
+
+    def _command(self, process: _Process) -> None:
+        if not process.opened:
+            return
+        process.opened = False
+        command = process.core.command()
+        if self.rng.random() >= 0.3 * self.loss:
+            self.world.accept(command)
+        if self.rng.random() < 0.3:
+            self.late.append(command)
+        if process.state is not None and self.rng.random() < 0.2:
+            self._publish(process.state)  # again
+
+    def _publish(self, state: State) -> None:
+        for robot in self.scenario.ids:
+            if robot != state.robot and self.rng.random() >= self.loss:
+                arrival = self.world.tick + self.rng.randint(0, self.delay)
+                self.under_way.append((arrival, state, robot))
+
+    def _deliver(self) -> None:
+        """What has arrived is heard, in any order; some of it once more, later."""
+        due = [each for each in self.under_way if each[0] <= self.world.tick]
+        self.under_way = [each for each in self.under_way if each[0] > self.world.tick]
+        self.rng.shuffle(due)
+        for _, state, robot in due:
+            radius = self.scenario.spec(state.robot).radius
+            place = [each for each in self.scenario.ids if each != robot].index(state.robot)
+            for process in self._all_of(robot):
+                process.core.hear(said_to(robot, state, radius, place))
+            if self.rng.random() < 0.1:
+                self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
+
+    def _all_of(self, robot: int) -> Iterator[_Process]:
+        for process in (*self.processes.values(), *self.former):
+            if process.core.robot == robot:
+                yield process
+
+
+class _Process:
+    """What stands for a robot: its core, and what it has not handled yet."""
+
+    def __init__(self) -> None:
+        self.core: Any = None
+        self.queue: deque[Measurement] = deque()
+        self.asleep = 0  # ticks
+        self.opened = False
+        self.state: State | None = None
+
+
+class _Attack:
+    """A law that wants to collide: for some ticks at a peer, past it, or at the wall."""
+
+    def __init__(self, rng: Random, world: Any, robot: int) -> None:
+        self._rng, self._world, self._robot = rng, world, robot
+        self._target, self._turn = 0, 0.0
+
+    def slice_norm(self, position: Vector) -> float:
+        return 0.0
+
+    def velocity(self, position: Vector, *_: Any) -> Vector:
+        rng, truth = self._rng, self._world.truth
+        if rng.random() < 0.15:
+            self._target, self._turn = rng.randint(-1, len(truth.robots) - 1), rng.uniform(-0.6, 0.6)
+        x, y = truth.positions[self._target] if self._target >= 0 else (2.0 * position[0], 2.0 * position[1])
+        angle = math.atan2(y - position[1], x - position[0]) + self._turn
+        speed = SPEED * rng.choice((0.3, 1.0, 1.0))
+        return speed * math.cos(angle), speed * math.sin(angle)
+
+
+def _scenario(seed: int, rng: Random) -> Scenario:
+    """Three or four robots in little room."""
+    room = 0.22
+    specs: list[RobotSpec] = []
+    while len(specs) < 3 + (seed % 3 == 0):
+        radius = rng.uniform(0.02, 0.06)
+        start = (rng.uniform(-room, room), rng.uniform(-room, room))
+        apart = all(math.dist(start, each.start) > radius + each.radius + 1e-3 for each in specs)
+        if apart and math.hypot(*start) + radius < room - 1e-3:
+            specs.append(RobotSpec(len(specs) + 1, radius, start, (0.0, 0.0)))
+    noise = rng.choice((0.0, 0.002, 0.01))
+    sensing = Sensing(
+        delay=rng.choice((0.0, 0.0, 0.1, (0.0, 0.3))),
+        noise=noise,
+        noise_bound=noise * rng.choice((1.0, 2.0)),
+        bias=(noise * rng.uniform(-1.0, 1.0), noise * rng.uniform(-1.0, 1.0)),
+        dropout=rng.choice((0.0, 0.0, 0.3)),
+    )
+    return Scenario(
+        tuple(specs),
+        seed=seed,
+        workspace=Workspace(room),
+        time=Time(step=STEP, limit=1e3, tolerance=1e-6, fence=STEP * rng.choice((1, 3, 8)), deadlock=1e3),
+        control=Control(k=20.0, speed=SPEED),
+        sensing=(sensing,),
+        actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
+    )
+
+
+def _closest(one: Vector, other: Vector, one_after: Vector, other_after: Vector) -> float:
+    """Smallest distance while both move straight, m."""
+    px, py = one[0] - other[0], one[1] - other[1]
+    vx, vy = one_after[0] - other_after[0] - px, one_after[1] - other_after[1] - py
+    square = vx * vx + vy * vy
+    when = 0.0 if square == 0.0 else min(1.0, max(0.0, -(px * vx + py * vy) / square))
+    return math.hypot(px + when * vx, py + when * vy)

@@ -1,0 +1,231 @@
+"""The wall: whatever is known of the own position, the truth stays inside; and a naive wall does not."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from interpreted import interpreted
+
+from agents.estimate import Estimate
+from agents.lines.boundary import RoundBoundary
+from agents.lines.line import ROUNDING, HalfPlane
+from agents.polygon import Polygon, around
+from protocol.messages import Measurement
+from world.disturbance import truncated_normal
+
+W, SPEED, PERIOD = 0.26, 0.1, 0.05
+REACH = SPEED * PERIOD
+TINY = 1e-12  # m
+angles = st.floats(0.0, 2.0 * math.pi)
+shares = st.floats(0.0, 1.0)
+Wall = Callable[[float], object]
+INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.safe_velocity")
+
+
+class NaiveWall:
+    """A disk that is shrunk by the error bound, or as large as the estimate is far out."""
+
+    def __init__(self, radius: float) -> None:
+        self.radius = radius
+
+    def beyond(self, x: float, y: float, shape: Polygon) -> None:
+        """Learns nothing."""
+
+    def cut(self, x, y, shape, dx, dy, *, noise=0.0, tolerance=0.0) -> HalfPlane | None:
+        bound = 0.0 if shape is None else shape.radius
+        rim = max(self.radius - bound, math.hypot(x, y))
+        qx, qy = x + dx, y + dy
+        distance = math.hypot(qx, qy)
+        if distance + noise * math.hypot(dx, dy) <= rim * (1.0 + tolerance):
+            return None
+        nx, ny = qx / distance, qy / distance
+        return HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
+
+
+def unit(angle: float) -> tuple[float, float]:
+    return math.cos(angle), math.sin(angle)
+
+
+@given(
+    shape=st.lists(st.tuples(angles, st.floats(-0.002, 0.01)), max_size=6),
+    place=st.tuples(angles, st.floats(-0.02, 0.02)),
+    move=st.tuples(angles, shares),
+    noise=st.sampled_from([0.0, 0.3]),
+    where=st.lists(st.tuples(shares, shares, shares, angles), min_size=20, max_size=20),
+)
+def test_what_violates_nothing_takes_no_possible_place_out(shape, place, move, noise, where) -> None:
+    polygon = around(0.01)
+    for angle, limit in shape:
+        polygon = polygon.cut(*unit(angle), limit) or polygon
+    angle, out = place
+    x, y = ((W + out) * part for part in unit(angle))
+    dx, dy = (REACH * move[1] * part for part in unit(move[0]))
+    boundary = RoundBoundary(W)
+    if boundary.cut(x, y, polygon, dx, dy, noise=noise) is not None:
+        return
+    corners = list(zip(polygon.xs, polygon.ys, strict=True))
+    for a, b, c, turn in where:
+        (ax, ay), (bx, by) = corners[int(a * (len(corners) - 1))], corners[int(b * (len(corners) - 1))]
+        tx, ty = x + ax + c * (bx - ax), y + ay + c * (by - ay)
+        if math.hypot(tx, ty) > W:
+            tx, ty = W * tx / math.hypot(tx, ty), W * ty / math.hypot(tx, ty)
+            if not contains(polygon, tx - x, ty - y):
+                continue
+        ex, ey = unit(turn)
+        extra = noise * math.hypot(dx, dy)
+        assert math.hypot(tx + dx + extra * ex, ty + dy + extra * ey) <= W + TINY
+
+
+def contains(polygon: Polygon, x: float, y: float) -> bool:
+    """Whether no side of the polygon excludes a point."""
+    corners = list(zip(polygon.xs, polygon.ys, strict=True))
+    return all(
+        (bx - ax) * (y - ay) >= (by - ay) * (x - ax)
+        for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True)
+    )
+
+
+@given(
+    place=st.tuples(angles, st.floats(-0.02, 0.02)),
+    move=st.tuples(angles, shares),
+    noise=st.sampled_from([0.0, 0.3]),
+)
+def test_a_half_plane_is_violated_and_allows_to_stand_still(place, move, noise) -> None:
+    x, y = ((W + place[1]) * part for part in unit(place[0]))
+    dx, dy = (REACH * move[1] * part for part in unit(move[0]))
+    boundary, shape = RoundBoundary(W), around(0.005)
+    assert boundary.cut(x, y, shape, 0.0, 0.0, noise=noise) is None
+    cut = boundary.cut(x, y, shape, dx, dy, noise=noise)
+    if cut is not None:
+        assert cut.limit >= 0.0
+        assert cut.nx * dx + cut.ny * dy + noise * math.hypot(dx, dy) > cut.limit - TINY
+
+
+def at_the_wall(draw: random.Random) -> tuple[float, float, Polygon]:
+    """A set at the wall as a robot knows it: cut by measurements, then by the workspace."""
+    error = draw.choice([0.001, 0.005, 0.02])
+    polygon = around(error, ROUNDING)
+    for _ in range(draw.randint(0, 4)):
+        cut = polygon.cut(*unit(draw.uniform(0.0, 2.0 * math.pi)), draw.uniform(-0.5, 1.0) * error)
+        polygon = cut or polygon
+    out = W + draw.uniform(-1.0, 0.5) * error
+    x, y = (out * part for part in unit(draw.uniform(0.0, 2.0 * math.pi)))
+    for _ in range(4):
+        edge = RoundBoundary(W).beyond(x, y, polygon)
+        cut = None if edge is None else polygon.cut(edge.nx, edge.ny, edge.slack(x, y))
+        if cut is None:
+            break
+        cx, cy = cut.centre()
+        x, y, polygon = x + cx, y + cy, cut.shifted(-cx, -cy)
+    return x, y, polygon
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3, 0.9])
+def test_nobody_stands_still_who_could_go_where_it_wants_to(noise: float) -> None:
+    """Rounding at edges that leave no room at all must not cost the whole step."""
+    boundary, able = INNER_BOUNDARY.RoundBoundary(W), 0
+    for seed in range(400):
+        draw = random.Random(seed)
+        x, y, shape = at_the_wall(draw)
+        wish = draw.uniform(0.0, 2.0 * math.pi)
+        ways = [unit(wish + 0.1 * turn) for turn in range(-14, 15)]
+        if any(
+            boundary.cut(x, y, shape, 0.1 * REACH * dx, 0.1 * REACH * dy, noise=noise) is None
+            for dx, dy in ways
+        ):
+            able += 1
+            vx, vy = INNER.safe_velocity(
+                (SPEED * math.cos(wish), SPEED * math.sin(wish)),
+                (x, y),
+                (),
+                boundary=boundary,
+                speed=SPEED,
+                period=PERIOD,
+                shape=shape,
+                noise=noise,
+            )
+            assert math.hypot(vx, vy) > 0.0, seed
+    assert able > 200
+
+
+@pytest.mark.parametrize("room", [0.0, 1e-10, 1e-9, 3e-9])
+@pytest.mark.parametrize("error", [1e-9, 0.02])
+def test_who_has_less_room_than_rounding_takes_stands_still(room: float, error: float) -> None:
+    boundary, shape = RoundBoundary(room), around(error, ROUNDING)
+    for turn in range(16):
+        dx, dy = (REACH * part for part in unit(turn * math.pi / 8.0))
+        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy) is not None
+        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy, noise=0.3) is not None
+    assert boundary.cut(1.5 * error, 0.0, shape, 0.0, 0.0) is None
+
+
+def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
+    """How far out of the wall a robot gets that always wants out and along it, m; negative if it never does.
+
+    Noise, a constant error as large as the bound, delay, dropout, missed ticks and execution noise are drawn
+    from the seed.
+    """
+    draw = random.Random(seed)
+    boundary, error = wall(W), draw.choice([0.001, 0.006, 0.02])
+    deviation = error * draw.choice([0.2, 0.5, 2.0])
+    bias = draw.choice([None, draw.uniform(0.0, 2.0 * math.pi)])
+    oldest, dropout = draw.choice([0, 6]), draw.choice([0.0, 0.5, 0.9])
+    missing, noise = draw.choice([0.0, 0.1]), draw.choice([0.0, 0.3])
+    side, out = draw.choice([-1.0, 1.0]), draw.choice([-0.2, 0.1, 0.5])
+    estimate = Estimate(error, REACH * (1.0 + noise))
+    angle = draw.uniform(0.0, 2.0 * math.pi)
+    truth = [(W * math.cos(angle), W * math.sin(angle))]
+    moved, worst = (0.0, 0.0), -W
+    for tick in range(ticks):
+        x, y = truth[-1]
+        if tick and draw.random() < missing:
+            moved, truth = (0.0, 0.0), [*truth, (x, y)]
+            continue
+        stamp = max(0, tick - draw.randint(0, oldest))
+        nx, ny = truncated_normal(draw.random(), draw.random(), deviation, error)
+        if bias is not None:
+            nx, ny = error * math.cos(bias) * (1.0 - 1e-9), error * math.sin(bias) * (1.0 - 1e-9)
+        seen = None if tick and draw.random() < dropout else (truth[stamp][0] + nx, truth[stamp][1] + ny)
+        estimate.update(Measurement(1, 1, tick, seen, stamp, moved, (1,)))
+        moved = (0.0, 0.0)
+        if estimate.position is not None:
+            if estimate.shape is not None:
+                edge = boundary.beyond(*estimate.position, estimate.shape)
+                if edge is not None:
+                    estimate.confine(edge, "the wall")
+            assert not estimate.contradiction
+            far = math.hypot(x, y)
+            ux, uy = x / far, y / far
+            wish = (SPEED * (out * ux - side * uy), SPEED * (out * uy + side * ux))
+            vx, vy = INNER.safe_velocity(
+                wish,
+                estimate.position,
+                (),
+                boundary=boundary,
+                speed=SPEED,
+                period=PERIOD,
+                shape=estimate.shape,
+                noise=noise,
+            )
+            turn, size = draw.uniform(0.0, 2.0 * math.pi), draw.choice([0.0, noise])
+            size *= math.hypot(vx, vy)
+            moved = ((vx + size * math.cos(turn)) * PERIOD, (vy + size * math.sin(turn)) * PERIOD)
+        truth.append((x + moved[0], y + moved[1]))
+        worst = max(worst, math.hypot(*truth[-1]) - W)
+    return worst
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_nobody_leaves_whatever_is_wrong_with_what_it_knows(seed: int) -> None:
+    assert excursion(seed, RoundBoundary) <= TINY
+
+
+def test_a_naive_wall_lets_robots_out() -> None:
+    """What the seeds above are worth: many of them find the hole."""
+    out = [seed for seed in range(60) if excursion(seed, NaiveWall) > 1e-6]
+    assert len(out) >= 15

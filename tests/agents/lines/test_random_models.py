@@ -1,0 +1,26 @@
+"""Whatever is lost, late or repeated, whoever dies, is fenced, appears or is taken away: nobody touches."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.agents.lines import skirmish, walk
+from tests.agents.lines.product import Product
+
+PRODUCT = Product()
+
+
+def test_no_walk_on_the_track_breaks_the_invariant() -> None:
+    assert [seed for seed in range(300) if walk.violation_of(seed, PRODUCT)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_no_walk_of_some_thousand_breaks_the_invariant() -> None:
+    assert [seed for seed in range(1000, 3000) if walk.violation_of(seed, PRODUCT)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_nobody_touches_in_a_skirmish() -> None:
+    assert [seed for seed in range(300) if skirmish.violation_of(seed, PRODUCT)] == []

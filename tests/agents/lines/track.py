@@ -1,0 +1,406 @@
+"""Robots on a track, the coordinator, and a network that does what it likes: what the searches explore.
+
+The rosters, the ledgers and all that is in them are the real ones. The model adds what is physical (where
+each disk is, or that it is not there), and keeps whatever was once said: it can be heard at any later moment,
+any number of times, in any order, or never. A roster can reach every life that it names, sooner or later.
+Robots propose any line of a given choice, not only the one that they would place. A fenced life talks on.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from agents.peer_state import said_to
+from protocol.errors import RosterError
+from protocol.messages import Roster, State
+from tests.agents.lines.product import Product
+
+STILL = (0.0, 0.0)
+TOLERANCE = 1e-6  # m; what the real margins for rounding may add up to
+
+
+class Setting(NamedTuple):
+    """What a track begins with."""
+
+    starts: dict[int, float]  # m, by robot
+    radius: float = 0.25  # m, of all
+    length: float = 3.0  # m; places are 0 to that
+    founding: frozenset[int] | None = None  # who is there before the first tick; None: all
+    bound: float = 0.0  # m, of the error of every estimate
+    saved: bool = True  # whether the coordinator writes down what it decided before it tells anybody
+
+
+Who = tuple[int, int]  # a robot and one of its lives
+
+
+@dataclass(slots=True)
+class Seat:
+    """One life of one robot; twins of a track share it until one of them changes it."""
+
+    robot: int
+    life: int
+    known: Any  # its KnownRoster
+    owner: Track
+    ledger: Any = None  # none before it has heard a roster
+    key: int = 0  # equal for lives that nothing can tell apart; 0 if not known
+
+
+class Coordinator:
+    """Decides who is there, may die at any moment, and goes on from what it has written down.
+
+    Attributes:
+        roll: the real one.
+        announced: every version ever told, in the order in which they were.
+    """
+
+    def __init__(self, product: Product, saved: bool, owner: Track) -> None:
+        self.owner, self.key = owner, 0
+        self.roll = product.Roll()
+        self.announced: list[Roster] = []
+        self._in_time = saved
+        self._saved = _copied_roll(self.roll)
+
+    def decide(self, act: Callable[[Any], object]) -> bool:
+        """Change the roster and announce it; False if it refuses, or if nothing changes."""
+        before, version = _copied_roll(self.roll), self.roll.version
+        try:
+            act(self.roll)
+        except RosterError:
+            return False
+        if self.roll.version == version:
+            return False
+        self._saved = _copied_roll(self.roll) if self._in_time else before
+        self.announced.append(self.roll.roster)
+        return True
+
+    def restart(self) -> None:
+        """Die, and go on from what is written down."""
+        self.roll = _copied_roll(self._saved)
+
+    def twin(self, owner: Track) -> Coordinator:
+        """The same, to be changed independently."""
+        twin = copy.copy(self)
+        twin.roll, twin._saved, twin.owner = _copied_roll(self.roll), _copied_roll(self._saved), owner
+        twin.announced = list(self.announced)
+        return twin
+
+    def frozen(self) -> tuple[Any, ...]:
+        """Equal for coordinators that nothing can tell apart."""
+        rolls = (self.roll, self._saved)
+        kept = [(roll.version, roll.roster, tuple(sorted(roll._kept.items()))) for roll in rolls]
+        return (*kept, tuple(self.announced))
+
+
+class Track:
+    """One state of the model. What an event needs to be possible is checked where it happens: each returns
+    whether anything did."""
+
+    def __init__(self, product: Product, setting: Setting) -> None:
+        self.product, self.setting = product, setting
+        self.radii = dict.fromkeys(setting.starts, setting.radius)
+        self.truth: dict[int, float | None] = dict(setting.starts)  # None: the disk is not there
+        self.error = dict.fromkeys(setting.starts, 0.0)
+        self.seats: dict[Who, Seat] = {}  # of whoever may still talk
+        self.newest: dict[int, int] = {}  # life of each robot
+        self.sent: tuple[State, ...] = ()
+        self._keys: dict[Any, int] = {}  # small numbers for what is compared often
+        self.coordinator = Coordinator(product, setting.saved, self)
+        there = setting.founding if setting.founding is not None else frozenset(setting.starts)
+        places = {robot: (place, 0.0) for robot, place in setting.starts.items()}
+        self._decide(lambda roll: roll.found(dict.fromkeys(there, 1), places, self.radii))
+        for robot in sorted(there):
+            self._seat(robot, 1)
+
+    # -- what a search needs
+
+    def twin(self) -> Track:
+        """The same state, to be changed independently."""
+        twin = copy.copy(self)
+        twin.truth, twin.error, twin.seats = dict(self.truth), dict(self.error), dict(self.seats)
+        twin.newest = dict(self.newest)
+        return twin
+
+    def key(self) -> tuple[Any, ...]:
+        """Equal for states that nothing can tell apart."""
+        for seat in self.seats.values():
+            seat.key = seat.key or self._number(_frozen_seat(seat))
+        self.coordinator.key = self.coordinator.key or self._number(self.coordinator.frozen())
+        said = frozenset([self._number(state) for state in self.sent])
+        seats = tuple([seat.key for seat in self.seats.values()])
+        return tuple(self.truth.values()), tuple(self.error.values()), seats, said, self.coordinator.key
+
+    def _number(self, thing: Any) -> int:
+        return self._keys.setdefault(thing, len(self._keys) + 1)
+
+    def _change(self, who: Who) -> Seat:
+        """A life that is about to change, for this twin alone."""
+        seat = self.seats[who]
+        if seat.owner is not self:
+            seat = self.seats[who] = _copied_seat(seat, self)
+        seat.key = 0
+        return seat
+
+    def _decide(self, act: Callable[[Any], object]) -> bool:
+        """The coordinator changes the roster and announces it; False if it refuses, or nothing changes."""
+        coordinator = self._coordinator()
+        return coordinator.decide(act)
+
+    def _coordinator(self) -> Coordinator:
+        if self.coordinator.owner is not self:
+            self.coordinator = self.coordinator.twin(self)
+        self.coordinator.key = 0
+        return self.coordinator
+
+    def seat(self, robot: int) -> Seat | None:
+        """The newest life of a robot, if there was any."""
+        return self.seats.get((robot, self.newest.get(robot, 0)))
+
+    def reach(self, robot: int) -> tuple[float, float]:
+        """From where to where a disk's centre may get without another message."""
+        place, seat = self.truth[robot], self.seat(robot)
+        assert place is not None
+        if seat is None or not self.moves(robot):
+            return place, place
+        margin = self.setting.bound + 2.0 * self.product.ROUNDING
+        low, high = -10.0, self.setting.length + 10.0
+        for side in seat.ledger.half_planes():
+            if side.nx > 0.0:
+                high = min(high, side.limit + margin)
+            else:
+                low = max(low, -side.limit - margin)
+        return low, high
+
+    def moves(self, robot: int) -> bool:
+        """Whether commands of the robot's newest life would be executed, and it gives any."""
+        seat = self.seat(robot)
+        return seat is not None and self._lives(seat) and seat.ledger is not None and seat.ledger.ready
+
+    def violation(self) -> str:
+        """Which part of the invariant does not hold; "" if all does. Two that may reach a common place by
+        themselves will touch some day, and so will one that is not on its own side of what it obeys."""
+        there = sorted((place, robot) for robot, place in self.truth.items() if place is not None)
+        spans = {robot: self.reach(robot) for _, robot in there}
+        for place, robot in there:
+            low, high = spans[robot]
+            if not low - TOLERANCE <= place <= high + TOLERANCE:
+                return f"robot {robot} at {place:g} has to be within {low:g} and {high:g}"
+        for number, (_, left) in enumerate(there):
+            for _, right in there[number + 1 :]:
+                gap = spans[right][0] - spans[left][1] - self.radii[left] - self.radii[right]
+                if gap < -TOLERANCE:
+                    return (
+                        f"robot {left} within {spans[left]} and robot {right} within {spans[right]} may touch"
+                    )
+        return ""
+
+    # -- what robots do
+
+    def locate(self, robot: int, error: float) -> bool:
+        """The newest life's estimate is off by `error`, m."""
+        self.error[robot] = error
+        seat, place = self.seat(robot), self.truth[robot]
+        if seat is not None and seat.ledger is not None and place is not None:
+            seat = self._change((robot, seat.life))
+            seat.ledger.locate(0, (place + error, 0.0), self.setting.bound)
+        return True
+
+    def move(self, robot: int, place: float) -> bool:
+        """The newest life drives to a place; everything between is passed."""
+        if self.truth[robot] is None or not self.moves(robot):
+            return False
+        low, high = self.reach(robot)
+        if place == self.truth[robot] or not low - TOLERANCE <= place <= high + TOLERANCE:
+            return False
+        self.truth[robot] = place
+        return self.locate(robot, self.error[robot])
+
+    def speak(self, who: Who, choose: Callable[[int], Any] = lambda _: None) -> bool:
+        """A life publishes a State; `choose` gives the line that is placed between it and each peer."""
+        if self.seats[who].ledger is None:
+            return False
+        seat = self._change(who)
+        for bond in seat.ledger._each:
+            bond.answers_left = int(bool(not bond.owns and bond.end.seen))  # an answer may be said ever again
+        placement = self.product.placement
+        place, placement.place = placement.place, lambda _, peer, *__: choose(round(peer.y))
+        try:
+            proposals, answers = seat.ledger.speak(STILL)
+        finally:
+            placement.place = place
+        name = (0.0, float(seat.robot))  # no place, which only matters to where lines are placed
+        state = State(seat.robot, seat.life, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers)
+        if state in self.sent:
+            return False
+        self.sent = (*self.sent, state)
+        return True
+
+    def hear(self, who: Who, state: State) -> bool:
+        """A life hears what was once said."""
+        if self.seats[who].ledger is None or state.robot == who[0]:
+            return False
+        self._change(who).ledger.hear(said_to(who[0], state, self.setting.radius))
+        return True
+
+    def be_told(self, who: Who, roster: Roster) -> bool:
+        """A life hears a version of the roster that was told while it was the newest (`Robot._on_roster`)."""
+        if all((each.robot, each.incarnation) != who for each in roster.members):
+            return False
+        seat = self._change(who)
+        news = seat.known.update(roster)
+        if seat.ledger is not None:
+            for member in news:
+                seat.ledger.on_member(member)
+            return True
+        starts = {robot: (start, 0.0) for robot, start in self.setting.starts.items()}
+        seat.ledger = self.product.Ledger(
+            seat.robot,
+            seat.life,
+            self.radii,
+            speed=4.0 * self.setting.length,
+            period=1.0,
+            members=news,
+            starts=starts if seat.known.founding else None,
+        )
+        if self.newest[seat.robot] == seat.life:
+            self.locate(seat.robot, self.error[seat.robot])
+        return True
+
+    def acknowledge(self, robot: int) -> bool:
+        """A Command of the newest life is taken (`Robot.command`)."""
+        seat = self.seat(robot)
+        if seat is None or seat.ledger is None or not self._lives(seat) or not seat.ledger.keeps_clear:
+            return False
+        self._coordinator().roll.acknowledge(robot, seat.life, seat.known.version)
+        return True
+
+    # -- what the coordinator and the operator do
+
+    def join(self, robot: int, again: bool = False) -> bool:
+        """A process begins a new life of the robot, or `again` claims the number of the present one."""
+        newest = max((each.incarnation for each in self._members() if each.robot == robot), default=0)
+        life = newest if again else newest + 1
+        if not self._decide(lambda roll: roll.admit(robot, life)):
+            return False
+        self._seat(robot, life)
+        return True
+
+    def fence(self, robot: int) -> bool:
+        """The newest life was silent for too long."""
+        place = self.truth[robot]
+        return place is not None and self._decide(lambda roll: roll.fence(robot, (place, 0.0)))
+
+    def remove(self, robot: int) -> bool:
+        """The operator takes a disk away if it stands; that it may not strike off one that does not, the
+        roster has to know."""
+        stands = any(each.robot == robot for each in self.coordinator.roll.standing)
+        if not self._decide(lambda roll: roll.remove(robot)):
+            return False
+        if stands:
+            self.truth[robot] = None
+        return True
+
+    def announce(self, robot: int, place: float) -> bool:
+        """A disk is to appear."""
+        if self.truth[robot] is not None:
+            return False
+        return self._decide(lambda roll: roll.announce(robot, self.setting.radius, (place, 0.0)))
+
+    def restart(self) -> bool:
+        """The coordinator dies, and goes on from what it has written down."""
+        self._coordinator().restart()
+        return True
+
+    def forget(self) -> None:
+        """Former lives say nothing any more."""
+        self.seats = {who: seat for who, seat in self.seats.items() if self.newest[who[0]] == who[1]}
+
+    def withdraw(self, robot: int) -> bool:
+        """It is not to appear after all."""
+        return self._decide(lambda roll: roll.withdraw(robot))
+
+    def settle(self) -> bool:
+        """What was announced is put in its place as soon as the roster allows."""
+        settled: list[int] = []
+        if not self._decide(lambda roll: settled.extend(roll.settle())):
+            return False
+        for each in self._members():
+            if each.robot in settled and each.position is not None:
+                self.truth[each.robot], self.error[each.robot] = each.position[0], 0.0
+        return True
+
+    def _members(self) -> Sequence[Any]:
+        return self.coordinator.roll.roster.members
+
+    def _lives(self, seat: Seat) -> bool:
+        """Whether the coordinator has commands of this life executed."""
+        return any(
+            (each.robot, each.incarnation, each.status) == (seat.robot, seat.life, "live")
+            for each in self._members()
+        )
+
+    def _seat(self, robot: int, life: int) -> None:
+        self.error[robot], self.newest[robot] = 0.0, life
+        self.seats[robot, life] = Seat(robot, life, self.product.KnownRoster(robot, life), self)
+
+
+def _copied_roll(roll: Any) -> Any:
+    twin = copy.copy(roll)
+    twin._members, twin._kept = dict(roll._members), dict(roll._kept)
+    return twin
+
+
+def _copied_seat(seat: Seat, owner: Track) -> Seat:
+    known = _twin(seat.known)  # its members are never changed, only replaced
+    ledger = None if seat.ledger is None else _copied_ledger(seat.ledger)
+    return Seat(seat.robot, seat.life, known, owner, ledger)
+
+
+def _copied_ledger(ledger: Any) -> Any:
+    twin = _twin(ledger)
+    twin._bonds = {peer: _copied_bond(bond) for peer, bond in ledger._bonds.items()}
+    twin._each = list(twin._bonds.values())
+    return twin
+
+
+def _copied_bond(bond: Any) -> Any:
+    kind = type(bond)
+    twin = kind.__new__(kind)
+    for name in kind.__slots__:
+        setattr(twin, name, getattr(bond, name))
+    twin.end = _twin(bond.end)
+    if bond.owns:
+        twin.end.proposed = dict(bond.end.proposed)
+    if bond.disk is not None:
+        twin.disk = _twin(bond.disk)
+    return twin
+
+
+def _twin(thing: Any) -> Any:
+    kind = type(thing)
+    twin = kind.__new__(kind)
+    twin.__dict__.update(thing.__dict__)
+    return twin
+
+
+def _frozen_seat(seat: Seat) -> tuple[Any, ...]:
+    ledger = seat.ledger
+    bonds = () if ledger is None else tuple(_frozen_bond(bond) for bond in ledger._each)
+    disturbed = ledger is not None and ledger._disturbed
+    return seat.robot, seat.life, seat.known.version, tuple(seat.known._members.values()), disturbed, bonds
+
+
+def _frozen_bond(bond: Any) -> tuple[Any, ...]:
+    """All that can matter later. What follows from the rest, or only moves robots elsewhere, is left out."""
+    end, disk, state = bond.end, bond.disk, bond.state
+    side = None if disk is None or disk.half_plane is None else (disk.half_plane.nx, disk.half_plane.limit)
+    return (
+        tuple(tuple(value.items()) if isinstance(value, dict) else value for value in vars(end).values()),
+        tuple((side.nx, side.limit) for side in bond.sides),
+        None if disk is None else (disk.x, side),
+        None if state is None else state.incarnation,
+        bond.heard,
+        bond.excused,
+    )

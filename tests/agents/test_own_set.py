@@ -1,0 +1,98 @@
+"""Whole robots that know themselves badly: none leaves the workspace; one that is told nonsense stands."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from msgspec import structs
+
+from agents.node import RobotNode
+from deploy.local import LocalFleet
+from protocol.codec import decode, encode
+from protocol.events import Event, Sample
+from protocol.messages import Measurement
+from protocol.scenario import Actuation, Control, RobotSpec, Scenario, Sensing, Time
+
+RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall
+
+
+def along_the_wall(seed: int, sensing: Sensing, noise: float = 0.0) -> Scenario:
+    """One robot from one place at the wall to another."""
+    goal = (EDGE * math.cos(ALONG), EDGE * math.sin(ALONG))
+    return Scenario(
+        (RobotSpec(1, RADIUS, (EDGE, 0.0), goal),),
+        seed=seed,
+        control=Control(k=60.0, pace="own"),
+        time=Time(limit=15.0, tolerance=5e-4, deadlock=15.0),
+        sensing=(sensing,),
+        actuation=Actuation(noise),
+    )
+
+
+BIASED = Sensing(delay=(0.0, 0.5), noise=0.01, noise_bound=0.02, bias=(-0.014, -0.014), dropout=0.5)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(
+    ("sensing", "noise"),
+    [(BIASED, 0.0), (BIASED, 0.1), (replace(BIASED, bias=(0.0, 0.0), delay=0.0), 0.0)],
+)
+def test_no_robot_is_pushed_through_the_wall(seed: int, sensing: Sensing, noise: float) -> None:
+    """Shrinking the wall by the error bound lets 7 of the first 20 of the first kind out, by 5 mm."""
+    (report,) = LocalFleet([along_the_wall(seed, sensing, noise)]).execute()
+    assert report["min_clearance"] >= 0.0
+    assert report["collisions"] == 0
+
+
+class Liar:
+    """Stands between the bus and a robot's node: from tick 20 on it is told a place 20 mm away."""
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node = node
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample) and event.key.endswith("measurement"):
+            told = decode(event.key, event.payload)
+            assert isinstance(told, Measurement)
+            if told.tick >= 20 and told.position is not None:
+                told = structs.replace(told, position=(told.position[0] + 0.02, told.position[1]))
+            event = Sample(event.key, encode(told))
+        self._node.handle(event)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._node, name)
+
+
+def lied_to(policy: str) -> tuple[dict, str, list[str]]:
+    """A run in which the measurements are wrong by five times the stated bound; what it said of itself."""
+    sensing = Sensing(noise=0.002, noise_bound=0.004, contradiction=policy)
+    scenario = replace(
+        along_the_wall(1, sensing),
+        robots=(RobotSpec(1, RADIUS, (-0.2, 0.0), (0.2, 0.0)),),
+        time=Time(limit=15.0, deadlock=2.0),
+    )
+    fleet, said = LocalFleet([scenario]), []
+    bus = fleet.robots[1]
+    node = RobotNode(bus, fleet.run, 1, say=said.append)
+    bus.node = Liar(node)
+    (report,) = fleet.execute()
+    assert node.core is not None
+    return report, node.core.health(0, 0, {}).note, said
+
+
+def test_a_robot_whose_measurements_exclude_each_other_stands_still_and_says_so() -> None:
+    report, note, said = lied_to("stand")
+    assert report["verdict"] == "deadlock"
+    assert report["positions"]["1"][0] < -0.09  # of 0.4 m, 0.1 m were driven by tick 20
+    assert "exclude each other by" in note
+    assert note.endswith("stands still")
+    assert said == [note]
+
+
+def test_it_goes_on_from_the_newest_measurement_where_it_may() -> None:
+    report, note, said = lied_to("newest")
+    assert report["positions"]["1"] == pytest.approx([0.18, 0.0], abs=0.005)
+    assert note.endswith("begins anew from the newest measurement")
+    assert said == [note]

@@ -1,0 +1,39 @@
+"""What a robot makes of the rosters that it hears, in whatever order they come."""
+
+from __future__ import annotations
+
+from agents.roster import KnownRoster, has_ended
+from protocol.messages import Member, Roster
+
+FIRST = Roster(1, (Member(1, 1, "live", 0.1, founding=1), Member(2, 1, "live", 0.1, founding=1)))
+LATER = Roster(3, (FIRST.members[0], Member(2, 1, "standing", 0.1, (0.5, 0.0), founding=1)))
+
+
+def test_only_what_a_newer_roster_says_anew_of_others_is_news() -> None:
+    known = KnownRoster(1, 1)
+    assert known.update(FIRST) == [FIRST.members[1]]
+    assert known.update(FIRST) == []
+    assert known.update(LATER) == [LATER.members[1]]
+    assert known.update(FIRST) == []
+    assert known.version == 3
+    assert known.update(Roster(4, LATER.members)) == []
+    assert known.version == 4
+
+
+def test_only_the_life_that_began_the_run_is_a_founding_one() -> None:
+    first, second = KnownRoster(1, 1), KnownRoster(1, 2)
+    assert not first.founding
+    for known in (first, second):
+        known.update(FIRST)
+    assert first.founding
+    assert not second.founding
+
+
+def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:
+    assert not has_ended(FIRST, 1, 1)
+    assert has_ended(LATER, 2, 1)
+    assert not has_ended(LATER, 2, 2)  # a roster from before this life
+    newer = Roster(4, (Member(2, 2, "live", 0.1),))
+    assert has_ended(newer, 2, 1)
+    assert not has_ended(newer, 2, 2)
+    assert not has_ended(newer, 3, 1)

@@ -1,0 +1,73 @@
+"""The escape from deadlocks at any period and any length: the same robots, from centimetres to hundreds of
+metres, with a world, messages and lines."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from deploy.load import load
+from deploy.local import LocalFleet
+from protocol.scenario import Control, RobotSpec, Scenario, Time, Workspace
+
+PERIODS = (0.01, 0.05, 0.25, 0.5)  # s
+WORKSPACES = (0.02, 0.3, 200.0)  # m
+
+
+def scaled(name: str, workspace: float, period: float, pace: str) -> Scenario:
+    """A scenario of the library with another workspace (m), as many times faster, and another period (s)."""
+    base = load(name)
+    factor = workspace / base.workspace.radius
+    robots = tuple(
+        replace(
+            each,
+            radius=factor * each.radius,
+            start=(factor * each.start[0], factor * each.start[1]),
+            goal=(factor * each.goal[0], factor * each.goal[1]),
+        )
+        for each in base.robots
+    )
+    control = replace(base.control, pace=pace, speed=factor * base.control.speed)
+    time = Time(
+        period, limit=120.0, tolerance=factor * base.time.tolerance, fence=20.0 * period, deadlock=30.0
+    )
+    return replace(base, robots=robots, workspace=Workspace(workspace), control=control, time=time)
+
+
+def circle(count: int, radius: float, k: float, pace: str) -> Scenario:
+    """RVO2's Circle: disks of 1.5 m at 2 m/s and 4 Hz, each bound for the opposite point, `radius` in m."""
+    angles = [2.0 * math.pi * n / count for n in range(count)]
+    points = [(round(radius * math.cos(a), 9), round(radius * math.sin(a), 9)) for a in angles]
+    return Scenario(
+        tuple(RobotSpec(n, 1.5, (x, y), (-x, -y)) for n, (x, y) in enumerate(points, 1)),
+        workspace=Workspace(radius + 5.0),
+        control=Control(k=k, pace=pace, speed=2.0),  # type: ignore[arg-type]
+        time=Time(0.25, limit=600.0, tolerance=0.5),
+    )
+
+
+def assert_arrives(scenario: Scenario) -> None:
+    report = LocalFleet([scenario]).execute()[0]
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0), report["reason"]
+
+
+@pytest.mark.parametrize("pace", ["common", "own"])
+@pytest.mark.parametrize("workspace", WORKSPACES)
+@pytest.mark.parametrize("period", PERIODS)
+def test_symmetric_robots_arrive_at_any_period_and_length(period: float, workspace: float, pace: str) -> None:
+    for name in ("head-on", "swap-3"):
+        assert_arrives(scaled(name, workspace, period, pace))
+
+
+@pytest.mark.parametrize("pace", ["common", "own"])
+def test_a_few_on_a_circle_of_two_hundred_metres_arrive(pace: str) -> None:
+    assert_arrives(circle(5, 200.0, 60.0, pace))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(200)
+def test_a_crowd_that_swings_at_full_speed_notices_that_it_gets_nowhere() -> None:
+    """With a window of less than two periods this ended in a deadlock although everybody moved."""
+    assert_arrives(circle(24, 19.2, 960.0, "own"))

@@ -1,0 +1,141 @@
+"""Fleets with a planted fault: some modules as their sources say, with one thing wrong in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from deploy.studies.falsify import observe
+from deploy.studies.falsify.campaign import Campaign, Finding, Plan
+from deploy.studies.run_log import RunLog
+from deploy.studies.study import Run
+from deploy.studies.worker import Batch
+from protocol.scenario import Sensing
+from tests.interpreted import interpreted
+
+Modules = dict[str, ModuleType]
+
+# in the order of their imports, up to those that a fleet is made of
+_CHAIN = (
+    *("agents.lines.boundary", "agents.lines.pair", "agents.lines.bond"),
+    *("agents.lines.spoken", "agents.lines.ledger"),
+    *("agents.roster", "agents.safe_velocity", "agents.link", "agents.robot", "agents.node", "deploy.local"),
+)
+
+
+class Here:
+    """Workers that are this thread."""
+
+    def __init__(self) -> None:
+        self.performed = 0
+
+    def run(self, batches: Sequence[Batch]) -> Iterator[tuple[Run, dict[str, Any]]]:
+        for batch in batches:
+            for run, task in batch:
+                self.performed += 1
+                yield run, task(run)
+
+
+class _FoundError(Exception):
+    """A campaign has found something."""
+
+
+def first(plan: Plan) -> Finding | None:
+    """The first violation that a campaign finds."""
+
+    def stop(_: Finding) -> None:
+        raise _FoundError
+
+    campaign = Campaign(plan, RunLog(None), stop)
+    try:
+        campaign.execute(Here())
+    except _FoundError:
+        return campaign.findings[0]
+    return None
+
+
+def plant(fault: Callable[[Modules, pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let campaigns in this process run fleets with this fault."""
+    modules = dict(zip(_CHAIN, interpreted(*_CHAIN), strict=True))
+    fault(modules, monkeypatch)
+    monkeypatch.setattr(observe, "LocalFleet", modules["deploy.local"].LocalFleet)
+    monkeypatch.setattr(observe, "RobotNode", modules["agents.node"].RobotNode)
+
+
+# -- faults
+
+
+def half_the_error(_: Modules, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robots take measurements for twice as good as they are."""
+    whole = Sensing.bound.fget
+    monkeypatch.setattr(Sensing, "bound", property(lambda self: 0.5 * whole(self)))  # type: ignore[misc]
+
+
+def sliding_along_the_wall(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """The wall is kept for an estimate, which may be outside, and then slides along where it is."""
+    boundary = modules["agents.lines.boundary"].RoundBoundary
+
+    def cut(
+        self: Any, x: float, y: float, shape: Any, dx: float, dy: float, *, noise: float = 0.0, **more: Any
+    ) -> Any:
+        extra = noise * float(np.hypot(dx, dy))
+        inner = boundary(self.radius - (0.0 if shape is None else shape.radius))
+        return inner._cut_of_point(x, y, dx, dy, extra, more.get("tolerance", 0.0))
+
+    boundary.cut = cut
+
+
+def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A follower adopts whatever it is offered, though its own disk is on the wrong side."""
+    follower = modules["agents.lines.pair"].Follower
+    before = follower.hear
+    follower.hear = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
+        self, peer_life, life, number, line, lambda _: True
+    )
+
+
+def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """Every life takes itself for one that was there at the start."""
+    modules["agents.roster"].KnownRoster.founding = True
+
+
+def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """An owner drops all lines towards a follower that lives anew."""
+    owner = modules["agents.lines.pair"].Owner
+    before = owner._expect
+
+    def expect(self: Any, peer_life: int) -> None:
+        before(self, peer_life)
+        self._inherited = ()
+
+    owner._expect = expect
+
+
+def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot moves before everybody is behind something."""
+    modules["agents.lines.ledger"].Ledger.ready = True
+
+
+def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """What the link does depends on the order in which messages come."""
+    draws = np.random.default_rng(0)
+    link = modules["agents.link"].Link
+    before = link._delayed
+    link._delayed = lambda self, tick, delay, jitter: before(self, tick, float(draws.random()), jitter)  # noqa: ARG005
+
+
+def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot's step fails where a peer is exactly at its own place's distance: an undeclared error."""
+    robot = modules["agents.robot"].Robot
+    before = robot.command
+
+    def command(self: Any) -> Any:
+        if self.incarnation > 2 and self.tick > 3:
+            raise ZeroDivisionError("planted")
+        return before(self)
+
+    robot.command = command

@@ -1,0 +1,181 @@
+"""Draws: valid, the same again, and out of all that a scenario can express."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+
+from deploy.studies.falsify.dice import Dice
+from deploy.studies.falsify.draw import BUDGET, TICKS, drawn
+from deploy.studies.falsify.lives import sensible
+from deploy.studies.falsify.mutate import CHANGES, mutated
+from deploy.studies.falsify.places import at_the_wall, beside, fits, scattered
+from protocol.scenario import ProcessFault, Scenario
+from protocol.scenario_file import validated
+
+MANY = 600
+DRAWS = [drawn(0, number)[0] for number in range(MANY)]
+
+
+def test_draws_are_valid_with_the_filter_on_and_k_a_number() -> None:
+    for scenario in DRAWS:
+        assert validated(scenario) == scenario
+        assert scenario.control.filter == "separating-lines"
+        assert scenario.gain > 0.0
+
+
+def test_a_number_gives_the_same_whatever_was_drawn_before() -> None:
+    assert drawn(0, 17)[0] == DRAWS[17]
+    assert drawn(1, 17)[0] != DRAWS[17]
+
+
+def test_runs_are_short() -> None:
+    for scenario in DRAWS:
+        ticks = scenario.ticks(scenario.time.limit)
+        assert TICKS[0] <= ticks <= TICKS[1]
+        assert ticks <= max(TICKS[0], BUDGET[1] / len(scenario.robots) + 1)
+
+
+def test_few_draws_are_refused() -> None:
+    assert sum(drawn(0, number)[1] for number in range(MANY)) < MANY / 20
+
+
+def _events(scenario: Scenario, event: str) -> list[ProcessFault]:
+    return [fault for fault in scenario.process if fault.event == event]
+
+
+def _late(scenario: Scenario) -> bool:
+    """Somebody is killed at 0 and started later, and somebody else is restarted in between."""
+    return any(
+        killed.at == 0.0 and up.robot == killed.robot and other.robot != up.robot and other.at < up.at
+        for killed in _events(scenario, "kill")
+        for up in _events(scenario, "restart")
+        for other in _events(scenario, "restart")
+    )
+
+
+def _smallest_gap(scenario: Scenario) -> float:
+    """Between starts, and to the boundary, in radii."""
+    gaps = [
+        (scenario.workspace.radius - math.hypot(*one.start) - one.radius) / one.radius
+        for one in scenario.robots
+    ]
+    return min(
+        gaps
+        + [
+            (math.dist(one.start, other.start) - one.radius - other.radius) / one.radius
+            for one in scenario.robots
+            for other in scenario.robots
+            if one.id < other.id
+        ]
+    )
+
+
+EXPRESSED: dict[str, Callable[[Scenario], object]] = {
+    "one robot": lambda s: len(s.robots) == 1,
+    "eight robots": lambda s: len(s.robots) == 8,
+    "more": lambda s: len(s.robots) > 8,
+    "ids with gaps": lambda s: s.ids != tuple(range(1, len(s.robots) + 1)),
+    "a late first life, and a restart before it": _late,
+    "a restart at tick 1": lambda s: any(s.ticks(fault.at) == 1 for fault in _events(s, "restart")),
+    "three restarts": lambda s: len(_events(s, "restart")) > 2,
+    "both ends restarted": lambda s: len({fault.robot for fault in _events(s, "restart")}) > 1,
+    "paused from tick 0": lambda s: any(fault.at == 0.0 for fault in _events(s, "pause")),
+    "resumed": lambda s: _events(s, "resume"),
+    "killed for good": lambda s: s.process and s.process[-1].event == "kill",
+    "three partitions": lambda s: len(s.link.partition) > 2,
+    "overlapping partitions": lambda s: any(
+        one.from_ < other.until and other.from_ < one.until
+        for i, one in enumerate(s.link.partition)
+        for other in s.link.partition[:i]
+    ),
+    "a delay as long as the run": lambda s: (
+        max((s.link.delay,) if isinstance(s.link.delay, float) else s.link.delay) > 0.9 * s.time.limit
+    ),  # type: ignore[type-var]
+    "jitter": lambda s: s.link.jitter > 10.0 * s.time.step,
+    "nearly all lost": lambda s: s.link.loss > 0.95,
+    "duplicates": lambda s: s.link.duplicate > 0.5,
+    "noise as large as a robot": lambda s: max(e.bound for e in s.sensing) > 0.3 * s.robots[0].radius,
+    "bias": lambda s: any(math.hypot(*entry.bias) > 0.0 for entry in s.sensing),
+    "sensing of its own for a robot": lambda s: any(entry.robots for entry in s.sensing),
+    "late measurements": lambda s: any(entry.delay for entry in s.sensing),
+    "missing measurements": lambda s: any(entry.dropout > 0.5 for entry in s.sensing),
+    "inexact motors": lambda s: s.actuation.noise == 0.3,
+    "a short period": lambda s: s.time.step < 0.006,
+    "a long period": lambda s: s.time.step > 0.5,
+    "centimetres": lambda s: s.workspace.radius < 0.02,
+    "hundreds of metres": lambda s: s.workspace.radius > 100.0,
+    "unequal radii": lambda s: max(r.radius for r in s.robots) > 3.0 * min(r.radius for r in s.robots),
+    "density 0.4": lambda s: sum(r.radius**2 for r in s.robots) > 0.399 * s.workspace.radius**2,
+    "starts that all but touch": lambda s: 0.0 <= _smallest_gap(s) < 1e-12,
+    "starts a micrometre apart": lambda s: 1e-8 < _smallest_gap(s) < 1e-5,
+    "both paces": lambda s: s.control.pace == "own",
+    "orca": lambda s: s.control.law == "orca",
+    "barrier": lambda s: s.control.law == "barrier",
+    "no escape": lambda s: not s.control.escape,
+    "small k": lambda s: s.gain < 2.0,
+    "large k": lambda s: s.gain > 3000.0,
+    "a fence after a tick or two": lambda s: s.time.fence < 2.0 * s.time.step,
+    "a fence after the run": lambda s: s.time.fence > s.time.limit,
+    "an early deadlock": lambda s: s.time.deadlock < 0.3 * s.time.limit,
+}
+
+
+@pytest.mark.parametrize("feature", EXPRESSED)
+def test_everything_that_may_matter_is_drawn(feature: str) -> None:
+    assert any(map(EXPRESSED[feature], DRAWS))
+
+
+def test_disks_are_put_as_near_as_numbers_allow() -> None:
+    at = at_the_wall((0.1, 0.2), 0.04, 0.3, 0.0)
+    assert 0.0 < 0.3 - 0.04 - math.hypot(*at) < 1e-14
+    next_to = beside((0.1, 0.1), 0.05, (-0.3, 0.2), 0.04, 0.0)
+    assert 0.0 < math.dist(next_to, (0.1, 0.1)) - 0.09 < 1e-14
+
+
+def test_dense_disks_find_room() -> None:
+    radii = [0.2] * 10
+    points = scattered(Dice(0, 0, 9), radii, 1.0)
+    assert points is not None
+    assert all(fits(i, points, radii, 1.0) for i in range(10))
+    assert scattered(Dice(0, 0, 9), [0.6, 0.6], 1.0) is None
+
+
+def test_events_that_cannot_follow_are_left_out() -> None:
+    faults = [
+        ProcessFault(1, 2.0, "pause"),
+        ProcessFault(1, 1.0, "kill"),
+        ProcessFault(1, 3.0, "resume"),
+        ProcessFault(2, 0.0, "resume"),
+        ProcessFault(1, 4.0, "restart"),
+    ]
+    assert [fault.event for fault in sensible(faults)] == ["kill", "restart"]
+
+
+# -- mutants
+
+
+def test_mutants_are_valid_and_the_same_again() -> None:
+    for number in range(0, MANY, 3):
+        parent, other = DRAWS[number], DRAWS[number - 1]
+        mutant, _ = mutated(parent, other, 0, number)
+        assert validated(mutant) == mutant
+        assert mutant == mutated(parent, other, 0, number)[0]
+        assert mutant.control.filter == "separating-lines"
+
+
+def test_mutants_stay_short() -> None:
+    scenario = DRAWS[3]
+    for number in range(60):
+        scenario, _ = mutated(scenario, DRAWS[number], 0, number)
+        assert scenario.ticks(scenario.time.limit) <= TICKS[1]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+def test_every_change_changes_something(change: Callable[[Dice, Scenario, Scenario], Scenario]) -> None:
+    dice = Dice(0, 0, 9)
+    changed = [change(dice, parent, other) != parent for parent, other in pairwise(DRAWS[:40])]
+    assert sum(changed) > len(changed) / 4

@@ -1,0 +1,50 @@
+"""Planted faults: whatever rule is broken, a small campaign shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from deploy.load import resolved
+from deploy.studies.falsify.campaign import Plan
+from deploy.studies.falsify.observe import observe
+from deploy.studies.falsify.trial import Shrinking
+from deploy.studies.study import Run
+from protocol.scenario_file import parse_toml
+from tests.deploy.studies.falsify import planted
+
+RUNS = 250
+Fault = Callable[[planted.Modules, pytest.MonkeyPatch], None]
+FAULTS: dict[Fault, set[str]] = {
+    planted.half_the_error: {"contact", "wall"},
+    planted.sliding_along_the_wall: {"wall"},
+    planted.adopting_blindly: {"contact", "wall"},
+    planted.trusting_initial_lines: {"contact"},
+    planted.forgetting_the_dead: {"contact"},
+    planted.not_waiting: {"contact"},
+    planted.drawing_as_it_comes: {"order"},
+    planted.failing: {"error"},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
+def test_every_planted_fault_is_found(fault: Fault, monkeypatch: pytest.MonkeyPatch) -> None:
+    planted.plant(fault, monkeypatch)
+    found = planted.first(Plan(0, RUNS, "local"))
+    assert found is not None
+    assert found.violation.kind in FAULTS[fault]
+
+
+def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    planted.plant(planted.not_waiting, monkeypatch)
+    found = planted.first(Plan(0, RUNS, "local"))
+    assert found is not None
+    smallest = Shrinking(found.scenario, found.violation)(Run(2, found.number, "local", ""))
+    scenario = resolved(parse_toml(smallest["scenario"]))
+    assert found.violation.kind in {each.kind for each in observe(scenario).violations}
+    assert len(scenario.robots) == 2
+    assert len(smallest["scenario"]) < len(found.scenario)
+    monkeypatch.undo()
+    assert not observe(scenario).violations

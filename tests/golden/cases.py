@@ -1,0 +1,46 @@
+"""The scenarios whose trajectories are kept: the library, and some of it under faults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from deploy.library import catalogue, swap
+from deploy.load import load, resolved
+from protocol.scenario import Scenario
+
+_COUNTED = (
+    "swap-2",
+    "swap-3",
+    "swap-6",
+    "swap-10",
+    "swap-12",
+    "random-1",
+    "random-6",
+    "random-12",
+    "random-24",
+)
+_NOISE = ("sensing.delay=[0.0,0.1]", "sensing.noise=0.001", "sensing.dropout=0.1", "actuation.noise=0.02")
+_LINK = ("link.delay=[0.1,0.3]", "link.jitter=0.1", "link.loss=0.3", "link.duplicate=0.2")
+
+
+def _moved_swap(count: int) -> Scenario:
+    """Off the saddle by up to 10 mm, so that no last bit decides who passes on which side."""
+    return resolved(swap(count, 0.01, 3))
+
+
+CASES: Mapping[str, Callable[[], Scenario]] = {
+    **{entry.name: partial(load, entry.name) for entry in catalogue() if not entry.name.endswith("-N")},
+    **{name: partial(load, name) for name in _COUNTED},
+    "figure-3e, own pace": partial(load, "figure-3e", ["control.pace=own"]),
+    "figure-3d, bare law": partial(load, "figure-3d", ["control.filter=none", "control.escape=false"]),
+    "figure-3c, noise": partial(load, "figure-3c", _NOISE),
+    "random-12, noise": partial(load, "random-12", _NOISE),
+    "random-12, bad link": partial(load, "random-12", _LINK),
+    "crash, bad link": partial(load, "crash", _LINK),
+    **{f"swap of {count}, off the saddle": partial(_moved_swap, count) for count in (6, 10, 12)},
+}
+"""By name; a function each, as some take a moment to draw."""
+
+SADDLES = frozenset({"swap-6", "swap-10", "swap-12"})
+"""Exactly symmetric: the last bit of the first step decides where all go, so no tolerance has a meaning."""

@@ -1,0 +1,193 @@
+"""No message outgrows the limit of its stream, however large the fleet and whatever has happened to it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from dataclasses import replace
+from random import Random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.lines.ledger import OUTSTANDING, Ledger
+from agents.lines.line import Line
+from agents.lines.pair import Owner
+from agents.lines.spoken import fitting
+from agents.peer_state import PeerState, said_to
+from protocol.codec import REASONS, decode, encode
+from protocol.keys import robot_key, world_key
+from protocol.messages import HIGHEST_ID, AnyMessage, Down, Health, Proposal, Result, State
+from protocol.scenario import Control, Link, Partition, ProcessFault, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario_file import validated
+from protocol.streams import STREAMS
+from world.contacts import Contact
+from world.turn import Turn
+
+MOST = 1000
+LIFE = 2**40  # nobody will live as often
+IDS = tuple(range(HIGHEST_ID - MOST + 1, HIGHEST_ID + 1))
+POINT = (-0.123456789, 0.987654321)
+
+
+def assert_fits(message: AnyMessage, key: str) -> None:
+    stream = STREAMS[type(message).__name__.lower()]
+    payload = encode(message)
+    assert len(payload) < stream.limit
+    assert decode(key, payload) == message
+
+
+def crowd() -> Scenario:
+    """As many robots as there may be, with the longest ids, each on its way."""
+    side = math.ceil(math.sqrt(MOST))
+    robots = tuple(
+        RobotSpec(
+            robot, 0.04, (0.1 * (n // side), 0.1 * (n % side)), (-0.1 * (n // side) - 0.1, 0.1 * (n % side))
+        )
+        for n, robot in enumerate(IDS)
+    )
+    return Scenario(
+        robots, workspace=Workspace(10.0), control=Control(k=60.0), time=Time(fence=0.05, deadlock=0.2)
+    )
+
+
+def cut_off(place: int) -> Ledger:
+    """The lines of one of many after a long partition: all that it owns is unanswered, answers are due."""
+    ledger = Ledger(IDS[place], LIFE, dict.fromkeys(IDS, 0.04), speed=0.1, period=0.05)
+    ledger.locate(LIFE, POINT, 1e-3)
+    for n, bond in enumerate(ledger._bonds.values()):
+        bond.meet(PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04))
+        bond.answers_left = 3
+        if isinstance(bond.end, Owner):
+            bond.end.number = LIFE
+            for turn in range(OUTSTANDING):
+                bond.end.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn))
+        bond.renew()
+    return ledger
+
+
+@pytest.mark.parametrize("place", [0, 1, 250, 500, 750, MOST - 1])
+def test_a_state_fits_after_any_partition(place: int) -> None:
+    ledger = cut_off(place)
+    proposals, answers = ledger.speak(POINT)
+    state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals, answers)
+    assert_fits(state, robot_key("r", IDS[place], "state"))
+    assert len(answers) == place
+    said = {offer.peer: offer.number for offer in proposals}
+    assert said == dict.fromkeys(IDS[place + 1 :], LIFE + OUTSTANDING)  # of each the newest comes last
+    numbers = Counter(offer.peer for offer in proposals)
+    assert len(set(numbers.values())) <= 1  # nobody is preferred
+
+
+@pytest.mark.parametrize("place", [0, 500, MOST - 1])
+def test_a_health_message_fits_after_any_partition(place: int) -> None:
+    lines = cut_off(place).sides()
+    heard = tuple((peer, LIFE) for peer in IDS if peer != IDS[place])
+    rejected = dict.fromkeys(REASONS, LIFE)
+    health = Health(IDS[place], LIFE, LIFE, 0.1, LIFE, LIFE, rejected, heard, lines)
+    assert_fits(health, robot_key("r", IDS[place], "health"))
+    assert {line[0] for line in lines} == set(IDS[place + 1 :])
+
+
+def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
+    shown = cut_off(0).sides()
+    assert len(shown) == MOST - 1
+    x, y = POINT
+    for peer, nx, ny, limit in shown:
+        place = peer - IDS[1]
+        slacks = [
+            100.0 + turn - math.cos(place + turn) * x - math.sin(place + turn) * y
+            for turn in range(OUTSTANDING)
+        ]
+        assert limit - nx * x - ny * y == pytest.approx(min(slacks), abs=1e-9)
+
+
+@given(st.lists(st.integers(1, 40), max_size=400), st.integers(0, 599))
+def test_what_fits_is_said(outstanding: list[int], answers: int) -> None:
+    proposals = [
+        Proposal(HIGHEST_ID - peer, LIFE, number, 1.0, 0.0, 0.0)
+        for peer, count in enumerate(outstanding)
+        for number in range(1, count + 1)
+    ]
+    said = fitting(proposals, answers)
+    order = [proposals.index(each) for each in said] if len(said) < 50 else []
+    assert order == sorted(order)
+    numbers: dict[int, list[int]] = {}
+    for each in said:
+        numbers.setdefault(each.peer, []).append(each.number)
+    depth = max(map(len, numbers.values()), default=0)
+    for peer, count in enumerate(outstanding):
+        assert numbers[HIGHEST_ID - peer] == list(range(max(1, count - depth + 1), count + 1))
+    if sum(outstanding) * 51 + 33 * answers < STREAMS["state"].limit - 256:
+        assert said == proposals
+    assert len(encode(said)) + 33 * answers < STREAMS["state"].limit
+
+
+def test_the_newest_proposal_alone_settles_a_pair() -> None:
+    """What is not repeated need not be."""
+    owner, follower = ledger(1), ledger(2)
+    tell(owner, 1, State(2, 1, 0, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
+    bond = owner._bonds[2]
+    assert isinstance(bond.end, Owner)
+    for number in range(OUTSTANDING):
+        bond.end.propose(Line(1.0, 0.0, 0.1 + 0.001 * number))
+    bond.renew()
+    newest = owner.speak((0.0, 0.0))[0][-1]
+    tell(follower, 2, State(1, 1, 1, (-0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (newest,)))
+    _, answers = follower.speak((0.0, 0.0))
+    tell(owner, 1, State(2, 1, 1, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (), answers))
+    assert [line.offset for line in bond.end.obeyed] == [newest.offset]
+    assert bond.settled
+    assert follower.ready
+
+
+def ledger(robot: int) -> Ledger:
+    made = Ledger(robot, 1, {1: 0.04, 2: 0.04}, speed=0.1, period=0.05)
+    made.locate(0, (-0.5, 0.0) if robot == 1 else (0.5, 0.0), 0.0)
+    return made
+
+
+def tell(listener: Ledger, own: int, state: State) -> None:
+    listener.hear(said_to(own, state, 0.04))
+
+
+def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
+    turn = Turn(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
+    world = turn.world
+    for robot in IDS:
+        world.join(robot)
+    told = world.open_tick()
+    assert len(world.active) == MOST
+    assert_fits(told[IDS[0]], robot_key("r", IDS[0], "measurement"))
+    assert_fits(turn.clock(), world_key("r", "clock"))
+    while len(world.down) < MOST:
+        world.open_tick()
+        world.close_tick()
+    (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
+    assert last.roster is not None
+    assert [each.status for each in last.roster.members] == ["standing"] * MOST
+    assert_fits(last, robot_key("r", IDS[0], "measurement"))
+    while not world.verdict:
+        world.open_tick()
+        world.close_tick()
+    assert str(IDS[0]) in world.reason
+    assert str(IDS[-1]) in world.reason
+    assert_fits(turn.clock(), world_key("r", "clock"))
+    assert_fits(world.truth, world_key("r", "truth"))
+
+
+def test_a_result_fits_whatever_happened_however_often() -> None:
+    apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
+    turn = Turn(0, validated(replace(crowd(), link=Link(partition=apart))), {})
+    random, world = Random(1), turn.world
+    world._record.contacts.all.extend(
+        Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
+        for _ in range(100_000)
+    )
+    world._lives.applied += [(n, ProcessFault(IDS[0], n / 7.0, "restart")) for n in range(100_000)]
+    world._lives.fenced += [(n, Down(IDS[0], LIFE, POINT)) for n in range(100_000)]
+    report = turn.report([], 0, 0.0)
+    assert report["collisions"] == 100_000
+    assert_fits(Result(json.dumps(report)), world_key("r", "result"))
