@@ -23,7 +23,7 @@ from deploy.certify.verifier.descent import descends, newton
 _ROUNDS = 8
 _WORTH = 0.9
 _NEWTON_BELOW = 0.75
-_FURTHER = 60  # halvings of one stored leaf before it is given up
+_FURTHER = 500  # boxes into which one stored leaf may be halved before it is given up
 
 
 @dataclass(frozen=True)
@@ -94,11 +94,10 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
 
 @dataclass(frozen=True)
 class _Pending:
-    """A box to look at. stored: the branching has a node for it; further: halvings beyond a stored leaf."""
+    """A box to look at. stored: the branching has a node for it."""
 
     rows: Rows
     stored: bool
-    further: int
 
 
 class Walk:
@@ -107,6 +106,7 @@ class Walk:
     def __init__(self, goals: Goals, branching: bytes, look: Callable[[int], None]) -> None:
         self._goals, self._nodes, self._look = goals, branching, look
         self._at = 0  # next stored node
+        self._further = 0
         self.boxes = 0
         p = len(goals.radii)
         self._sets = [frozenset(set_) for size in range(1, p + 1) for set_ in combinations(range(p), size)]
@@ -114,7 +114,7 @@ class Walk:
 
     def run(self, rows: Rows) -> None:
         """Raises _StoppedError where a box is neither refuted nor shown to descend."""
-        stack = [_Pending(rows, stored=True, further=0)]
+        stack = [_Pending(rows, stored=True)]
         while stack:
             stack.extend(reversed(self._node(stack.pop())))
         if self._at != len(self._nodes):
@@ -132,14 +132,14 @@ class Walk:
                 self._skip(advice)
             return []
         leaf = advice is None or advice >= self._leaf
-        if leaf and pending.further == _FURTHER:
+        self._further = 0 if pending.stored else self._further + 1
+        if self._further > _FURTHER:
             raise _StoppedError("a box could not be verified however often it was halved")
         row = self._widest(box) if leaf or advice is None else advice
         middle = arb(_middle(box.rows[row]))
         left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
         left[row][1] = right[row][0] = middle
-        further = pending.further + 1 if leaf else 0
-        return [_Pending(half, stored=not leaf, further=further) for half in (left, right)]
+        return [_Pending(half, stored=not leaf) for half in (left, right)]
 
     def _next(self) -> int:
         if self._at >= len(self._nodes):

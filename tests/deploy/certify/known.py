@@ -72,6 +72,17 @@ def blockade(k: float) -> Known:
     return found
 
 
+def forever() -> Known:
+    """Three robots of unequal radii that have a minimum at every large k: no K exists (docs/theory.md)."""
+    goals = np.array([(0.0511, 0.0201), (0.0019, 0.0039), (-0.002, 0.0564)])
+    problem = Problem(goals, np.array([0.0106, 0.0382, 0.0106]), WORKSPACE, 1e5)
+    place = np.array([(0.0166, 0.0459), (0.0, 0.0), (0.0345, 0.0345)])
+    start = 1.001 * (place - place.mean(axis=0)) + place.mean(axis=0)
+    (found,) = _found(problem, [integrate(problem, start).path[-1]])
+    assert found.point.kind == "minimum"
+    return found
+
+
 def boxes(known: Known, count: int, seed: int) -> Iterator[Array]:
     """Boxes of all sizes that hold the point and every lambda; kappa is narrow, or reaches to 0."""
     draw = generator(seed, Purpose.STUDY, robot=1)

@@ -13,7 +13,7 @@ from deploy.certify.certificate import Goals
 from deploy.certify.frontier import EMPTY, FALLS, Open
 from deploy.certify.verifier.conditions import Conditions
 from deploy.certify.verifier.replay import Walk
-from tests.deploy.certify.known import Known, blockade, boxes, holds, known
+from tests.deploy.certify.known import Known, blockade, boxes, forever, holds, known
 
 SETS = 200
 
@@ -66,6 +66,13 @@ def test_below_the_threshold_the_minimum_stays_in_an_open_box() -> None:
     scene = scene_of(found.problem)
     kappa = (1.0 / 2.25, 1.0 / 2.15)
     grown = grow(scene, Open(whole(scene, kappa), 0), kappa[1], 30_000)
+    assert any(holds(part.box, found.row) for part in grown.rest)
+
+
+def test_goals_that_have_a_minimum_at_every_large_k_never_certify() -> None:
+    found = forever()
+    scene = scene_of(found.problem)
+    grown = grow(scene, Open(whole(scene, (0.0, 1e-4)), 0), 1e-4, 100_000)
     assert any(holds(part.box, found.row) for part in grown.rest)
 
 
