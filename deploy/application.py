@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from deploy.commands import keys, scenario
+from deploy.commands.certify import certify
 from deploy.commands.check import check
 from deploy.commands.deploy import deploy
 from deploy.commands.endure import endure, flood
@@ -31,6 +32,7 @@ app = typer.Typer(
 for command in (
     run,
     check,
+    certify,
     study,
     plot,
     replay,

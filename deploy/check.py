@@ -13,14 +13,14 @@ from agents.navigation.function import Array, Problem, displacements, in_free_sp
 from agents.navigation.reachability import mirrored_triples
 from agents.navigation.tuning import automatic_k, density
 from deploy.check_practice import practice
-from deploy.check_report import Assumption, CheckReport, Free, Shortfall
+from deploy.check_report import Assumption, Certified, CheckReport, Free, Shortfall
 from protocol.scenario import Scenario
 from world.measures import tight
 
 LISTED = 5  # shortfalls that are spelled out
 
 
-def report(scenario: Scenario) -> CheckReport:
+def report(scenario: Scenario, certificate: Certified | None = None) -> CheckReport:
     """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
 
     Takes from milliseconds to a few seconds; the part about practice is left out beyond 32 robots.
@@ -47,6 +47,7 @@ def report(scenario: Scenario) -> CheckReport:
         assumption_2=_assumption(ids, found, found.second, several, lambda row: second_status(found, row)),
         bounds=best_bounds(problem),
         practice=practice(problem, start, scenario.seed),
+        certificate=certificate,
     )
 
 

@@ -22,7 +22,7 @@ def render(found: CheckReport) -> RenderableType:
     parts += [Text(_method(found), style="dim"), Text()]
     if found.bounds is not None:
         parts += [_bounds(found), Text()]
-    parts += [Text(line) for line in (*_verdict(found), CAVEAT, "", *_practice(found))]
+    parts += [Text(line) for line in (*_verdict(found), CAVEAT, *_certificate(found), "", *_practice(found))]
     return Group(*parts)
 
 
@@ -100,6 +100,21 @@ def _verdict(found: CheckReport) -> list[str]:
         f"there. k = {found.k:.4g} {reach}.",
         "Not proven: that phi is Morse. Almost every start needs only that every other equilibrium has a "
         "direction of descent, which K2 gives.",
+    ]
+
+
+def _certificate(found: CheckReport) -> list[str]:
+    stored = found.certificate
+    if stored is None:
+        return ["No certificate: `disknav certify` proves a k for these goals by computation."]
+    if stored.refused is not None:
+        return [f"Certificate refused: {stored.refused}"]
+    if stored.k is None:
+        return [f"{stored.file} proves nothing yet: the same `disknav certify` goes on with it."]
+    use = "is covered" if found.k >= stored.k else "is not covered"
+    return [
+        f"Certified by computation ({stored.file}): for every k >= {stored.k:.4g} the goal is the only "
+        f"minimum and every other critical point has a direction of descent. k = {found.k:.4g} {use}."
     ]
 
 

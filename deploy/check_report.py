@@ -44,6 +44,15 @@ class Assumption:
 
 
 @dataclass(frozen=True)
+class Certified:
+    """What a stored certificate proves, None when nothing yet, or why it was refused."""
+
+    file: str
+    k: float | None
+    refused: str | None = None
+
+
+@dataclass(frozen=True)
 class CheckReport:
     """Everything `disknav check` says. Lengths in m, eps in m^2.
 
@@ -67,6 +76,7 @@ class CheckReport:
     assumption_2: Assumption
     bounds: Bounds | None
     practice: Practice | None
+    certificate: Certified | None
 
     @property
     def guaranteed(self) -> bool:

@@ -19,7 +19,7 @@ from protocol.scenario_shape import Document
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
     """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
-    scenario = resolved(read(name, settings, seed))
+    scenario = resolved(_certified(name, read(name, settings, seed)))
     require(scenario.control.law)
     return scenario
 
@@ -48,6 +48,20 @@ def resolved(scenario: Scenario) -> Scenario:
     return replace(
         scenario, control=replace(scenario.control, k=automatic_k(radii, scenario.workspace.radius))
     )
+
+
+def _certified(name: str, scenario: Scenario) -> Scenario:
+    """The same with the smallest proven K for k where it is "certified"."""
+    if scenario.control.k != "certified":
+        return scenario
+    from deploy.certify.certificate import path_for, stored
+
+    certificate = stored(name, scenario)
+    if certificate is None or certificate.proven is None:
+        raise UsageError(
+            f'control.k is "certified", but {path_for(name)} proves nothing yet: disknav certify {name}'
+        )
+    return replace(scenario, control=replace(scenario.control, k=certificate.proven))
 
 
 def _document(name: str, seed: int | None) -> Document:

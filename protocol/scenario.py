@@ -53,7 +53,7 @@ class Control:
 
     __pydantic_config__ = STRICT
     law: Literal["gradient", "orca", "barrier"] = "gradient"
-    k: Gain | Literal["auto"] = "auto"
+    k: Gain | Literal["auto", "certified"] = "auto"
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"
     speed: Positive = 0.10  # m/s
@@ -168,11 +168,11 @@ class Scenario:
         """The number k in use; `auto` must have been resolved before (`deploy.load`).
 
         Raises:
-            ScenarioError: k is still "auto".
+            ScenarioError: k is still "auto" or "certified".
         """
         if isinstance(self.control.k, str):
             raise ScenarioError(
-                self.name, [Problem("control.k", 'is still "auto"; resolve it before the run')]
+                self.name, [Problem("control.k", f'is still "{self.control.k}"; resolve it before the run')]
             )
         return self.control.k
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _Table = TypeVar("_Table")
 _EITHER: dict[Step, str] = {
     "delay": "must be a number of seconds or an array [low, high]",
-    "k": 'must be a number or "auto"',
+    "k": 'must be a number, "auto" or "certified"',
 }
 _KINDS = {
     "int_type": "a whole number",

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from deploy.check_report import Certified
+    from protocol.scenario import Scenario
 
 
 def check(
@@ -26,10 +30,24 @@ def check(
     from deploy.check_report import to_json
     from deploy.load import load
 
-    found = report(load(scenario, setting or [], seed))
+    valid = load(scenario, setting or [], seed)
+    found = report(valid, _certificate(scenario, valid))
     if as_json:
         sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
     else:
         from rich.console import Console
 
         Console().print(render(found))
+
+
+def _certificate(name: str, scenario: Scenario) -> Certified | None:
+    """What lies beside the scenario."""
+    from deploy.certify.certificate import ProofError, path_for, stored
+    from deploy.check_report import Certified
+
+    path = str(path_for(name))
+    try:
+        found = stored(name, scenario)
+    except ProofError as error:
+        return Certified(path, None, str(error))
+    return None if found is None else Certified(path, found.proven)

@@ -51,7 +51,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     laws = st.builds(
         Control,
         st.sampled_from(["gradient", "orca", "barrier"]),
-        positive | st.just("auto"),
+        positive | st.sampled_from(["auto", "certified"]),
         st.sampled_from(["common", "own"]),
         st.sampled_from(["separating-lines", "none"]),
         positive,

@@ -1,0 +1,1 @@
+"""Certificates: proofs by computation that for every k from K on the goal is the only minimum of phi."""

@@ -1,0 +1,1 @@
+"""The second opinion: certificates replayed with balls of arbitrary precision (python-flint, Arb)."""
