@@ -15,17 +15,17 @@ from collections.abc import Callable
 from math import inf
 from typing import Final
 
-from agents.peer_reader import PeerReader
-from agents.peer_state import PeerState
+from agents.peers.reader import PeerReader
+from agents.peers.state import PeerState
 from agents.robot import Robot
 from protocol import joining
-from protocol.bus import Bus
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
-from protocol.events import Event, Presence, Sample
 from protocol.keys import robot_key, world_key
 from protocol.messages import Health, Measurement, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up

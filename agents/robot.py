@@ -14,15 +14,15 @@ from typing import Final
 from agents.estimate import Estimate
 from agents.laws import choose
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.link import Link
-from agents.neighbours import Neighbours
-from agents.peer_state import PeerState
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import Ledger
+from agents.peers.link import Link
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
-from agents.safe_velocity import safe_velocity
 from protocol.messages import Answer, Command, Health, Measurement, Proposal, Roster, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)

@@ -17,20 +17,20 @@ from typing import Any
 import msgspec
 
 from protocol import joining
-from protocol.bus import Bus
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.steering import decode_steer
-from world.admission import Admissions
-from world.journal import Began
-from world.outlet import Outlet
-from world.pacing import Pacing
-from world.replay import Resumed
-from world.turn import Turn
+from world.shell.admission import Admissions
+from world.shell.journal import Began
+from world.shell.pacing import Pacing
+from world.shell.publishers import Outlet
+from world.shell.replay import Resumed
+from world.shell.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from protocol.scenario import Scenario
-from world.commands import Commands
-from world.contacts import Contact
-from world.lives import Lives
-from world.measures import normalised_length, tight
-from world.record import Record
+from protocol.scenario.model import Scenario
+from world.coordinator.commands import Commands
+from world.coordinator.lives import Lives
+from world.judge.contacts import Contact
+from world.judge.measures import normalised_length, tight
+from world.judge.record import Record
 from world.sensing import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message

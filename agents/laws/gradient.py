@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from agents import pace
-from agents.deadlock import Progress, barred, circling
-from agents.flow import Flow, desired_velocity
-from agents.neighbours import Neighbours
-from agents.peer_state import PeerState
-from agents.slice import Gradient, Peer, Slice
-from protocol.scenario import Scenario
+from agents.navigation import pace
+from agents.navigation.deadlock import Progress, barred, circling
+from agents.navigation.flow import Flow, desired_velocity
+from agents.navigation.slice import Gradient, Peer, Slice
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 

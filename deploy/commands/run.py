@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from deploy.json_output import is_standard_output
-from deploy.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
-from deploy.result import exit_status, table
+from deploy.output.json_output import is_standard_output
+from deploy.run.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
+from deploy.run.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 
@@ -67,9 +67,9 @@ def run(
 
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.execute import Extras, execute
-    from deploy.hosts.table import read_hosts
-    from deploy.load import load
+    from deploy.library.load import load
+    from deploy.processes.hosts.table import read_hosts
+    from deploy.run.execute import Extras, execute
 
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deploy.options import Mode
-from deploy.router_config import router_config
+from deploy.processes.router_config import router_config
+from deploy.run.options import Mode
 from deploy.security.access import access_control
 from deploy.security.roster import ROSTER, ROUTER, Roster, robot_role
-from protocol.connection import Connection
-from protocol.credentials import AUTHORITY, Credentials, certificate_file, key_file
+from protocol.bus.connection import Connection
+from protocol.bus.credentials import AUTHORITY, Credentials, certificate_file, key_file
 
 SCENARIO = "scenario.toml"
 ROUTER_CONFIG = "router.json5"

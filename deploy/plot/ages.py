@@ -6,11 +6,11 @@ from collections import defaultdict
 
 import numpy as np
 
-from agents.link import Link
-from agents.peer_state import said_to
+from agents.peers.link import Link
+from agents.peers.state import said_to
 from deploy.recording.reader import Recording
 from protocol.messages import State
-from protocol.scenario import Link as LinkFaults
+from protocol.scenario.model import Link as LinkFaults
 
 
 def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:

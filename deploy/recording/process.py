@@ -13,12 +13,12 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer import RecordingFile
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
-from protocol.drive import Stop, drive, follow, stop_on_signal
+from deploy.recording.writer_process import FileBeside
+from protocol.bus.connection import Connection
+from protocol.bus.drive import Stop, drive, follow, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, UsageError
 from protocol.keys import checked_run, everything, world_key
 

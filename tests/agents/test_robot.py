@@ -7,9 +7,9 @@ from functools import cache
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peer_state import PeerState, said_to
+from agents.peers.state import PeerState, said_to
 from agents.robot import Robot
-from deploy.load import load
+from deploy.library.load import load
 from protocol.messages import Command, Measurement, State
 from world.world import World
 

@@ -18,16 +18,16 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.peer_state import said_to
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import Ledger
+from agents.navigation.slice import Peer, Slice
+from agents.peers.state import said_to
 from agents.robot import Robot
-from agents.safe_velocity import safe_velocity
-from agents.slice import Peer, Slice
-from deploy.load import load
+from deploy.library.load import load
 from protocol.codec import decode, encode
 from protocol.keys import robot_key
 from protocol.messages import Command, Measurement, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from world.world import World
 
 ROBOTS = (6, 32, 64, 200)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from deploy.load import load
-from deploy.local import LocalFleet
-from protocol.bus import Node
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.bus.bus import Node
+from protocol.bus.events import Event, Sample
 from protocol.codec import decode
-from protocol.events import Event, Sample
 from protocol.messages import AnyMessage, Command, Measurement, State
 
 SCENARIO = load("swap-4")

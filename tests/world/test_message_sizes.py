@@ -12,19 +12,28 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.lines.ledger import OUTSTANDING, Ledger
+from agents.lines.ends import Owner
+from agents.lines.entries import fitting
 from agents.lines.line import Line
-from agents.lines.pair import Owner
-from agents.lines.spoken import fitting
-from agents.peer_state import PeerState, said_to
+from agents.lines.separating_lines import OUTSTANDING, Ledger
+from agents.peers.state import PeerState, said_to
 from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Down, Health, Proposal, Result, State
-from protocol.scenario import Control, Link, Partition, ProcessFault, RobotSpec, Scenario, Time, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import (
+    Control,
+    Link,
+    Partition,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Time,
+    Workspace,
+)
 from protocol.streams import STREAMS
-from world.contacts import Contact
-from world.turn import Turn
+from world.judge.contacts import Contact
+from world.shell.turn import Turn
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often

@@ -15,7 +15,12 @@ _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("pair", "bond", "fixed_disk", "ledger", "boundary")
 )
 _ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
-_ROLL, _COMMANDS, _LIVES, _BODIES = "world.roll", "world.commands", "world.lives", "world.kinematics"
+_ROLL, _COMMANDS, _LIVES, _BODIES = (
+    "world.coordinator.roster",
+    "world.coordinator.commands",
+    "world.coordinator.lives",
+    "world.plants.integrator",
+)
 _RUNS = 2_000  # random ones in which a mutant has to be found, at most
 
 

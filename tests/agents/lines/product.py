@@ -12,7 +12,7 @@ _LINES = [
     f"agents.lines.{name}"
     for name in ("line", "boundary", "placement", "pair", "fixed_disk", "bond", "spoken", "ledger")
 ]
-_ROBOT = ["agents.roster", "agents.estimate", "agents.safe_velocity", "agents.robot"]
+_ROBOT = ["agents.roster", "agents.estimate", "agents.lines.safe_velocity", "agents.robot"]
 _WORLD = [f"world.{name}" for name in ("roll", "lives", "commands", "kinematics", "world")]
 
 
@@ -26,11 +26,11 @@ class Product:
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
         names = [*_LINES, *_ROBOT, *_WORLD]
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.placement: Any = modules["agents.lines.ledger"]  # where `place` is looked up
+        self.placement: Any = modules["agents.lines.separating_lines"]  # where `place` is looked up
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
-        self.Ledger: Any = modules["agents.lines.ledger"].Ledger
+        self.Ledger: Any = modules["agents.lines.separating_lines"].Ledger
         self.KnownRoster: Any = modules["agents.roster"].KnownRoster
         self.Robot: Any = modules["agents.robot"].Robot
-        self.Roll: Any = modules["world.roll"].Roll
+        self.Roll: Any = modules["world.coordinator.roster"].Roll
         self.World: Any = modules["world.world"].World

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any
 
-from agents.peer_state import said_to
+from agents.peers.state import said_to
 from protocol.messages import Command, Measurement, State
-from protocol.scenario import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
 from tests.agents.lines.product import Product
 
 TICKS = 40

@@ -2,8 +2,8 @@
 
 import math
 
-from agents.lines.ledger import RENEWALS, Ledger
-from agents.peer_state import said_to
+from agents.lines.separating_lines import RENEWALS, Ledger
+from agents.peers.state import said_to
 from protocol.messages import Answer, Member, Proposal, State
 
 ROBOTS = 16

@@ -18,9 +18,9 @@ from hypothesis.stateful import (
 )
 
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.peer_state import said_to
-from agents.safe_velocity import safe_velocity
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import Ledger
+from agents.peers.state import said_to
 from protocol.messages import Member, State
 
 SPEED, PERIOD, ROOM = 0.4, 0.05, 0.3  # fast, so that a few ticks suffice to collide

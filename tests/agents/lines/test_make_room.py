@@ -2,8 +2,8 @@
 
 import math
 
-from agents.lines.ledger import Ledger
-from agents.peer_state import PeerState, said_to
+from agents.lines.separating_lines import Ledger
+from agents.peers.state import PeerState, said_to
 from protocol.messages import Member, Proposal, State
 
 RADII = {1: 0.04, 2: 0.04}

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from agents.peer_state import said_to
+from agents.peers.state import said_to
 from protocol.errors import RosterError
 from protocol.messages import Roster, State
 from tests.agents.lines.product import Product

@@ -8,17 +8,17 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from deploy.recording.beside import FileBeside
 from deploy.recording.reader import read
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer import RecordingFile
-from protocol.bus_local import LocalBus, LocalNetwork
+from deploy.recording.writer_process import FileBeside
+from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
-from tests.deploy.recorded import scenario
 from tests.deploy.recording.fake_world import FakeWorld
+from tests.deploy.recording.recorded import scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> Recorder:

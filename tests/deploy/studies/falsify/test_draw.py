@@ -8,13 +8,13 @@ from itertools import pairwise
 
 import pytest
 
-from deploy.studies.falsify.dice import Dice
-from deploy.studies.falsify.draw import BUDGET, TICKS, drawn
-from deploy.studies.falsify.lives import sensible
-from deploy.studies.falsify.mutate import CHANGES, mutated
-from deploy.studies.falsify.places import at_the_wall, beside, fits, scattered
-from protocol.scenario import ProcessFault, Scenario
-from protocol.scenario_file import validated
+from deploy.studies.falsify.scenarios.dice import Dice
+from deploy.studies.falsify.scenarios.draw import BUDGET, TICKS, drawn
+from deploy.studies.falsify.scenarios.lives import sensible
+from deploy.studies.falsify.scenarios.mutate import CHANGES, mutated
+from deploy.studies.falsify.scenarios.places import at_the_wall, beside, fits, scattered
+from protocol.scenario.file import validated
+from protocol.scenario.model import ProcessFault, Scenario
 
 MANY = 600
 DRAWS = [drawn(0, number)[0] for number in range(MANY)]
