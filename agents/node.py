@@ -125,9 +125,9 @@ class RobotNode:
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
-                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), place
+                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), index
             )
-            for place, spec in enumerate(others)
+            for index, spec in enumerate(others)
         }
         self._lockstep, self._away = admission.lockstep, admission.away
         self._refused = self._published = self._received = 0
@@ -191,7 +191,7 @@ class RobotNode:
             self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_state(self, core: Robot, state: PeerState) -> None:
-        core.hear(state)
+        core.on_state(state)
         if not self._commanded and core.complete:
             self._command()
 

@@ -8,16 +8,17 @@ The lower id owns the line: only it proposes, numbering its proposals. Rules:
   from then on obeys that one only; otherwise it rejects it, and never adopts it later.
 - An answer (held, seen) says which number the follower obeys and up to which it has answered. The
   owner drops every line up to `seen` other than `held`.
-- Before anything is said, the first lives of both ends obey the initial line, which both derive from
-  the scenario's start positions; the owner knows that the follower's first life holds it. Later lives
-  have none.
-- Nothing is offered to a life that has not been heard: it need not know this one.
-- Numbers count within one life of the owner. Whatever names an older life of either end than the
-  newest known is ignored. An owner whose follower lives anew keeps obeying all it obeyed, for the
+- Before anything is said, the first incarnations of both ends obey the initial line, which both derive from
+  the scenario's start positions; the owner knows that the follower's first incarnation holds it. Later
+  incarnations have none.
+- Nothing is offered to an incarnation that has not been heard: it need not know this one.
+- Numbers count within one incarnation of the owner. Whatever names an older incarnation of either end than
+the
+  newest known is ignored. An owner whose follower restarted keeps obeying all it obeyed, for the
   follower may have adopted any of it before it died, until the newcomer adopts a fresh line.
 
 Invariant: the line that the follower holds is among those that the owner obeys; an end that has
-never had a line in this life stands still. It asks nothing of delay, order or delivery.
+never had a line in this incarnation stands still. It asks nothing of delay, order or delivery.
 """
 
 from __future__ import annotations
@@ -30,25 +31,25 @@ from agents.lines.line import Line
 
 @final
 class Owner:
-    """The end with the lower id, in one life (incarnation) of its robot.
+    """The end with the lower id, in one incarnation of its robot.
 
     Args:
-        life: own incarnation.
+        incarnation: own incarnation.
         initial: the line obeyed since the start.
-        peer_life: the follower's incarnation that obeys it too.
+        peer_incarnation: the follower's incarnation that obeys it too.
     """
 
-    def __init__(self, life: int, initial: Line | None = None, peer_life: int = 0) -> None:
-        self.life = life
-        self.peer_life = peer_life  # newest incarnation known of the follower; older ones are ignored
+    def __init__(self, incarnation: int, initial: Line | None = None, peer_incarnation: int = 0) -> None:
+        self.incarnation = incarnation
+        self.peer_incarnation = peer_incarnation  # newest known of the follower; older ones are ignored
         self.met = False  # whether that one has been heard; only then may it be offered a line
         self.held_number = 0  # number of the line that the follower is known to hold, 0 for none
         self.seen = 0  # highest number known to be answered
         self.number = 0  # of the newest proposal
         self.proposed: dict[int, Line] = {}  # unanswered, by number
-        self.agreed = initial is not None  # whether the follower is known to have held a line of this life
+        self.agreed = initial is not None  # whether the follower is known to have held a line of this one
         self.held = initial  # what the follower is known to hold
-        self._inherited: tuple[Line, ...] = ()  # what an earlier life of the follower may have held
+        self._inherited: tuple[Line, ...] = ()  # what an earlier incarnation of the follower may have held
 
     @property
     def obeyed(self) -> tuple[Line, ...]:
@@ -58,7 +59,7 @@ class Owner:
 
     @property
     def linked(self) -> bool:
-        """Whether a line was adopted by the follower's present life."""
+        """Whether a line was adopted by the follower's present incarnation."""
         return self.held is not None
 
     @property
@@ -71,13 +72,13 @@ class Owner:
         """Whether it obeys one line, which is not the initial one, and which the follower holds."""
         return self.held is not None and self.number > 0 and not self.proposed
 
-    def meet(self, peer_life: int) -> bool:
+    def accept(self, peer_incarnation: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
-        if peer_life > self.peer_life:
-            self._expect(peer_life)
-        if peer_life == self.peer_life:
+        if peer_incarnation > self.peer_incarnation:
+            self._expect(peer_incarnation)
+        if peer_incarnation == self.peer_incarnation:
             self.met = True
-        return peer_life == self.peer_life
+        return peer_incarnation == self.peer_incarnation
 
     def propose(self, line: Line) -> int:
         """Offer a line that the own disk satisfies now; its number. Obeyed from now on."""
@@ -85,9 +86,13 @@ class Owner:
         self.proposed[self.number] = line
         return self.number
 
-    def hear(self, peer_life: int, life: int, held: int, seen: int) -> bool:
-        """Process an answer of the follower's `peer_life` to this robot's `life`; True when it is news."""
-        if not self.meet(peer_life) or life != self.life or not self.seen < seen <= self.number:
+    def on_answer(self, peer_incarnation: int, incarnation: int, held: int, seen: int) -> bool:
+        """Process the follower's answer; True when it is news. It names the incarnations of both ends."""
+        if (
+            not self.accept(peer_incarnation)
+            or incarnation != self.incarnation
+            or not self.seen < seen <= self.number
+        ):
             return False
         if held in self.proposed:
             self.held, self.held_number = self.proposed[held], held
@@ -97,29 +102,29 @@ class Owner:
         self.proposed = {number: line for number, line in self.proposed.items() if number > seen}
         return True
 
-    def bury(self, life: int) -> None:
-        """The follower's `life` is fenced: its disk stands still for ever and replaces all lines."""
-        self._expect(life + 1)
+    def fence(self, incarnation: int) -> None:
+        """The follower's `incarnation` is fenced: its disk stands still for ever and replaces all lines."""
+        self._expect(incarnation + 1)
         self._inherited = ()
         self.agreed = False
 
-    def _expect(self, peer_life: int) -> None:
-        """Ignore older lives of the follower from now on."""
+    def _expect(self, peer_incarnation: int) -> None:
+        """Ignore older incarnations of the follower from now on."""
         self._inherited = self.obeyed
         self.held, self.held_number = None, 0
         self.proposed = {}
         self.seen = self.number
-        self.peer_life, self.met = peer_life, False
+        self.peer_incarnation, self.met = peer_incarnation, False
 
 
 @final
 class Follower:
-    """The end with the higher id, in one life (incarnation) of its robot; arguments as of `Owner`."""
+    """The end with the higher id, in one incarnation of its robot; arguments as of `Owner`."""
 
-    def __init__(self, life: int, initial: Line | None = None, peer_life: int = 0) -> None:
-        self.life = life
-        self.peer_life = peer_life  # newest incarnation known of the owner; older ones are ignored
-        self.held_number = 0  # number of the held line, 0 when it is not of the owner's present life
+    def __init__(self, incarnation: int, initial: Line | None = None, peer_incarnation: int = 0) -> None:
+        self.incarnation = incarnation
+        self.peer_incarnation = peer_incarnation  # newest known of the owner; older ones are ignored
+        self.held_number = 0  # number of the held line, 0 when it is not of the owner's present incarnation
         self.seen = 0  # highest number answered
         self._held = initial
 
@@ -130,7 +135,7 @@ class Follower:
 
     @property
     def linked(self) -> bool:
-        """Whether it has adopted a line of the owner's present life."""
+        """Whether it has adopted a line of the owner's present incarnation."""
         return self.held_number > 0
 
     @property
@@ -143,19 +148,21 @@ class Follower:
         """Whether it obeys a line."""
         return self._held is not None
 
-    def meet(self, peer_life: int) -> bool:
+    def accept(self, peer_incarnation: int) -> bool:
         """Hear from an incarnation of the owner; False when it is an old one, to be ignored."""
-        if peer_life > self.peer_life:
+        if peer_incarnation > self.peer_incarnation:
             self.held_number = self.seen = 0
-            self.peer_life = peer_life
-        return peer_life == self.peer_life
+            self.peer_incarnation = peer_incarnation
+        return peer_incarnation == self.peer_incarnation
 
-    def hear(self, peer_life: int, life: int, number: int, line: Line, fits: Callable[[Line], bool]) -> bool:
-        """Process a proposal of the owner's `peer_life` to this robot's `life`; True when it was adopted.
+    def on_proposal(
+        self, peer_incarnation: int, incarnation: int, number: int, line: Line, fits: Callable[[Line], bool]
+    ) -> bool:
+        """Process the owner's proposal; True when it was adopted. It names the incarnations of both ends.
 
         `fits` tells whether the own disk satisfies a line now.
         """
-        if not self.meet(peer_life) or life != self.life or number <= self.seen:
+        if not self.accept(peer_incarnation) or incarnation != self.incarnation or number <= self.seen:
             return False
         self.seen = number
         if not fits(line):
@@ -163,7 +170,7 @@ class Follower:
         self._held, self.held_number = line, number
         return True
 
-    def bury(self, life: int) -> None:
-        """The owner's `life` is fenced: its disk stands still for ever and replaces the line."""
-        self.meet(life + 1)
+    def fence(self, incarnation: int) -> None:
+        """The owner's `incarnation` is fenced: its disk stands still for ever and replaces the line."""
+        self.accept(incarnation + 1)
         self._held = None

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Final
 
 from agents.lines.ends import Follower, Owner
-from agents.lines.robot_pair import Bond
+from agents.lines.robot_pair import RobotPair
 from protocol.messages import Answer, Proposal
 from protocol.streams import STREAMS
 
@@ -17,21 +17,21 @@ _ANSWER: Final = 33
 _LIMIT: Final = STREAMS["state"].limit
 
 
-def proposals_of(bond: Bond) -> list[Proposal]:
+def proposals_of(pair: RobotPair) -> list[Proposal]:
     """What an owner has to repeat until it is answered."""
-    end = bond.end
+    end = pair.end
     assert isinstance(end, Owner)
     return [
-        Proposal(bond.peer, end.peer_life, number, line.nx, line.ny, line.offset)
+        Proposal(pair.peer, end.peer_incarnation, number, line.nx, line.ny, line.offset)
         for number, line in end.proposed.items()
     ]
 
 
-def answer_of(bond: Bond) -> Answer:
+def answer_of(pair: RobotPair) -> Answer:
     """What a follower says of what it was offered."""
-    end = bond.end
+    end = pair.end
     assert isinstance(end, Follower)
-    return Answer(bond.peer, end.peer_life, end.held_number, end.seen)
+    return Answer(pair.peer, end.peer_incarnation, end.held_number, end.seen)
 
 
 def fitting(proposals: list[Proposal], answers: int) -> list[Proposal]:

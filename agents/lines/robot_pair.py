@@ -15,74 +15,74 @@ _ROOM: Final = 0.25  # of the smaller radius, beyond both error bounds: a late l
 
 
 @final
-class Bond:
+class RobotPair:
     """What binds this robot to one peer.
 
     Args:
         peer: its id.
-        life: own incarnation.
+        incarnation: own incarnation.
         owns: whether this robot has the lower id.
         own_radius, radius: of this robot and of the peer, m.
         initial: the line obeyed since the start, if both can know one.
-        peer_life: the peer's incarnation that begins with it, its first in this run.
+        peer_incarnation: the peer's incarnation that begins with it, its first in this run.
 
     Attributes:
         end: this robot's end of the line.
-        state: newest State heard of the peer's present life.
+        state: newest State heard of the peer's present incarnation.
         disk: the peer's, while it stands, or is kept free for it to appear.
         excused: whether the peer's disk is not in the workspace, as far as is known.
-        sides: where the own centre must stay because of the lines obeyed.
+        line_half_planes: where the own centre must stay because of the lines obeyed.
         settled: whether both obey one and the same line, and nothing about it is open. Then
             nx, ny: its normal, away from this robot.
             offset: of the line along that, m.
             limit: of the own centre along that, m.
         answers_left: States that still have to carry the answer.
-        anew: whether the peer is not in the first life that was known of it.
+        peer_restarted: whether the peer is not in the first incarnation that was known of it.
     """
 
     __slots__ = (
-        "anew",
         "answers_left",
         "disk",
         "end",
         "excused",
         "heard",
         "limit",
+        "line_half_planes",
         "nx",
         "ny",
         "offset",
         "own_radius",
         "owns",
         "peer",
+        "peer_restarted",
         "radius",
         "settled",
-        "sides",
         "state",
     )
 
     def __init__(
         self,
         peer: int,
-        life: int,
+        incarnation: int,
         *,
         owns: bool,
         own_radius: float,
         radius: float,
         initial: Line | None,
-        peer_life: int = 0,
+        peer_incarnation: int = 0,
     ) -> None:
         # What is looked at in every tick comes first, so that it lies together in memory.
         self.owns = owns
-        self.settled = self.anew = self.excused = False
-        self.heard = 0  # newest life of the peer that was heard
+        self.settled = self.peer_restarted = self.excused = False
+        self.heard = 0  # newest incarnation of the peer that was heard
         self.answers_left = 0
         self.state: PeerState | None = None
         self.nx = self.ny = self.limit = self.offset = 0.0
         self.radius, self.own_radius = radius, own_radius
         self.peer = peer
-        self.end: Owner | Follower = (Owner if owns else Follower)(life, initial, peer_life)
+        self.end: Owner | Follower = (Owner if owns else Follower)(incarnation, initial, peer_incarnation)
         self.disk: FixedDisk | None = None
-        self.sides: tuple[HalfPlane, ...] = ()
+        self.line_half_planes: tuple[HalfPlane, ...] = ()
         self.renew()
 
     @property
@@ -99,15 +99,15 @@ class Bond:
     def half_planes(self) -> tuple[HalfPlane, ...]:
         """Where the own centre must stay because of this peer, lines or disk."""
         if self.disk is None or self.disk.half_plane is None:
-            return self.sides
-        return (*self.sides, self.disk.half_plane)
+            return self.line_half_planes
+        return (*self.line_half_planes, self.disk.half_plane)
 
     def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
-        """How far to back off, m, so that a line fits between this robot and a peer's new life, or its disk
-        can appear; to be asked while there is no line.
+        """How far to back off, m, so that a line fits between this robot and a peer's new incarnation, or its
+        disk can appear; to be asked while there is no line.
 
-        A line needs room for both error bounds. A life that has just begun may know its place less well
-        than the one before it, and cannot move until it has a line with everybody.
+        A line needs room for both error bounds. An incarnation that has just begun may know its place less
+        well than the one before it, and cannot move until it has a line with everybody.
 
         Args:
             x, y, bound: own position, m, and its error bound, m.
@@ -128,13 +128,13 @@ class Bond:
             return lacking, 0.0
         return lacking * dx / distance, lacking * dy / distance
 
-    def meet(self, state: PeerState) -> bool:
-        """Take over a peer's State if it is newer; False when it is of an old life, to be ignored."""
+    def accept(self, state: PeerState) -> bool:
+        """Take over a peer's State if it is newer; False when it is of an old incarnation, to be ignored."""
         known = self.state
         if known is None or state.incarnation != known.incarnation:
-            if not self.end.meet(state.incarnation):
+            if not self.end.accept(state.incarnation):
                 return False
-            self.anew = self.anew or known is not None
+            self.peer_restarted = self.peer_restarted or known is not None
             self.heard = state.incarnation
             self.excused = False
             self.state = state
@@ -145,12 +145,12 @@ class Bond:
 
     def renew(self) -> None:
         """What is obeyed has changed."""
-        self.sides = tuple([line.side(self.own_radius, self.owns) for line in self.end.obeyed])
+        self.line_half_planes = tuple([line.side(self.own_radius, self.owns) for line in self.end.obeyed])
         if self.end.agreed:
             self.disk = None
         self.settled = self.end.settled and self.disk is None
         if self.settled:
-            side = self.sides[0]
+            side = self.line_half_planes[0]
             self.nx, self.ny, self.limit = side.nx, side.ny, side.limit
             line = self.end.obeyed[0]
             self.offset = line.offset if self.owns else -line.offset
@@ -158,7 +158,7 @@ class Bond:
     def on_member(self, member: Member) -> None:
         """A newer roster says something else of the peer than the one before."""
         if member.incarnation < self.heard:
-            return  # whoever was heard since is in the workspace, and nothing of an older life excuses it
+            return  # whoever was heard since is there, and nothing of an older incarnation excuses it
         if member.status == "live":
             self.excused = False
         elif member.status == "gone":
@@ -183,8 +183,8 @@ class Bond:
         self._end(incarnation)
 
     def _end(self, incarnation: int) -> None:
-        """No life up to this one moves again: its disk, or nothing, replaces all lines."""
-        self.end.bury(incarnation)
+        """No incarnation up to this one moves again: its disk, or nothing, replaces all lines."""
+        self.end.fence(incarnation)
         self.state = None
-        self.anew = True
+        self.peer_restarted = True
         self.renew()

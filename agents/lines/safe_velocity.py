@@ -50,26 +50,26 @@ def safe_velocity(
         noise: bound on the relative execution noise, in [0, 1).
     """
     x, y = position
-    reach = speed * period
+    max_step = speed * period
     want = (desired[0] * period, desired[1] * period)
-    limits = _near(half_planes, x, y, reach * (1.0 + noise))
+    limits = _near(half_planes, x, y, max_step * (1.0 + noise))
     if noise > 0.0:
         limits = [wedge for limit in limits for wedge in _wedge(limit, noise)]
-    step = _nearest(want, limits, reach)
+    step = _nearest(want, limits, max_step)
     for _ in range(_CUTS):
         cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)
         if cut is None:
             break
         limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
-        step = _nearest(want, limits, reach)
+        step = _nearest(want, limits, max_step)
     for shrink in _SHRINK:
         # Shrinking makes room at all edges but those through 0; only then can these be moved off.
         step = _nudged((step[0] * shrink, step[1] * shrink), limits)
         vx, vy = step[0] / period, step[1] / period
         dx, dy = vx * period, vy * period
         if (
-            math.hypot(dx, dy) <= reach
-            and math.hypot(vx, vy) * period <= reach
+            math.hypot(dx, dy) <= max_step
+            and math.hypot(vx, vy) * period <= max_step
             and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
             and boundary.cut(x, y, shape, dx, dy, noise=noise) is None
         ):
@@ -77,12 +77,12 @@ def safe_velocity(
     return 0.0, 0.0
 
 
-def _near(half_planes: Sequence[HalfPlane], x: float, y: float, reach: float) -> list[HalfPlane]:
+def _near(half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float) -> list[HalfPlane]:
     """The half-planes whose edge is within reach, for displacements: n.d <= slack, never negative."""
     near = []
     for each in half_planes:
         slack = each.slack(x, y)
-        if slack < reach:
+        if slack < max_step:
             near.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
     return near
 
@@ -98,8 +98,8 @@ def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
     )
 
 
-def _nearest(want: Vector, limits: Sequence[HalfPlane], reach: float) -> Vector:
-    """The point nearest to `want` in a disk of radius `reach` around 0 and all half-planes.
+def _nearest(want: Vector, limits: Sequence[HalfPlane], max_step: float) -> Vector:
+    """The point nearest to `want` in a disk of radius `max_step` around 0 and all half-planes.
 
     One constraint after another: the nearest point so far stays if the next one allows it, otherwise
     the new one lies on that constraint's edge, a problem in one variable (Seidel; de Berg et al.,
@@ -107,19 +107,19 @@ def _nearest(want: Vector, limits: Sequence[HalfPlane], reach: float) -> Vector:
     """
     px, py = want
     length = math.hypot(px, py)
-    if length > reach:
-        px, py = px * reach / length, py * reach / length
+    if length > max_step:
+        px, py = px * max_step / length, py * max_step / length
     for index, edge in enumerate(limits):
         if edge.nx * px + edge.ny * py > edge.limit:
-            px, py = _on_edge(want, limits, index, reach)
+            px, py = _on_edge(want, limits, index, max_step)
     return px, py
 
 
-def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, reach: float) -> Vector:
+def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, max_step: float) -> Vector:
     """The point nearest to `want` on the edge of one half-plane, within the disk and all earlier ones."""
     edge = limits[index]
     nx, ny, limit = edge.nx, edge.ny, edge.limit
-    high = math.sqrt(max(0.0, reach * reach - limit * limit))
+    high = math.sqrt(max(0.0, max_step * max_step - limit * limit))
     low = -high
     for other in limits[:index]:
         along = nx * other.ny - ny * other.nx  # m . t with the edge's direction t = (-ny, nx)

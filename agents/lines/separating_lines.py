@@ -1,7 +1,7 @@
 """All the lines of one robot: what it must obey now, what it says about them.
 
 Messages carry only what is open. A proposal is repeated in every State until it is answered, or,
-if a State has no room for all, at least the newest of the pair (`spoken.fitting`). An answer is said when
+if a State has no room for all, at least the newest of the pair (`entries.fitting`). An answer is said when
 a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
 proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
 lost, the next repetition that arrives brings about another, and that settles all older ones.
@@ -23,8 +23,8 @@ from typing import Final
 from agents.lines.ends import Follower, Owner
 from agents.lines.entries import answer_of, fitting, proposals_of
 from agents.lines.line import ROUNDING, HalfPlane, Line
-from agents.lines.placement import Disk, initial_line, is_same, place
-from agents.lines.robot_pair import Bond
+from agents.lines.placement import Disk, fit_line, initial_line, is_same
+from agents.lines.robot_pair import RobotPair
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from protocol.messages import Answer, Member, Proposal
@@ -36,20 +36,21 @@ SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a li
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
 
-class Ledger:
+class SeparatingLines:
     """Every separating line of one robot.
 
-    One tick is: `locate`, `hear` what has come in, `speak` for the State; `hear` the States of this
-    tick, then `ready` and `half_planes` for the velocity. No command is outstanding at these moments.
+    One tick is: `locate`, `on_state` for what has come in, `entries` for the State; `on_state` for the
+    States of this tick, then `ready` and `half_planes` for the velocity. No command is outstanding at these
+    moments.
 
     Args:
         robot: own id.
-        incarnation: own life.
+        incarnation: own incarnation.
         radii: radius of every robot, m, own included.
         speed: the most that a robot really moves, m/s.
         period: of one tick, s.
-        members: the others in the first roster that this life hears.
-        starts: where every robot begins, m, if this life is a founding one.
+        members: the others in the first roster that this incarnation hears.
+        starts: where every robot begins, m, if this incarnation is a founding one.
     """
 
     def __init__(
@@ -65,10 +66,10 @@ class Ledger:
     ) -> None:
         self._robot, self._incarnation = robot, incarnation
         self._radius = radii[robot]
-        self._period, self._reach = period, speed * period
+        self._period, self._max_step = period, speed * period
         founding = {each.robot: each.founding for each in members}
-        self._bonds = {
-            peer: self._bond(
+        self._pairs = {
+            peer: self._pair(
                 peer,
                 radii[peer],
                 None if starts is None else initial_line(robot, peer, starts, radii),
@@ -77,7 +78,7 @@ class Ledger:
             for peer in sorted(radii)
             if peer != robot
         }
-        self._each = list(self._bonds.values())
+        self._each = list(self._pairs.values())
         self._disturbed = False  # whether any peer was ever fenced, or began anew
         self._tick = 0
         self._x = self._y = 0.0
@@ -87,15 +88,15 @@ class Ledger:
             if member.status != "live":
                 self.on_member(member)
 
-    def _bond(self, peer: int, radius: float, initial: Line | None, peer_life: int) -> Bond:
-        return Bond(
+    def _pair(self, peer: int, radius: float, initial: Line | None, peer_incarnation: int) -> RobotPair:
+        return RobotPair(
             peer,
             self._incarnation,
             owns=self._robot < peer,
             own_radius=self._radius,
             radius=radius,
             initial=initial,
-            peer_life=peer_life,
+            peer_incarnation=peer_incarnation,
         )
 
     def locate(
@@ -106,58 +107,59 @@ class Ledger:
         self._tick = tick
         self._x, self._y = position
         self._bound, self._shape = bound, shape
-        for bond in self._each if self._disturbed else ():
-            if bond.disk is not None:
-                bond.disk.renew(self._x, self._y, bound, shape)
+        for pair in self._each if self._disturbed else ():
+            if pair.disk is not None:
+                pair.disk.renew(self._x, self._y, bound, shape)
 
-    def hear(self, state: PeerState) -> None:
+    def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
-        bond = self._each[state.place]
-        if bond.peer != state.robot:
-            bond = self._bonds[state.robot]
-        if not bond.meet(state):
+        pair = self._each[state.index]
+        if pair.peer != state.robot:
+            pair = self._pairs[state.robot]
+        if not pair.accept(state):
             return
-        self._disturbed = self._disturbed or bond.anew
+        self._disturbed = self._disturbed or pair.peer_restarted
         if not state.answers and not state.proposals:
             return
-        if isinstance(bond.end, Owner):
-            self._hear_answers(bond, bond.end, state)
+        if isinstance(pair.end, Owner):
+            self._on_answers(pair, pair.end, state)
         else:
-            self._hear_proposals(bond, bond.end, state)
+            self._on_proposals(pair, pair.end, state)
 
     def on_member(self, member: Member) -> None:
         """A newer roster says something else of a peer than the one before."""
-        bond = self._bonds.get(member.robot)
-        if bond is None:
-            bond = self._bonds[member.robot] = self._bond(member.robot, member.radius, None, 0)
-            self._each.append(bond)
+        pair = self._pairs.get(member.robot)
+        if pair is None:
+            pair = self._pairs[member.robot] = self._pair(member.robot, member.radius, None, 0)
+            self._each.append(pair)
         self._disturbed = self._disturbed or member.status != "live"
-        bond.on_member(member)
-        if bond.disk is not None:
-            bond.disk.renew(self._x, self._y, self._bound, self._shape)
+        pair.on_member(member)
+        if pair.disk is not None:
+            pair.disk.renew(self._x, self._y, self._bound, self._shape)
 
     @property
     def keeps_clear(self) -> bool:
         """Whether the own disk is and stays clear of every place where a disk is to appear."""
         return not self._disturbed or all(
-            bond.keeps_clear or bond.disk is None for bond in self._each if bond.excused
+            pair.keeps_clear or pair.disk is None for pair in self._each if pair.excused
         )
 
     @property
     def ready(self) -> bool:
         """Whether every peer that is there is behind something; who is not ready must stand still."""
-        for bond in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
-            if not (bond.settled or bond.ready):
+        for pair in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
+            if not (pair.settled or pair.ready):
                 return False
         return True
 
     def make_room(self, desired: tuple[float, float]) -> tuple[float, float]:
-        """The desired velocity (m/s), turned away from peers whose new life is too close for a line."""
+        """The desired velocity (m/s), turned away from peers whose new incarnation is too close for a
+        line."""
         vx, vy = desired
-        for bond in self._each if self._disturbed else ():
-            if not bond.anew or bond.end.linked:
+        for pair in self._each if self._disturbed else ():
+            if not pair.peer_restarted or pair.end.linked:
                 continue
-            dx, dy = bond.crowding(self._x, self._y, self._bound)
+            dx, dy = pair.crowding(self._x, self._y, self._bound)
             lacking = math.hypot(dx, dy)
             if lacking > 0.0:
                 nx, ny = dx / lacking, dy / lacking
@@ -171,15 +173,15 @@ class Ledger:
         Without those that are out of reach within a tick.
         """
         x, y = self._x, self._y
-        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._max_step
         found = []
-        for bond in self._each:
-            if bond.settled:
-                if bond.limit - bond.nx * x - bond.ny * y < near:
-                    margin = self._extent(bond.nx, bond.ny) + 2.0 * ROUNDING
-                    found.append(HalfPlane(bond.nx, bond.ny, bond.limit - margin))
+        for pair in self._each:
+            if pair.settled:
+                if pair.limit - pair.nx * x - pair.ny * y < near:
+                    margin = self._extent(pair.nx, pair.ny) + 2.0 * ROUNDING
+                    found.append(HalfPlane(pair.nx, pair.ny, pair.limit - margin))
                 continue
-            for side in bond.half_planes:
+            for side in pair.half_planes:
                 if side.slack(x, y) < near:
                     margin = self._extent(side.nx, side.ny) + 2.0 * ROUNDING
                     found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
@@ -189,9 +191,9 @@ class Ledger:
         """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
         radius = shape.radius
         return [
-            (bond.peer, side)
-            for bond in self._each
-            for side in bond.half_planes
+            (pair.peer, side)
+            for pair in self._each
+            for side in pair.half_planes
             if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
         ]
 
@@ -199,19 +201,19 @@ class Ledger:
         """How far the own set reaches from the own position in the direction (nx, ny), m."""
         return self._bound if self._shape is None else self._shape.extent(nx, ny)
 
-    def sides(self) -> tuple[tuple[int, float, float, float], ...]:
+    def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
         """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
         them, or if those are too many, the tightest of each pair."""
-        sides = [(bond.peer, side) for bond in self._each for side in bond.half_planes]
-        if len(sides) > SHOWN:
-            sides.sort(key=self._slack, reverse=True)
-            sides = list(dict(sides).items())  # the last of each pair
-        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in sides)
+        obeyed_lines = [(pair.peer, side) for pair in self._each for side in pair.half_planes]
+        if len(obeyed_lines) > SHOWN:
+            obeyed_lines.sort(key=self._slack, reverse=True)
+            obeyed_lines = list(dict(obeyed_lines).items())  # the last of each pair
+        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in obeyed_lines)
 
     def _slack(self, side: tuple[int, HalfPlane]) -> float:
         return side[1].slack(self._x, self._y)
 
-    def speak(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
+    def entries(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
         standing = not self.ready
         vx, vy = (0.0, 0.0) if standing else desired
@@ -219,29 +221,29 @@ class Ledger:
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         renewals = RENEWALS
-        for bond in self._each:
-            if bond.owns:
-                renewals -= self._consider(bond, me, standing, renewals)
-                if not bond.settled:
-                    proposals += proposals_of(bond)
-            elif bond.answers_left:
-                bond.answers_left -= 1
-                answers.append(answer_of(bond))
+        for pair in self._each:
+            if pair.owns:
+                renewals -= self._consider(pair, me, standing, renewals)
+                if not pair.settled:
+                    proposals += proposals_of(pair)
+            elif pair.answers_left:
+                pair.answers_left -= 1
+                answers.append(answer_of(pair))
         return tuple(fitting(proposals, len(answers))), tuple(answers)
 
-    def _hear_answers(self, bond: Bond, end: Owner, state: PeerState) -> None:
-        life = state.incarnation
+    def _on_answers(self, pair: RobotPair, end: Owner, state: PeerState) -> None:
+        incarnation = state.incarnation
         for answer in state.answers:
-            if end.hear(life, answer.peer_incarnation, answer.held, answer.seen):
-                bond.renew()
+            if end.on_answer(incarnation, answer.peer_incarnation, answer.held, answer.seen):
+                pair.renew()
 
-    def _hear_proposals(self, bond: Bond, end: Follower, state: PeerState) -> None:
-        life = state.incarnation
+    def _on_proposals(self, pair: RobotPair, end: Follower, state: PeerState) -> None:
+        incarnation = state.incarnation
         for offer in state.proposals:
-            bond.answers_left = ANSWER_TICKS
+            pair.answers_left = ANSWER_TICKS
             line = Line(offer.nx, offer.ny, offer.offset)
-            if end.hear(life, offer.peer_incarnation, offer.number, line, self._follower_fits):
-                bond.renew()
+            if end.on_proposal(incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits):
+                pair.renew()
 
     def _follower_fits(self, line: Line) -> bool:
         return self._fits(line, owner=False)
@@ -251,25 +253,25 @@ class Ledger:
         side = line.side(self._radius, owner)
         return line.is_unit and side.slack(self._x, self._y) >= self._extent(side.nx, side.ny) + ROUNDING
 
-    def _consider(self, bond: Bond, me: Disk, standing: bool, renewals: int) -> int:
+    def _consider(self, pair: RobotPair, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.
 
         Returns 1 if it is one of the `renewals`, else 0.
         """
-        state = bond.state
+        state = pair.state
         if state is None or not state.placed:
             return 0
         ticks = max(0, self._tick - state.tick) + 2
-        apart = 2.0 * ticks * self._reach
+        apart = 2.0 * ticks * self._max_step
         # A pair is left alone if neither comes near the line before a new one could be agreed.
-        mine, theirs = apart + me.radius, apart + bond.radius + state.bound
+        mine, theirs = apart + me.radius, apart + pair.radius + state.bound
         if (
-            bond.settled
-            and bond.offset - bond.nx * me.x - bond.ny * me.y > mine
-            and -(bond.offset - bond.nx * state.x - bond.ny * state.y) > theirs
+            pair.settled
+            and pair.offset - pair.nx * me.x - pair.ny * me.y > mine
+            and -(pair.offset - pair.nx * state.x - pair.ny * state.y) > theirs
         ):
             return 0
-        end = bond.end
+        end = pair.end
         assert isinstance(end, Owner)
         if not end.met or len(end.proposed) >= OUTSTANDING:
             return 0
@@ -278,13 +280,13 @@ class Ledger:
             if end.number > 0 or renewals == 0:
                 return 0
             renewal = 1
-        halted = bond.disk is not None
+        halted = pair.disk is not None
         vx, vy = (0.0, 0.0) if halted else state.desired
-        peer = Disk(state.x, state.y, bond.radius + state.bound, vx, vy)
-        line = place(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
+        peer = Disk(state.x, state.y, pair.radius + state.bound, vx, vy)
+        line = fit_line(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
         if line is None or not self._fits(line, owner=True):
             return 0
-        if newest is None or not is_same(line, newest, UNCHANGED * self._reach):
+        if newest is None or not is_same(line, newest, UNCHANGED * self._max_step):
             end.propose(line)
-            bond.renew()
+            pair.renew()
         return renewal

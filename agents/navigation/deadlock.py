@@ -146,8 +146,8 @@ def cluster(position: Vector, radius: float, peers: Sequence[Peer]) -> list[Peer
         x, y, own = frontier.pop()
         far = []
         for peer in rest:
-            reach = (1.0 + ADJACENT) * (own + peer.radius) ** 2
-            if (peer.x - x) ** 2 + (peer.y - y) ** 2 <= reach:
+            near_squared = (1.0 + ADJACENT) * (own + peer.radius) ** 2
+            if (peer.x - x) ** 2 + (peer.y - y) ** 2 <= near_squared:
                 members.append(peer)
                 frontier.append((peer.x, peer.y, peer.radius))
             else:

@@ -52,11 +52,11 @@ def desired_velocity(
     return (vx, vy) if excess <= 1.0 else (vx / excess, vy / excess)
 
 
-def _end(flow: Flow, position: Vector, now: Gradient, period: float, reach: float) -> Vector:
-    """Where the flow is after `period`, or after `reach` of arc if that is sooner."""
+def _end(flow: Flow, position: Vector, now: Gradient, period: float, max_step: float) -> Vector:
+    """Where the flow is after `period`, or after `max_step` of arc if that is sooner."""
     x, y = position
-    left, arc, step = period, reach, period
-    tolerance = TOLERANCE * reach
+    left, arc, step = period, max_step, period
+    tolerance = TOLERANCE * max_step
     for _ in range(MAX_STEPS):
         rate = math.hypot(flow.drift[0] - flow.scale * now.dx, flow.drift[1] - flow.scale * now.dy)
         if rate * left > 2.0 * arc:

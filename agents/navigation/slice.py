@@ -95,8 +95,8 @@ class Slice:
         for peer in self._peers:
             ax = x - peer.x
             ay = y - peer.y
-            reach = self._radius + peer.radius
-            contact = reach * reach
+            contact_distance = self._radius + peer.radius
+            contact = contact_distance * contact_distance
             square = ax * ax + ay * ay
             if square > contact * _LIMIT:
                 inverse = 1.0 / (square - contact)
@@ -118,8 +118,8 @@ class Slice:
         for peer in self._peers:
             ax = x - peer.x
             ay = y - peer.y
-            reach = self._radius + peer.radius
-            contact = reach * reach
+            contact_distance = self._radius + peer.radius
+            contact = contact_distance * contact_distance
             square = ax * ax + ay * ay
             if square > contact * _LIMIT:
                 inverse = 1.0 / (square - contact)

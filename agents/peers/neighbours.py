@@ -10,7 +10,8 @@ from protocol.messages import Member
 
 
 class Neighbours:
-    """Peers as last heard. A State is newer when its life is newer, or its tick within the same life.
+    """Peers as last heard. A State is newer when its incarnation is newer, or its tick within the same
+    incarnation.
 
     Args:
         radii: radius (m) of every peer, by id.
@@ -19,36 +20,36 @@ class Neighbours:
     def __init__(self, radii: Mapping[int, float]) -> None:
         self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
         self._radii = list(radii.items())
-        self._place = {peer: place for place, peer in enumerate(radii)}
+        self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
 
     def state(self, peer: int) -> PeerState | None:
         """The newest State of a peer."""
-        place = self._place.get(peer)
-        return None if place is None else self._states[place]
+        index = self._index.get(peer)
+        return None if index is None else self._states[index]
 
-    def hear(self, state: PeerState) -> bool:
+    def on_state(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
-        place = state.place
-        known = self._states[place]
+        index = state.index
+        known = self._states[index]
         if known is None or known.robot != state.robot:
-            place = self._place[state.robot]
-            known = self._states[place]
+            index = self._index[state.robot]
+            known = self._states[index]
         if known is not None and not is_newer(state, known):
             return False
-        self._states[place] = state
+        self._states[index] = state
         if self.standing:
             self._rise(state)
         return True
 
     def _rise(self, state: PeerState) -> None:
-        """A fenced robot whose newer life speaks is no obstacle any more."""
+        """A fenced robot whose newer incarnation speaks is no obstacle any more."""
         fenced = self.standing.get(state.robot)
         if fenced is not None and state.incarnation > fenced.incarnation:
             del self.standing[state.robot]
 
     def on_member(self, member: Member) -> None:
-        """Take over what a newer roster says of a peer. One that lives again stands until it speaks."""
+        """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
         state = self.state(member.robot)
         if state is not None and state.incarnation > member.incarnation:
             return
@@ -59,9 +60,9 @@ class Neighbours:
             self._forget(member.robot)
 
     def _forget(self, peer: int) -> None:
-        place = self._place.get(peer)
-        if place is not None:
-            self._states[place] = None
+        index = self._index.get(peer)
+        if index is not None:
+            self._states[index] = None
 
     def heard(self) -> list[PeerState]:
         """The newest States of all who have been heard."""
@@ -100,7 +101,7 @@ class Neighbours:
 
 
 def is_newer(state: PeerState, known: PeerState) -> bool:
-    """Whether `state` is of a newer life than `known`, or of a later tick of the same life."""
+    """Whether `state` is of a newer incarnation than `known`, or of a later tick of the same incarnation."""
     if state.incarnation == known.incarnation:
         return state.tick > known.tick
     return state.incarnation > known.incarnation

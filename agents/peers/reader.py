@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Final, final
 
-from agents.peers.state import PeerState, said_to
+from agents.peers.state import PeerState, addressed_to
 from protocol.codec import check_finite, encode
 from protocol.cursor import Cursor
 from protocol.messages import HIGHEST_ID, Answer, Proposal, State
@@ -26,16 +26,16 @@ class PeerReader:
         peer: the speaker's.
         radius: of the peer, m.
         oldest: its first incarnation in this run.
-        place: see `PeerState`.
+        index: see `PeerState`.
 
     Attributes:
-        oldest: as given; earlier lives are no concern of this run.
+        oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_peer", "_place", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_index", "_peer", "_radius", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, place: int = 0) -> None:
-        self._robot, self._peer, self._radius, self._place = robot, peer, radius, place
+    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, index: int = 0) -> None:
+        self._robot, self._peer, self._radius, self._index = robot, peer, radius, index
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
@@ -84,7 +84,7 @@ class PeerReader:
             radius=self._radius,
             proposals=proposals,
             answers=answers,
-            place=self._place,
+            index=self._index,
         )
         return state if state.is_finite else None
 
@@ -112,7 +112,7 @@ class PeerReader:
     def _any(self, payload: bytes) -> PeerState:
         message = self._reader.read(payload)
         assert isinstance(message, State)
-        state = said_to(self._robot, message, self._radius, self._place)
+        state = addressed_to(self._robot, message, self._radius, self._index)
         if not state.is_finite:
             check_finite("state", message)
         return state

@@ -23,7 +23,7 @@ class PeerState(Peer):
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
         radius: the peer's, m.
-        place: where the listener looks first for what it knows of this peer: its number among the others.
+        index: where the listener looks first for what it knows of this peer: its number among the others.
 
     Attributes: as given.
     """
@@ -32,7 +32,7 @@ class PeerState(Peer):
         "answers",
         "bound",
         "incarnation",
-        "place",
+        "index",
         "placed",
         "proposals",
         "robot",
@@ -59,14 +59,14 @@ class PeerState(Peer):
         radius: float,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
-        place: int = 0,
+        index: int = 0,
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
         self.placed, self.x, self.y = placed, x, y
         self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
-        self.place = place
+        self.index = index
 
     @property
     def position(self) -> Vector | None:
@@ -87,7 +87,7 @@ class PeerState(Peer):
         return total <= LARGEST
 
 
-def said_to(robot: int, state: State, radius: float, place: int = 0) -> PeerState:
+def addressed_to(robot: int, state: State, radius: float, index: int = 0) -> PeerState:
     """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
     placed = state.position is not None
     x, y = state.position or (0.0, 0.0)
@@ -105,5 +105,5 @@ def said_to(robot: int, state: State, radius: float, place: int = 0) -> PeerStat
         radius=radius,
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),
-        place=place,
+        index=index,
     )

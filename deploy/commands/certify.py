@@ -90,7 +90,7 @@ def _statistics(name: str, settings: list[str], starts: int, seed: int, as_json:
 
     valid = load(name, settings)
     with bar("random starts") as tell:
-        problem = replace(Goals.of(valid).problem, k=valid.gain)
+        problem = replace(Goals.of(valid).problem, k=valid.k)
         found = failing_fraction(problem, starts, seed, tell)
     _say(str(found), asdict(found), as_json)
     return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED

@@ -74,8 +74,8 @@ def run(
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
-    spread = None if hosts is None else read_hosts(hosts, loaded.ids)
-    options = RunOptions(transport, mode, router, run_name, secure, spread, pace, restarts(restart))
+    hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
+    options = RunOptions(transport, mode, router, run_name, secure, hosts_table, pace, restarts(restart))
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, options, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

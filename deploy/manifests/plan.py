@@ -20,7 +20,7 @@ KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
 
 @dataclass(frozen=True)
 class Plan:
-    """A run, its scenario, and what an engine starts."""
+    """A run, its scenario, and what an orchestrator starts."""
 
     roster: Roster
     scenario: str  # TOML

@@ -83,4 +83,4 @@ class Player(SharedView):
 
 
 def _hear(message: Message, view: View, now: float) -> None:
-    view.hear(message, now)
+    view.on_message(message, now)

@@ -99,7 +99,7 @@ class Watcher(SharedView):
             return
         if self._known and self._is_news(message):
             self._learn()
-        self.change(lambda view, now: view.hear(message, now))
+        self.change(lambda view, now: view.on_message(message, now))
 
     def _is_news(self, message: AnyMessage) -> bool:
         news = False

@@ -1,4 +1,4 @@
-"""Whether a process of a run is well: what an engine's probe asks."""
+"""Whether a process of a run is well: what an orchestrator's probe asks."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from math import inf
 
 from deploy.recording.writer import RecordingFile
-from deploy.recording.writer_process import FileBeside
+from deploy.recording.writer_process import WriterProcess
 from protocol import joining
 from protocol.bus.bus import Bus
 from protocol.bus.drive import uninterrupted
@@ -50,7 +50,7 @@ class Recorder:
         self,
         bus: Bus,
         run: str,
-        file: RecordingFile | FileBeside,
+        file: RecordingFile | WriterProcess,
         *,
         on_ready: Callable[[], None] | None = None,
         heard: Callable[[], list[tuple[str, bytes]]] | None = None,

@@ -24,7 +24,7 @@ _UNPACK = msgspec.msgpack.Decoder(list[tuple[str, bytes]])
 _FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
 
-class FileBeside:
+class WriterProcess:
     """What `RecordingFile` does, done elsewhere: this process only hands messages over.
 
     If this process dies, all that it handed over is still written.

@@ -15,7 +15,7 @@ from typing import Any
 
 from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
-from deploy.processes.hosts.topology import Spread, places
+from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fault_schedule import FaultSchedule
@@ -108,7 +108,7 @@ class Fleet:
         if options.router is not None:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:
-            return self._link(Spread(options.hosts, membership, self._hosts))
+            return self._link(MultiHost(options.hosts, membership, self._hosts))
         record = None if self._record is None or options.restarts else (options.run, self._record)
         router = table.router(membership.router(), record, options.restarts)
         self._supervisor.start([router])
@@ -122,15 +122,15 @@ class Fleet:
         hosts = self._options.hosts
         return None if hosts is None else HostSpawners(hosts, places(hosts))
 
-    def _link(self, spread: Spread) -> Spread:
+    def _link(self, multi_host: MultiHost) -> MultiHost:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""
-        spread.spawners.greet()
-        for host in spread.hosts.hosts:
+        multi_host.spawners.greet()
+        for host in multi_host.hosts.hosts:
             self._supervisor.start(
-                [table.linked_router(spread.router(host), host.name, self._options.restarts)]
+                [table.linked_router(multi_host.router(host), host.name, self._options.restarts)]
             )
             self._supervisor.report(table.router_name(host.name), _START)
-        return spread
+        return multi_host
 
     def _journal(self, stack: ExitStack) -> Path | None:
         """Where the world is to keep its journal, if it is to be started again: made here, so that a world

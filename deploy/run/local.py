@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.node import RobotNode
 from deploy.recording.recorder import Recorder
-from deploy.recording.writer_process import FileBeside
+from deploy.recording.writer_process import WriterProcess
 from deploy.run.fault_schedule import FaultSchedule
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Sample
@@ -111,7 +111,7 @@ class LocalFleet:
     def _record(self, path: Path) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
-        recorder = bus.node = Recorder(bus, self.run, FileBeside(path))
+        recorder = bus.node = Recorder(bus, self.run, WriterProcess(path))
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:

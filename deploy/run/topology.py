@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from deploy.processes.hosts.topology import Spread
+from deploy.processes.hosts.topology import MultiHost
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.connection import Connection
@@ -63,4 +63,4 @@ class Mesh:
         return f"unixsock-stream/{self.folder / name}"
 
 
-Topology = Routed | Mesh | Spread
+Topology = Routed | Mesh | MultiHost

@@ -39,7 +39,7 @@ def credentials(directory: Path, role: str) -> Credentials:
 
     Raises:
         CertificateError: a file is missing, or the private key is exposed: it may be read by its owner
-            only, and by a group if it is root's, as engines hand keys to processes.
+            only, and by a group if it is root's, as orchestrators hand keys to processes.
     """
     paths = [directory.absolute() / name for name in (AUTHORITY, certificate_file(role), key_file(role))]
     for path in paths:

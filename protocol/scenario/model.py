@@ -164,7 +164,7 @@ class Scenario:
         return math.ceil(seconds / self.time.step - 1e-9)
 
     @property
-    def gain(self) -> float:
+    def k(self) -> float:
         """The number k in use; `auto` must have been resolved before (`deploy.library.load`).
 
         Raises:

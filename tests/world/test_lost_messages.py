@@ -53,9 +53,9 @@ def test_what_is_lost_is_said_again(listener: int | None, kind: type[Measurement
     fleet = LocalFleet([SCENARIO])
     bus = fleet.network._buses[0] if listener is None else fleet.robots[listener]
     assert bus.node is not None
-    deaf = bus.node = Deaf(bus.node, kind)
+    remaining = bus.node = Deaf(bus.node, kind)
     report = fleet.execute()[0]
-    assert deaf.missed == len(LOST_AT)
+    assert remaining.missed == len(LOST_AT)
     assert report["verdict"] == "arrived"
     assert report["trajectory_sha256"] == whole["trajectory_sha256"]
     assert report["ticks"] == whole["ticks"]

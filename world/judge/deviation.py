@@ -8,7 +8,7 @@ from protocol.scenario.model import Scenario
 from world.judge.clearance import Plane
 
 
-class Excursions:
+class LateralDeviation:
     """Largest distance of each centre so far from the segment between its start and its goal, m.
 
     Of a robot that starts at its goal, from there. A convex function of the place, so that between two

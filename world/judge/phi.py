@@ -24,7 +24,7 @@ class NavigationFunction:
         goals = [complex(*scenario.spec(robot).goal) for robot in disks.ids]
         self._goals: Plane = np.array(goals)
         self._disks = disks
-        self._gain = scenario.gain
+        self._k = scenario.k
 
     def __call__(self, positions: Plane) -> list[float]:
         """phi of each of n configurations (n, p), complex, m; finite for any k and number of robots."""
@@ -43,11 +43,11 @@ class NavigationFunction:
         ]
 
     def _value(self, gamma: float, log_beta: float) -> float:
-        return phi(math.log(gamma), log_beta, self._gain) if gamma > 0.0 else 0.0
+        return phi(math.log(gamma), log_beta, self._k) if gamma > 0.0 else 0.0
 
 
-def phi(log_gamma: float, log_beta: float, gain: float) -> float:
+def phi(log_gamma: float, log_beta: float, k: float) -> float:
     """phi from log gamma and log beta: exp(-softplus(log beta - k log gamma) / k)."""
-    excess = log_beta - gain * log_gamma
+    excess = log_beta - k * log_gamma
     softplus = max(excess, 0.0) + math.log1p(math.exp(-abs(excess)))
-    return math.exp(-softplus / gain)
+    return math.exp(-softplus / k)

@@ -14,7 +14,7 @@ from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane, gaps
 from world.judge.contacts import Contacts
-from world.judge.deviation import Excursions
+from world.judge.deviation import LateralDeviation
 from world.judge.phi import NavigationFunction
 from world.judge.trajectory import TrajectoryDigest
 
@@ -31,7 +31,7 @@ class Record:
         self._phi = NavigationFunction(scenario, disks)
         self._digest = TrajectoryDigest(disks.ids)
         self._contacts = Contacts(disks)
-        self._excursions = Excursions(scenario)
+        self._deviation = LateralDeviation(scenario)
         self._aside: list[tuple[Vector, ...]] = []
         self._batch = max(1, min(_BATCH, _LARGEST // (len(disks.contact) + len(disks.wall))))
         self._tick = 0  # of the newest configuration that is measured
@@ -74,10 +74,10 @@ class Record:
         return self._increases
 
     @property
-    def excursions(self) -> list[float]:
+    def deviation(self) -> list[float]:
         """Largest distance of each robot from its straight way so far, in the order of ids, m."""
         self._measure()
-        return self._excursions()
+        return self._deviation()
 
     def sha256(self) -> str:
         """Digest of the trajectory so far."""
@@ -107,7 +107,7 @@ class Record:
             self._truth = Truth(self._tick + row + 1, self._disks.ids, positions, clearance, phi)
             self._news.append(self._truth)
         self._digest.add(range(self._tick + 1, self._tick + 1 + len(aside)), aside)
-        self._excursions.add(plane)
+        self._deviation.add(plane)
         self._clearance = min(self._clearance, *smallest)
         self._tick += len(aside)
         self._plane = plane[-1:]

@@ -27,7 +27,7 @@ _RETRY = 0.2  # s, while another process is joining under the same id
 
 
 @dataclass
-class Seat:
+class Slot:
     """One robot id: the process (session) that was admitted, and whether its token is there."""
 
     session: str = ""
@@ -36,7 +36,7 @@ class Seat:
     missing: float = inf  # s, by the clock: since when the token of a process that may be alive is not there
     granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
-    told: bool = False  # it knows that there is nothing more to do
+    notified: bool = False  # it knows that there is nothing more to do
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
 
     @property
@@ -46,7 +46,7 @@ class Seat:
 
 
 class Admissions:
-    """All seats of a fleet, and who is given one.
+    """All slots of a fleet, and who is given one.
 
     Args:
         run: its name.
@@ -64,7 +64,7 @@ class Admissions:
         clock: Callable[[], float] = time.monotonic,
         journal: Journal | None = None,
     ) -> None:
-        self.seats = {robot: Seat() for robot in ids}
+        self.slots = {robot: Slot() for robot in ids}
         self._run, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
 
@@ -73,96 +73,96 @@ class Admissions:
     def refusal(self, join: joining.Join, turn: Turn) -> joining.Refusal | None:
         """Why this process cannot take part at all; None if it can."""
         robot, run = join.robot, self._run
-        seat = self.seats.get(robot)
-        if seat is None:
+        slot = self.slots.get(robot)
+        if slot is None:
             return joining.Refusal(f"robot {robot} is not in scenario {turn.scenario.name!r} of run {run!r}")
-        if seat.present and seat.session not in ("", join.session):
+        if slot.present and slot.session not in ("", join.session):
             return joining.Refusal(f"robot {robot} is already running in run {run!r}; use another id or run")
         return None
 
     def enlist(self, join: joining.Join, turn: Turn) -> joining.Reply:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
-        robot, world, seat = join.robot, turn.world, self.seats[join.robot]
-        if seat.blamed[join.session] >= CHANCES:
+        robot, world, slot = join.robot, turn.world, self.slots[join.robot]
+        if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if world.is_paused(robot):
             return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
-        if seat.session not in ("", join.session):
-            if self._clock() < seat.since + RESERVATION:
+        if slot.session not in ("", join.session):
+            if self._clock() < slot.since + RESERVATION:
                 return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
             world.lost(robot, "showed no sign of life after it was admitted; another process came")
-        elif seat.session and world.goes_on(robot, seat.granted):
-            if _lived(join) < seat.granted:
-                return self._admission(seat, turn)
+        elif slot.session and world.goes_on(robot, slot.granted):
+            if _lived(join) < slot.granted:
+                return self._admission(slot, turn)
             world.lost(robot)  # as the process itself says
         if self._journal is not None:
             self._journal.note(Seated(robot, join.session))
         try:
-            seat.granted = world.join(robot)
+            slot.granted = world.join(robot)
         except JoinError as error:
             return joining.Refusal(str(error))
-        seat.session, seat.since = join.session, self._clock()
-        return self._admission(seat, turn)
+        slot.session, slot.since = join.session, self._clock()
+        return self._admission(slot, turn)
 
     def overview(self, turn: Turn) -> joining.Overview:
         """For those who only watch."""
         return joining.Overview(turn.scenario, self._lockstep)
 
-    def _admission(self, seat: Seat, turn: Turn) -> joining.Admission:
+    def _admission(self, slot: Slot, turn: Turn) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
-        return joining.Admission(seat.granted, self._lockstep, turn.scenario, turn.oldest, away)
+        return joining.Admission(slot.granted, self._lockstep, turn.scenario, turn.oldest, away)
 
     # -- who is there
 
     def arrive(self, robot: int) -> None:
         """The robot's liveliness token is there."""
-        seat = self.seats[robot]
-        seat.present, seat.missing = True, inf
+        slot = self.slots[robot]
+        slot.present, slot.missing = True, inf
 
     def blame(self, robot: int) -> None:
         """The robot's process was given up although its token is there."""
-        seat = self.seats[robot]
-        seat.blamed[seat.session] += 1
+        slot = self.slots[robot]
+        slot.blamed[slot.session] += 1
 
     def miss(self, robot: int) -> None:
         """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
-        seat = self.seats[robot]
-        seat.present, seat.missing = False, min(seat.missing, self._clock())
+        slot = self.slots[robot]
+        slot.present, slot.missing = False, min(slot.missing, self._clock())
 
     def leave(self, robot: int) -> None:
         """The robot's process is taken to be gone."""
-        seat = self.seats[robot]
-        seat.present, seat.session, seat.missing = False, "", inf
+        slot = self.slots[robot]
+        slot.present, slot.session, slot.missing = False, "", inf
 
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""
         since = self._clock() - at_least
-        return [robot for robot, seat in self.seats.items() if seat.missing <= since]
+        return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
     def resume(self, robot: int, session: str, granted: int) -> None:
         """An earlier world admitted this process; its token is to be seen again."""
-        self.seats[robot].session, self.seats[robot].granted = session, granted
+        self.slots[robot].session, self.slots[robot].granted = session, granted
         self.miss(robot)
 
-    def unseated(self) -> frozenset[int]:
+    def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""
-        return frozenset(r for r, seat in self.seats.items() if not (seat.present and seat.session))
+        return frozenset(r for r, slot in self.slots.items() if not (slot.present and slot.session))
 
     # -- the end
 
     def owing_health(self) -> list[int]:
         """Robots that have not reported at the end of the run, and can."""
-        return [robot for robot, seat in self.seats.items() if seat.occupied and seat.health is None]
+        return [robot for robot, slot in self.slots.items() if slot.occupied and slot.health is None]
 
-    def untold(self) -> list[int]:
+    def unnotified(self) -> list[int]:
         """Robots that do not know yet that it is over, and can be told."""
-        return [robot for robot, seat in self.seats.items() if seat.occupied and not seat.told]
+        return [robot for robot, slot in self.slots.items() if slot.occupied and not slot.notified]
 
     def forget_reports(self) -> None:
         """Begin a new run with the same processes."""
-        for seat in self.seats.values():
-            seat.health = None
+        for slot in self.slots.values():
+            slot.health = None
 
 
 def _lived(join: joining.Join) -> int:

@@ -18,7 +18,7 @@ from protocol.streams import STREAMS
 CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
 
 
-class Outlet:
+class Publishers:
     """The world's publishers.
 
     Attributes:

@@ -57,7 +57,7 @@ class Turn:
         """Whether something is to happen at this tick that a launcher has to carry out."""
         return self.world.tick in self._due
 
-    def last_words(self, robots: Iterable[int]) -> dict[int, Measurement]:
+    def final_measurements(self, robots: Iterable[int]) -> dict[int, Measurement]:
         """What tells robots that the run is over."""
         lives, tick = self.world.incarnations, self.world.tick
         return {

@@ -1,4 +1,4 @@
-"""`disknav deploy`: files by which an existing engine runs a fleet."""
+"""`disknav deploy`: files by which an existing orchestrator runs a fleet."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import typer
 from deploy.run.options import Mode, fresh_run_name
 from protocol.keys import checked_run
 
-Engine = Literal["compose", "kubernetes", "systemd"]
+Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 
 def deploy(
-    engine: Annotated[Engine, typer.Argument(help="What is to run the fleet.")],
+    orchestrator: Annotated[Orchestrator, typer.Argument(help="What is to run the fleet.")],
     scenario: Annotated[str, typer.Argument(help="A scenario file or a library name.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to make.")],
     run: Annotated[str | None, typer.Option(help="Name of the run; a fresh one unless given.")] = None,
@@ -48,5 +48,5 @@ def deploy(
     roster = Roster(fresh_run_name() if run is None else checked_run(run), loaded.ids)
     command = shutil.which("disknav") or str(Path(sys.executable).parent / "disknav")
     plan = Plan(roster, write_toml(loaded), mode, image, command, router)
-    write(output, engine, plan, days)
-    print(f"{output}: the run {roster.run} for {engine}")
+    write(output, orchestrator, plan, days)
+    print(f"{output}: the run {roster.run} for {orchestrator}")

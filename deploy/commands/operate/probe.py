@@ -1,4 +1,4 @@
-"""`disknav probe`: for the health checks of whatever engine runs a fleet."""
+"""`disknav probe`: for the health checks of whatever orchestrator runs a fleet."""
 
 from __future__ import annotations
 

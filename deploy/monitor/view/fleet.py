@@ -81,7 +81,7 @@ class View:
         if robot in self.robots and not self.verdict:  # at the end everybody leaves, and that is well
             self.robots[robot].alive = alive
 
-    def hear(self, message: Message, now: float) -> None:
+    def on_message(self, message: Message, now: float) -> None:
         """Something was published; ignored while the scenario is unknown."""
         if self.scenario is None:
             return

@@ -22,7 +22,7 @@ def places(hosts: HostsTable) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class Spread:
+class MultiHost:
     """A connection for everybody; those of processes on other hosts come with copies of their keys."""
 
     hosts: HostsTable

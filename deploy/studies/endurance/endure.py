@@ -18,7 +18,7 @@ from deploy.run.reports import Report
 from deploy.studies.endurance import flatness
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.studies.endurance.samples import Samples
-from deploy.studies.endurance.workload import course
+from deploy.studies.endurance.workload import workload
 from protocol.messages import Clock
 
 LAUNCHER = "launcher"
@@ -59,7 +59,7 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
         tell(done / seconds)
         return done >= seconds
 
-    scenarios = course(trial.robots, speed=_SPEED, seconds=seconds)
+    scenarios = workload(trial.robots, speed=_SPEED, seconds=seconds)
     with Fleet(scenarios, trial.options, watch=watch) as fleet:
         reports = fleet.execute(enough)
         fleet.processes()

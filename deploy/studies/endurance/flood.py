@@ -20,9 +20,9 @@ from deploy.run.reports import Report
 from deploy.security.membership import missing_library
 from deploy.security.roster import Roster
 from deploy.studies.endurance.flooder import Flooded, Flooder
-from deploy.studies.endurance.intervals import Stretches
+from deploy.studies.endurance.intervals import Intervals
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
-from deploy.studies.endurance.workload import course
+from deploy.studies.endurance.workload import workload
 from protocol.messages import Clock
 
 SLOWER = 0.20  # of the rate without the flood
@@ -50,8 +50,8 @@ def flood(plan: Plan, tell: Callable[[float], None]) -> dict[str, Any]:
     """
     with TemporaryDirectory(prefix="disknav-") as folder:
         options = _options(plan, Path(folder) / "keys")
-        stretches, floods, reports = _measure(plan, options, tell)
-    return result(plan, stretches.rates, floods, reports)
+        intervals, floods, reports = _measure(plan, options, tell)
+    return result(plan, intervals.rates, floods, reports)
 
 
 def _options(plan: Plan, keys: Path) -> RunOptions:
@@ -62,21 +62,21 @@ def _options(plan: Plan, keys: Path) -> RunOptions:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
         raise missing_library() from error
-    create(keys, Roster(options.run, course(plan.robots, speed=_SPEED)[0].ids))
+    create(keys, Roster(options.run, workload(plan.robots, speed=_SPEED)[0].ids))
     return RunOptions(run=options.run, secure=keys)
 
 
 def _measure(
     plan: Plan, options: RunOptions, tell: Callable[[float], None]
-) -> tuple[Stretches, list[Flooded], list[Report]]:
-    scenarios = course(plan.robots, speed=_SPEED)
-    stretches, floods = Stretches(plan.seconds), list[Flooded]()
+) -> tuple[Intervals, list[Flooded], list[Report]]:
+    scenarios = workload(plan.robots, speed=_SPEED)
+    intervals, floods = Intervals(plan.seconds), list[Flooded]()
     flooder: Flooder | None = None
 
     def watch(clock: Clock) -> None:
-        if flooder is None or over() or not stretches.hear(time.monotonic(), clock.turn, clock.tick):
+        if flooder is None or over() or not intervals.on_clock(time.monotonic(), clock.turn, clock.tick):
             return
-        done = len(stretches.rates)
+        done = len(intervals.rates)
         if done % 2:
             flooder.begin()
         else:
@@ -84,14 +84,14 @@ def _measure(
         tell(done / (2 * plan.rounds))
 
     def over() -> bool:
-        return len(stretches.rates) == 2 * plan.rounds
+        return len(intervals.rates) == 2 * plan.rounds
 
     with Fleet(scenarios, options, watch=watch) as fleet:
         connection = fleet.topology.observer()
         with Flooder(connection, options.run, scenarios[0].ids, plan.rate) as flooder:
             reports = fleet.execute(over)
         fleet.processes()
-    return stretches, floods, reports
+    return intervals, floods, reports
 
 
 def result(plan: Plan, rates: list[float], floods: list[Flooded], reports: list[Report]) -> dict[str, Any]:

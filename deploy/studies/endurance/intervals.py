@@ -8,7 +8,7 @@ SETTLING = 0.25  # s at the beginning of a stretch that do not count
 
 
 @dataclass
-class Stretches:
+class Intervals:
     """Counts ticks over stretches of wall-clock time, told of the world's clock as it comes.
 
     Attributes:
@@ -22,7 +22,7 @@ class Stretches:
     _elapsed: float = 0.0
     _last: tuple[float, int, int] | None = None  # when, turn, tick
 
-    def hear(self, now: float, turn: int, tick: int) -> bool:
+    def on_clock(self, now: float, turn: int, tick: int) -> bool:
         """Whether this news of the clock ends a stretch. Changes from run to run are left out."""
         if self._since is None:
             self._since = now

@@ -12,7 +12,7 @@ from protocol.scenario.model import Scenario
 _DEPARTURES = 1000  # runs of a course without a stated end
 
 
-def course(robots: int, *, speed: float = 0.1, seconds: float | None = None) -> list[Scenario]:
+def workload(robots: int, *, speed: float = 0.1, seconds: float | None = None) -> list[Scenario]:
     """Swaps on a circle, every other one the way back, that cannot be over in `seconds` of simulated time.
 
     Every run ends when all have arrived, and the next begins at once, so that robots always move.

@@ -18,7 +18,7 @@ from deploy.studies.request import Request
 from deploy.studies.runners.cluster import Cluster
 from deploy.studies.runners.progress import StudyProgress
 from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker_pool import Crew
+from deploy.studies.runners.worker_pool import WorkerPool
 from protocol.errors import UsageError
 
 RUNS = 1000
@@ -64,7 +64,11 @@ def falsify(request: Request, log_path: Path | None) -> int:
 
 
 def _execute(campaign: Campaign, request: Request, quiet: bool) -> None:
-    crew = Crew(request.jobs, perform) if request.scheduler is None else Cluster(request.scheduler, perform)
+    crew = (
+        WorkerPool(request.jobs, perform)
+        if request.scheduler is None
+        else Cluster(request.scheduler, perform)
+    )
     with StudyProgress("falsify", campaign.plan.runs, 0, quiet) as progress, crew as workers:
         campaign.execute(workers, progress.advance)
 

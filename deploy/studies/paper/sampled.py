@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from agents.navigation.pace import gain
+from agents.navigation.pace import max_rate
 from deploy.library.goal_sets import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.output.bar import bar
@@ -48,7 +48,7 @@ def pair(scenario: Scenario) -> Pair:
             np.array([robot.goal for robot in scenario.robots]),
             np.array([robot.radius for robot in scenario.robots]),
             scenario.workspace.radius,
-            scenario.gain,
+            scenario.k,
         ),
         np.array([robot.start for robot in scenario.robots]),
         scenario.control.pace,
@@ -62,7 +62,7 @@ def pair(scenario: Scenario) -> Pair:
 def _ease(scenario: Scenario) -> float:
     """|D_i| at which a robot that saturates by itself leaves its speed limit, m."""
     time, speed = scenario.time, scenario.control.speed
-    return speed / gain(speed, time.step, time.tolerance)
+    return speed / max_rate(speed, time.step, time.tolerance)
 
 
 def instance(letter: str, pace: Pace, seed: int) -> Scenario:

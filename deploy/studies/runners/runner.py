@@ -14,7 +14,7 @@ from deploy.studies.runners.cluster import BATCH, Cluster
 from deploy.studies.runners.progress import StudyProgress
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.worker import FAILED, Job
-from deploy.studies.runners.worker_pool import Crew
+from deploy.studies.runners.worker_pool import WorkerPool
 from deploy.studies.study import Row, Study
 
 
@@ -54,9 +54,9 @@ def execute(
     try:
         if left:
             dealt = batches(study, left, jobs if scheduler is None else ceil(len(left) / BATCH))
-            crew = Crew(min(jobs, len(dealt))) if scheduler is None else Cluster(scheduler)
+            pool = WorkerPool(min(jobs, len(dealt))) if scheduler is None else Cluster(scheduler)
             progress = StudyProgress(study.name, len(runs), reused, quiet)
-            _execute(study, dealt, crew, results, log, progress)
+            _execute(study, dealt, pool, results, log, progress)
     except KeyboardInterrupt:
         complete = False
     return Outcome(study.rows(results), complete, len(results) - reused, reused)
@@ -65,13 +65,13 @@ def execute(
 def _execute(
     study: Study,
     dealt: Sequence[Sequence[Job]],
-    workers: Crew | Cluster,
+    workers: WorkerPool | Cluster,
     results: dict[tuple[int, int], dict[str, Any]],
     log: RunLog,
     progress: StudyProgress,
 ) -> None:
-    with progress, workers as crew:
-        for run, result in crew.run(dealt):
+    with progress, workers as pool:
+        for run, result in pool.run(dealt):
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:
                 log.add(run.key, result)

@@ -17,7 +17,7 @@ from protocol.errors import ProcessError
 Outcome = tuple[Run, dict[str, Any]]
 
 
-class Crew:
+class WorkerPool:
     """A context manager; leaving it ends every worker, and with it whatever that has started."""
 
     def __init__(self, jobs: int, perform: Perform = execute) -> None:
@@ -33,7 +33,7 @@ class Crew:
             theirs.close()
             self._workers[ours] = worker
 
-    def __enter__(self) -> Crew:
+    def __enter__(self) -> WorkerPool:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -29,7 +29,7 @@ class Product:
         self.placement: Any = modules["agents.lines.separating_lines"]  # where `place` is looked up
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
-        self.Ledger: Any = modules["agents.lines.separating_lines"].Ledger
+        self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines
         self.KnownRoster: Any = modules["agents.roster"].KnownRoster
         self.Robot: Any = modules["agents.robot"].Robot
         self.Roll: Any = modules["world.coordinator.roster"].Roll

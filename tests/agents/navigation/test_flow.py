@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from agents.navigation.flow import MAX_STEPS, Flow, desired_velocity
-from agents.navigation.pace import gain
+from agents.navigation.pace import max_rate
 from agents.navigation.slice import Peer, Slice
 from deploy.theory.function import Problem, reduced_gradient
 from tests.agents.navigation.whole_fleet import SPEED, TOLERANCE, Fleet, scattered, tight_goals
@@ -84,7 +84,7 @@ def test_a_drift_is_repelled_like_the_law() -> None:
 
 def exact_nrl(starts: np.ndarray, goals: np.ndarray, k: float, pace: str) -> float:
     problem = Problem(goals, np.full(6, 0.04), 0.30, k)
-    limit = gain(SPEED, PERIOD, TOLERANCE)
+    limit = max_rate(SPEED, PERIOD, TOLERANCE)
 
     def rate(_: float, z: np.ndarray) -> np.ndarray:
         d = reduced_gradient(problem, z[:12].reshape(6, 2))

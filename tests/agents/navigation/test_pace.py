@@ -5,7 +5,7 @@ import math
 import pytest
 
 from agents.navigation.flow import Flow, desired_velocity
-from agents.navigation.pace import common_pace, gain, own_pace
+from agents.navigation.pace import common_pace, max_rate, own_pace
 from agents.navigation.slice import Slice
 
 
@@ -29,7 +29,7 @@ def test_the_gain_is_the_largest_scale() -> None:
 def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
     speed, tolerance, x, ticks = 0.1, 0.005, 0.25, 0
     own = Slice((0.0, 0.0), 0.04, 0.35, 60.0, [])
-    scale = gain(speed, period, tolerance)
+    scale = max_rate(speed, period, tolerance)
     while x > tolerance:
         step = desired_velocity(Flow(own, scale), (x, 0.0), period=period, speed=speed)[0] * period
         assert -x < step < 0.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.navigation.deadlock import Progress, barred, circling
 from agents.navigation.flow import Flow, desired_velocity
-from agents.navigation.pace import common_pace, gain
+from agents.navigation.pace import common_pace, max_rate
 from agents.navigation.slice import Peer, Slice
 
 SPEED, TOLERANCE = 0.1, 0.005
@@ -79,7 +79,7 @@ class Fleet:
 
     def _velocity(self, i: int, seen: tuple) -> tuple[float, float]:
         own, here, goal = self._slice(i, seen), self.positions[i], self.goals[i]
-        scale = gain(SPEED, self.period, TOLERANCE)
+        scale = max_rate(SPEED, self.period, TOLERANCE)
         error = math.dist(here, goal)
         if self.pace == "common":
             slices = [own.norm(*here) if j == i else norm for j, norm in enumerate(seen[2])]

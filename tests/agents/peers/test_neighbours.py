@@ -15,22 +15,22 @@ def standing(robot: int, place: Vector) -> Member:
 
 def test_only_news_is_taken_over() -> None:
     known = Neighbours({2: 0.1, 3: 0.1})
-    assert known.hear(state(2, 1, 5))
-    assert not known.hear(state(2, 1, 4))
-    assert not known.hear(state(2, 1, 5))
+    assert known.on_state(state(2, 1, 5))
+    assert not known.on_state(state(2, 1, 4))
+    assert not known.on_state(state(2, 1, 5))
     assert known.position(2) == (5.0, 0.0)
-    assert known.hear(state(2, 2, 1))
+    assert known.on_state(state(2, 2, 1))
     assert known.position(2) == (1.0, 0.0)
     assert known.position(3) is None
 
 
 def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() -> None:
     known = Neighbours({2: 0.1})
-    known.hear(state(2, 1, 5))
+    known.on_state(state(2, 1, 5))
     known.on_member(standing(2, (7.0, 7.0)))
     known.on_member(Member(2, 2, "live", 0.1))
     assert known.position(2) == (7.0, 7.0)
-    assert known.hear(state(2, 2, 6))
+    assert known.on_state(state(2, 2, 6))
     assert known.position(2) == (6.0, 0.0)
     known.on_member(standing(2, (7.0, 7.0)))  # an older life than the one that speaks
     assert known.position(2) == (6.0, 0.0)
@@ -39,7 +39,7 @@ def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() 
 def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
     known = Neighbours({2: 0.3, 3: 0.2, 4: 0.1})
     for each in (4, 3):
-        known.hear(state(each, 1, each))
+        known.on_state(state(each, 1, each))
     known.on_member(standing(3, (7.0, 7.0)))
     known.on_member(standing(2, (8.0, 8.0)))
     assert [peer.robot for peer in known.moving()] == [4]
@@ -49,14 +49,14 @@ def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
 
 def test_who_is_lost_is_no_obstacle() -> None:
     known = Neighbours({2: 0.1})
-    known.hear(PeerState(2, 1, 5, False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, radius=0.1))
+    known.on_state(PeerState(2, 1, 5, False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, radius=0.1))
     assert known.disks() == []
     assert known.position(2) is None
 
 
 def test_who_is_gone_is_forgotten() -> None:
     known = Neighbours({2: 0.1, 3: 0.1})
-    known.hear(state(2, 1, 5))
+    known.on_state(state(2, 1, 5))
     known.on_member(standing(3, (1.0, 1.0)))
     for robot in (2, 3):
         known.on_member(Member(robot, 1, "gone", 0.1))

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.peers.reader import PeerReader
-from agents.peers.state import PeerState, said_to
+from agents.peers.state import PeerState, addressed_to
 from protocol.codec import decode, encode
 from protocol.errors import MessageError
 from protocol.keys import robot_key
@@ -70,7 +70,7 @@ def said(lines: Sequence[Proposal] = (), replies: Sequence[Answer] = (), **other
 
 @given(states, ids)
 def test_it_is_what_the_state_says_to_this_robot(state: State, robot: int) -> None:
-    whole = said_to(robot, state, RADIUS)
+    whole = addressed_to(robot, state, RADIUS)
     assert fields(PeerReader(robot, state.robot, RADIUS).read(encode(state))) == fields(whole)
 
 
@@ -94,7 +94,7 @@ def test_damage_is_seen_as_by_anybody_else(
     def whole() -> PeerState:
         message = decode(key, bytes(payload))
         assert isinstance(message, State)
-        return said_to(robot, message, RADIUS)
+        return addressed_to(robot, message, RADIUS)
 
     found = outcome(lambda: PeerReader(robot, state.robot, RADIUS).read(bytes(payload)))
     expected = outcome(whole)
@@ -154,7 +154,7 @@ def test_damage_is_refused_for_its_reason(payload: bytes, reason: str) -> None:
 )
 def test_other_forms_of_the_same_are_read_too(unusual: bytes) -> None:
     assert unusual != encode(said())
-    assert fields(PeerReader(2, 1, RADIUS).read(unusual)) == fields(said_to(2, said(), RADIUS))
+    assert fields(PeerReader(2, 1, RADIUS).read(unusual)) == fields(addressed_to(2, said(), RADIUS))
 
 
 def test_fields_of_a_later_minor_version_are_left_out() -> None:

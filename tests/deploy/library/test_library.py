@@ -158,7 +158,7 @@ def test_load_resolves_k_and_applies_settings() -> None:
     assert isinstance(scenario.control.k, float)
     assert scenario.time.limit == 5.0
     assert scenario.robots[0].radius == 0.02
-    assert load("swap-12", ["control.k=80"]).gain == 80.0
+    assert load("swap-12", ["control.k=80"]).k == 80.0
 
 
 def test_load_reads_files_and_lays_the_seed_over_them(tmp_path: Path) -> None:

@@ -30,8 +30,8 @@ def plan() -> Plan:
     return Plan(ROSTER, write_toml(SCENARIO))
 
 
-def written(tmp_path: Path, engine: Any, plan: Plan) -> Path:
-    write(tmp_path / "fleet", engine, plan)
+def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
+    write(tmp_path / "fleet", orchestrator, plan)
     return tmp_path / "fleet"
 
 

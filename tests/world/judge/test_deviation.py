@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from tests.world.driving import scenario
-from world.judge.deviation import Excursions
+from world.judge.deviation import LateralDeviation
 
 
 def test_the_largest_distance_from_the_straight_way_counts():
-    found = Excursions(scenario(((0.0, 0.0), (0.2, 0.0)), ((0.0, 0.1), (0.0, 0.1))))
+    found = LateralDeviation(scenario(((0.0, 0.0), (0.2, 0.0)), ((0.0, 0.1), (0.0, 0.1))))
     assert found() == [0.0, 0.0]
     found.add(np.array([[0.1 + 0.03j, 0.01 + 0.1j], [0.15 - 0.02j, 0.1j]]))
     assert found() == pytest.approx([0.03, 0.01])
@@ -18,7 +18,7 @@ def test_the_largest_distance_from_the_straight_way_counts():
 
 def test_a_way_in_any_direction():
     start, goal = np.array([0.1, -0.05]), np.array([-0.12, 0.07])
-    found = Excursions(scenario((tuple(start), tuple(goal))))
+    found = LateralDeviation(scenario((tuple(start), tuple(goal))))
     way = (goal - start) / np.linalg.norm(goal - start)
     for share in (0.0, 0.4, 1.0):
         x, y = start + share * (goal - start) + 0.02 * np.array([-way[1], way[0]])

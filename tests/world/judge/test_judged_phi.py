@@ -16,7 +16,7 @@ RADIUS = 0.04
 def exact(setting, positions):
     """Equations (4), (5), (9) in 60 digits, with nothing in logarithms."""
     mp.dps = 60
-    specs, k = setting.robots, mpf(setting.gain)
+    specs, k = setting.robots, mpf(setting.k)
     points = [(mpf(z.real), mpf(z.imag)) for z in positions]
     gamma = sum((x - s.goal[0]) ** 2 + (y - s.goal[1]) ** 2 for (x, y), s in zip(points, specs, strict=True))
     beta = mpf(1)

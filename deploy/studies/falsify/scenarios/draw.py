@@ -60,7 +60,7 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
                 seed=dice.whole(0, 2**31),
                 workspace=workspace,
                 time=_time(dice, scale),
-                control=_control(dice, scale, resolved(Scenario(robots, workspace=workspace)).gain),
+                control=_control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k),
                 sensing=sensing(dice, scale),
                 link=link(dice, scale),
                 process=stories(dice, scale.robots, scale.ticks, scale.step),

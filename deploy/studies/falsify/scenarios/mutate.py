@@ -223,7 +223,7 @@ def _other_pace(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
 
 def control_k(scenario: Scenario) -> float:
     """k, which is a number in every scenario of a campaign, within what a mutant may multiply."""
-    return min(max(scenario.gain, 1e-3), 1e6)
+    return min(max(scenario.k, 1e-3), 1e6)
 
 
 def _other_chance(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:

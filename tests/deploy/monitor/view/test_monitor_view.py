@@ -59,8 +59,8 @@ def statuses(it: View, now: float) -> list[object]:
 
 
 def run_to(it: View, tick: int, now: float, active: tuple[int, ...] = (1, 2, 3)) -> None:
-    it.hear(clock(tick - 1, active), now)
-    it.hear(truth(tick, y=0.001 * tick), now)
+    it.on_message(clock(tick - 1, active), now)
+    it.on_message(truth(tick, y=0.001 * tick), now)
 
 
 def test_robots_move_with_the_truth_and_their_velocity_is_what_was_executed() -> None:
@@ -93,9 +93,9 @@ def test_a_dead_robot_is_an_alarm_at_once_and_the_others_are_not() -> None:
 def test_a_fenced_robot_is_an_alarm_until_it_takes_part_again() -> None:
     it = view()
     down = (Down(3, 1, (0.1, 0.0)),)
-    it.hear(clock(5, active=(1, 2), down=down), 0.0)
+    it.on_message(clock(5, active=(1, 2), down=down), 0.0)
     assert statuses(it, 0.0)[2] == "fenced"
-    it.hear(clock(9, active=(1, 2, 3), down=down), 0.1)
+    it.on_message(clock(9, active=(1, 2, 3), down=down), 0.1)
     assert statuses(it, 0.1)[2] != "fenced"
 
 
@@ -105,7 +105,7 @@ def test_a_robot_that_falls_behind_its_peers_is_silent_before_its_token_goes() -
         now = tick * 0.05
         run_to(it, tick, now)
         for robot in (1, 2):
-            it.hear(health(robot, tick, heard=((3, min(tick, 10)),)), now)
+            it.on_message(health(robot, tick, heard=((3, min(tick, 10)),)), now)
     assert statuses(it, 59 * 0.05) == ["under way", "under way", "silent"]
     assert rows(it, 59 * 0.05)[3]["age_ticks"] == 49
     assert rows(it, 59 * 0.05)[3]["age"] == pytest.approx(49 * 0.05, abs=0.06)
@@ -121,8 +121,8 @@ def test_in_a_pause_nobody_is_silent() -> None:
 
 def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
     it = view()
-    it.hear(truth(7, y=0.1), 0.0)
-    it.hear(clock(7, verdict="arrived"), 0.0)
+    it.on_message(truth(7, y=0.1), 0.0)
+    it.on_message(clock(7, verdict="arrived"), 0.0)
     for robot in (1, 2, 3, None):
         it.present(robot, False)
     frame = telling.snapshot(it, 5.0)
@@ -132,7 +132,7 @@ def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
 
 def test_the_reason_of_the_verdict_is_told_until_another_scenario_begins() -> None:
     it = view()
-    it.hear(msgspec.structs.replace(clock(7, verdict="deadlock"), reason="nobody moved for 10 s"), 0.0)
+    it.on_message(msgspec.structs.replace(clock(7, verdict="deadlock"), reason="nobody moved for 10 s"), 0.0)
     frame = telling.snapshot(it, 0.0)
     assert frame["reason"] == "nobody moved for 10 s"
     assert "nobody moved for 10 s" in _printed(table(frame))
@@ -156,14 +156,14 @@ def test_a_world_that_goes_without_a_verdict_is_lost() -> None:
 
 def test_health_gives_rate_bound_rejections_lines_and_restarts() -> None:
     it = view()
-    it.hear(health(1, 10, published=20), 1.0)
-    it.hear(health(1, 20, published=40), 1.5)
+    it.on_message(health(1, 10, published=20), 1.0)
+    it.on_message(health(1, 20, published=40), 1.5)
     row = rows(it, 1.5)[1]
     assert row["rate"] == pytest.approx(20.0)  # states, each with a command
     assert (row["bound"], row["rejected"], row["restarts"]) == (0.001, 3, 0)
     assert (row["lines"], row["lines_tick"]) == (((2, 1.0, 0.0, 0.1),), 20)
-    it.hear(health(1, 30, life=3), 2.0)
-    it.hear(health(1, 21, life=1, published=99), 2.1)  # an old life, late
+    it.on_message(health(1, 30, life=3), 2.0)
+    it.on_message(health(1, 21, life=1, published=99), 2.1)  # an old life, late
     assert rows(it, 2.1)[1]["restarts"] == 2
     assert rows(it, 9.0)[1]["rate"] == 0.0
 
@@ -171,18 +171,18 @@ def test_health_gives_rate_bound_rejections_lines_and_restarts() -> None:
 def test_lives_before_a_later_scenario_are_not_restarts_of_it() -> None:
     it = view()
     it.begin(SCENARIO, True)
-    it.hear(health(1, 1, life=5), 0.0)
+    it.on_message(health(1, 1, life=5), 0.0)
     assert rows(it, 0.0)[1]["restarts"] == 0
-    it.hear(health(1, 2, life=6), 0.1)
+    it.on_message(health(1, 2, life=6), 0.1)
     assert rows(it, 0.1)[1]["restarts"] == 1
 
 
 def test_a_clock_that_goes_back_is_another_scenario() -> None:
     it = view()
-    it.hear(clock(40), 0.0)
+    it.on_message(clock(40), 0.0)
     assert not it.is_news(clock(40))
     assert it.is_news(clock(0))
-    it.hear(clock(40, verdict="arrived"), 0.0)
+    it.on_message(clock(40, verdict="arrived"), 0.0)
     assert not it.is_news(clock(40, verdict="arrived"))
     assert it.is_news(clock(40))
 
@@ -191,7 +191,7 @@ def test_a_clock_that_goes_back_is_another_scenario() -> None:
 def test_no_smallest_clearance_is_lost_to_thinning(clearances: list[float], since: int) -> None:
     it = view()
     for tick, clearance in enumerate(clearances, start=1):
-        it.hear(truth(tick, clearance=clearance), tick * 0.001)
+        it.on_message(truth(tick, clearance=clearance), tick * 0.001)
     frame = telling.snapshot(it, 1.0, since)
     assert len(frame["samples"]) <= 8
     assert frame["smallest"] == min(clearances)
@@ -214,7 +214,7 @@ def test_thinned_stays_bounded_and_keeps_order_and_minimum(count: int, limit: in
 def test_the_history_of_a_long_run_stays_bounded() -> None:
     it = view()
     for tick in range(1, 5 * HISTORY):
-        it.hear(truth(tick), 0.0)
+        it.on_message(truth(tick), 0.0)
     told = telling.overview(it)
     assert len(told["history"]) <= HISTORY
     assert told["history"][-1][0] == pytest.approx((5 * HISTORY - 1) * 0.05)
@@ -243,7 +243,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
         if isinstance(event, tuple):
             it.present(*event)
         else:
-            it.hear(event, n * 0.1)
+            it.on_message(event, n * 0.1)
         json.loads(msgspec.json.encode(telling.snapshot(it, n * 0.1)))
     assert json.loads(msgspec.json.encode(telling.overview(it)))["scenario"] == "three"
     assert len(telling.snapshot(it, 99.0)["robots"]) == 3
@@ -252,7 +252,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
 def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
     it = View("r")
     it.present(1, True)
-    it.hear(truth(1), 0.0)
+    it.on_message(truth(1), 0.0)
     assert telling.overview(it)["scenario"] is None
     frame = telling.snapshot(it, 0.0)
     assert (frame["phase"], frame["robots"], frame["samples"]) == ("searching", [], [])

@@ -67,7 +67,7 @@ class Shown:
     def overflow(self) -> int:
         return int(self.page.evaluate("document.documentElement.scrollWidth - window.innerWidth"))
 
-    def hear(self) -> None:
+    def on_message(self) -> None:
         page = self.page
         page.on("console", lambda it: it.type == "error" and self.complaints.append(it.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -94,7 +94,7 @@ def shown(
     context.set_default_timeout(1000 * PATIENCE)
     with served(watcher) as server:
         it = Shown(context.new_page(), fleet, watcher)
-        it.hear()
+        it.on_message()
         it.page.goto(server.address)
         it.page.wait_for_selector("#verdict:has-text('Looking')")  # nothing can be missed from here on
         with running(fleet):

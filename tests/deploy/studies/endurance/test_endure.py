@@ -17,7 +17,7 @@ from deploy.run.options import RunOptions
 from deploy.studies.endurance.endure import LAUNCHER, Trial, result
 from deploy.studies.endurance.judgement import passed
 from deploy.studies.endurance.samples import Samples
-from deploy.studies.endurance.workload import course
+from deploy.studies.endurance.workload import workload
 from protocol.scenario.file import validated
 
 TRIAL = Trial(2, 1.0, RunOptions(mode="realtime"))
@@ -45,7 +45,7 @@ def failures(outcome: dict[str, Any]) -> list[str]:
 
 
 def test_a_course_goes_there_and_back_and_is_long_enough() -> None:
-    runs = course(5, seconds=60.0)
+    runs = workload(5, seconds=60.0)
     assert all(map(validated, runs))
     for one, following in pairwise(runs):
         assert [robot.goal for robot in one.robots] == [robot.start for robot in following.robots]

@@ -10,7 +10,7 @@ from deploy.run.fleet import ENOUGH
 from deploy.studies.endurance.flood import Plan, flood, result
 from deploy.studies.endurance.flooder import Flooded
 from deploy.studies.endurance.garbage import garbage
-from deploy.studies.endurance.intervals import SETTLING, Stretches
+from deploy.studies.endurance.intervals import SETTLING, Intervals
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import State
@@ -48,7 +48,7 @@ def test_nothing_in_a_flood_is_a_message_of_the_fleet() -> None:
 
 
 def test_stretches_leave_out_what_settles_and_changes_of_runs() -> None:
-    stretches = Stretches(1.0)
+    intervals = Intervals(1.0)
     ended = []
     turn, tick = 0, 0
     for n in range(60):
@@ -56,9 +56,9 @@ def test_stretches_leave_out_what_settles_and_changes_of_runs() -> None:
         tick += 5 if now >= SETTLING else 100
         if n == 12:
             turn, tick = 1, 0
-        ended.append(stretches.hear(now, turn, tick))
+        ended.append(intervals.on_clock(now, turn, tick))
     assert ended.count(True) == 2
-    assert stretches.rates[0] == pytest.approx(100.0)
+    assert intervals.rates[0] == pytest.approx(100.0)
 
 
 def test_a_flood_that_nobody_notices() -> None:

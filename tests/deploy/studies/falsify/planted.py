@@ -124,7 +124,7 @@ def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot moves before everybody is behind something."""
-    modules["agents.lines.separating_lines"].Ledger.ready = True
+    modules["agents.lines.separating_lines"].SeparatingLines.ready = True
 
 
 def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ from deploy.studies.falsify.trial import Fresh, Trial, perform
 from deploy.studies.perform import perform as study
 from deploy.studies.request import Request
 from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker_pool import Crew
+from deploy.studies.runners.worker_pool import WorkerPool
 from deploy.studies.study import Run
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml
@@ -52,7 +52,7 @@ def _executed(plan: Plan, log: RunLog, workers: module.Workers) -> Campaign:
 
 def test_the_same_whatever_the_number_of_workers() -> None:
     alone = _executed(PLAN, RunLog(None), Here())
-    with Crew(2, perform) as crew:
+    with WorkerPool(2, perform) as crew:
         together = _executed(PLAN, RunLog(None), crew)
     assert json.loads(json.dumps(list(_without_times(alone).values()))) == json.loads(
         json.dumps([_without_times(together)[key] for key in alone.results])
@@ -172,7 +172,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
         def __exit__(self, *_: object) -> None:
             """Nobody has to leave."""
 
-    monkeypatch.setattr(command, "Crew", Crewless)
+    monkeypatch.setattr(command, "WorkerPool", Crewless)
     monkeypatch.setitem(trial.TRIES, "local", 10)
 
 

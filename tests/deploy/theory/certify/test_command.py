@@ -45,7 +45,7 @@ def test_a_proof_its_verification_and_its_use(here: Path) -> None:
 
     theory = json.loads(call("check", "figure-2", "--json").stdout)
     assert theory["certificate"] == {"file": data["file"], "k": 1000.0, "refused": None}
-    assert load("figure-2", ("control.k=certified",)).gain == 1000.0
+    assert load("figure-2", ("control.k=certified",)).k == 1000.0
 
 
 def test_a_certificate_of_other_goals_is_refused_by_name(here: Path) -> None:
