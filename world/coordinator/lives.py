@@ -11,10 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from protocol import messages
 from protocol.errors import JoinError
-from protocol.messages import Down, Roster, Vector
+from protocol.messages import Down, Vector
 from protocol.scenario.model import ProcessFault, Scenario
-from world.coordinator.roster import Roll
+from world.coordinator.roster import Roster
 
 
 class Status(Enum):
@@ -52,7 +53,7 @@ class Lives:
         self.fenced: list[tuple[int, Down]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
-        self._roll = Roll(version)
+        self._roster = Roster(version)
         self._name = scenario.name
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
@@ -74,32 +75,32 @@ class Lives:
         """Disks that stand, with the lives that ended there."""
         return tuple(
             Down(each.robot, each.incarnation, each.position)
-            for each in self._roll.standing
+            for each in self._roster.standing
             if each.position is not None
         )
 
     @property
     def version(self) -> int:
         """Newest version of the roster; a following run counts on from there."""
-        return self._roll.version
+        return self._roster.version
 
     @property
     def founded(self) -> bool:
         """Whether the first tick has begun: who joins from then on is a newcomer."""
-        return self._roll.founded
+        return self._roster.founded
 
     def found(self, places: Mapping[int, Vector]) -> None:
         """The first tick begins with everybody who has joined; `places` is where all disks are, m."""
         lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
-        self._roll.found(lives, places, self._radii)
+        self._roster.found(lives, places, self._radii)
 
-    def roster_for(self, robot: int) -> Roster | None:
+    def roster_for(self, robot: int) -> messages.Roster | None:
         """What the newest life of `robot` has to be told of the roster; None once it keeps to all of it."""
-        return self._roll.news(robot)
+        return self._roster.news(robot)
 
     def acknowledge(self, robot: int, version: int) -> None:
         """The newest life of a robot keeps to a version of the roster."""
-        self._roll.acknowledge(robot, self.of[robot].incarnation, version)
+        self._roster.acknowledge(robot, self.of[robot].incarnation, version)
 
     @property
     def awaited(self) -> frozenset[int]:
@@ -123,7 +124,7 @@ class Lives:
         life.incarnation += 1
         life.joined, life.awaited, life.heard, life.fenced = True, False, heard, False
         if self.founded:
-            self._roll.admit(robot, life.incarnation)
+            self._roster.admit(robot, life.incarnation)
         life.status = Status.UP
         return life.incarnation
 
@@ -172,8 +173,8 @@ class Lives:
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
-            if self._roll.is_live(robot):
-                self._roll.fence(robot, position)
+            if self._roster.is_live(robot):
+                self._roster.fence(robot, position)
             self.fenced.append((tick + 1, Down(robot, life.incarnation, position)))
             if life.status is Status.UP:
                 life.status = Status.LOST

@@ -16,11 +16,12 @@ from collections.abc import Iterable, Mapping
 
 from msgspec.structs import replace
 
+from protocol import messages
 from protocol.errors import RosterError
-from protocol.messages import Member, Roster, Vector
+from protocol.messages import Member, Vector
 
 
-class Roll:
+class Roster:
     """The coordinator's roster.
 
     Args:
@@ -132,17 +133,17 @@ class Roll:
                 settled.append(member.robot)
         return settled
 
-    def news(self, robot: int) -> Roster | None:
+    def news(self, robot: int) -> messages.Roster | None:
         """The roster, if the newest life of `robot` has not acknowledged it."""
         member = self._members.get(robot)
         if member is not None and self._kept.get(robot) == (member.incarnation, self.version):
             return None
-        return self.roster
+        return self.message
 
     @property
-    def roster(self) -> Roster:
+    def message(self) -> messages.Roster:
         """The present version."""
-        return Roster(self.version, tuple(self._members[robot] for robot in sorted(self._members)))
+        return messages.Roster(self.version, tuple(self._members[robot] for robot in sorted(self._members)))
 
     def _all_keep_clear(self) -> bool:
         """Whether everybody live has acknowledged the present version."""

@@ -196,7 +196,7 @@ class Skirmish:
             radius = self.scenario.spec(state.robot).radius
             place = [each for each in self.scenario.ids if each != robot].index(state.robot)
             for process in self._all_of(robot):
-                process.core.hear(addressed_to(robot, state, radius, place))
+                process.core.on_state(addressed_to(robot, state, radius, place))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 

@@ -106,10 +106,10 @@ def _events(track: Track, bounds: Bounds, count: _Count) -> Iterator[tuple[Event
             yield partial(Track.move, robot=robot, place=min(float(LENGTH), place + 1.0)), count
     for event in _talk(track, bounds):
         yield event, count
-    if any(each.status == "appearing" for each in track.coordinator.roll.roster.members):
+    if any(each.status == "appearing" for each in track.coordinator.roster.message.members):
         for robot in ROBOTS:
             yield partial(Track.acknowledge, robot=robot), count
-    if track.coordinator.roll.version < bounds.versions:
+    if track.coordinator.roster.version < bounds.versions:
         yield from _decisions(track, bounds, count)
     if count.deaths < bounds.deaths:
         yield Track.restart, count._replace(deaths=count.deaths + 1)

@@ -53,45 +53,45 @@ class Coordinator:
     """Decides who is there, may die at any moment, and goes on from what it has written down.
 
     Attributes:
-        roll: the real one.
+        roster: the real one.
         announced: every version ever told, in the order in which they were.
     """
 
     def __init__(self, product: Product, saved: bool, owner: Track) -> None:
         self.owner, self.key = owner, 0
-        self.roll = product.Roll()
+        self.roster = product.Roster()
         self.announced: list[Roster] = []
         self._in_time = saved
-        self._saved = _copied_roll(self.roll)
+        self._saved = _copied(self.roster)
 
     def decide(self, act: Callable[[Any], object]) -> bool:
         """Change the roster and announce it; False if it refuses, or if nothing changes."""
-        before, version = _copied_roll(self.roll), self.roll.version
+        before, version = _copied(self.roster), self.roster.version
         try:
-            act(self.roll)
+            act(self.roster)
         except RosterError:
             return False
-        if self.roll.version == version:
+        if self.roster.version == version:
             return False
-        self._saved = _copied_roll(self.roll) if self._in_time else before
-        self.announced.append(self.roll.roster)
+        self._saved = _copied(self.roster) if self._in_time else before
+        self.announced.append(self.roster.message)
         return True
 
     def restart(self) -> None:
         """Die, and go on from what is written down."""
-        self.roll = _copied_roll(self._saved)
+        self.roster = _copied(self._saved)
 
     def twin(self, owner: Track) -> Coordinator:
         """The same, to be changed independently."""
         twin = copy.copy(self)
-        twin.roll, twin._saved, twin.owner = _copied_roll(self.roll), _copied_roll(self._saved), owner
+        twin.roster, twin._saved, twin.owner = _copied(self.roster), _copied(self._saved), owner
         twin.announced = list(self.announced)
         return twin
 
     def frozen(self) -> tuple[Any, ...]:
         """Equal for coordinators that nothing can tell apart."""
-        rolls = (self.roll, self._saved)
-        kept = [(roll.version, roll.roster, tuple(sorted(roll._kept.items()))) for roll in rolls]
+        rolls = (self.roster, self._saved)
+        kept = [(roster.version, roster.message, tuple(sorted(roster._kept.items()))) for roster in rolls]
         return (*kept, tuple(self.announced))
 
 
@@ -111,7 +111,7 @@ class Track:
         self.coordinator = Coordinator(product, setting.saved, self)
         there = setting.founding if setting.founding is not None else frozenset(setting.starts)
         places = {robot: (place, 0.0) for robot, place in setting.starts.items()}
-        self._decide(lambda roll: roll.found(dict.fromkeys(there, 1), places, self.radii))
+        self._decide(lambda roster: roster.found(dict.fromkeys(there, 1), places, self.radii))
         for robot in sorted(there):
             self._seat(robot, 1)
 
@@ -227,11 +227,11 @@ class Track:
         for pair in seat.ledger._each:
             pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
         placement = self.product.placement
-        place, placement.place = placement.place, lambda _, peer, *__: choose(round(peer.y))
+        fit, placement.fit_line = placement.fit_line, lambda _, peer, *__: choose(round(peer.y))
         try:
             proposals, answers = seat.ledger.entries(STILL)
         finally:
-            placement.place = place
+            placement.fit_line = fit
         name = (0.0, float(seat.robot))  # no place, which only matters to where lines are placed
         state = State(
             seat.robot, seat.incarnation, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers
@@ -245,7 +245,7 @@ class Track:
         """An incarnation hears what was once said."""
         if self.seats[who].ledger is None or state.robot == who[0]:
             return False
-        self._change(who).ledger.hear(addressed_to(who[0], state, self.setting.radius))
+        self._change(who).ledger.on_state(addressed_to(who[0], state, self.setting.radius))
         return True
 
     def be_told(self, who: Who, roster: Roster) -> bool:
@@ -278,7 +278,7 @@ class Track:
         seat = self.seat(robot)
         if seat is None or seat.ledger is None or not self._lives(seat) or not seat.ledger.keeps_clear:
             return False
-        self._coordinator().roll.acknowledge(robot, seat.incarnation, seat.known.version)
+        self._coordinator().roster.acknowledge(robot, seat.incarnation, seat.known.version)
         return True
 
     # -- what the coordinator and the operator do
@@ -288,7 +288,7 @@ class Track:
         one."""
         newest = max((each.incarnation for each in self._members() if each.robot == robot), default=0)
         incarnation = newest if again else newest + 1
-        if not self._decide(lambda roll: roll.admit(robot, incarnation)):
+        if not self._decide(lambda roster: roster.admit(robot, incarnation)):
             return False
         self._seat(robot, incarnation)
         return True
@@ -296,13 +296,13 @@ class Track:
     def fence(self, robot: int) -> bool:
         """The newest incarnation was silent for too long."""
         place = self.truth[robot]
-        return place is not None and self._decide(lambda roll: roll.fence(robot, (place, 0.0)))
+        return place is not None and self._decide(lambda roster: roster.fence(robot, (place, 0.0)))
 
     def remove(self, robot: int) -> bool:
         """The operator takes a disk away if it stands; that it may not strike off one that does not, the
         roster has to know."""
-        stands = any(each.robot == robot for each in self.coordinator.roll.standing)
-        if not self._decide(lambda roll: roll.remove(robot)):
+        stands = any(each.robot == robot for each in self.coordinator.roster.standing)
+        if not self._decide(lambda roster: roster.remove(robot)):
             return False
         if stands:
             self.truth[robot] = None
@@ -312,7 +312,7 @@ class Track:
         """A disk is to appear."""
         if self.truth[robot] is not None:
             return False
-        return self._decide(lambda roll: roll.announce(robot, self.setting.radius, (place, 0.0)))
+        return self._decide(lambda roster: roster.announce(robot, self.setting.radius, (place, 0.0)))
 
     def restart(self) -> bool:
         """The coordinator dies, and goes on from what it has written down."""
@@ -325,12 +325,12 @@ class Track:
 
     def withdraw(self, robot: int) -> bool:
         """It is not to appear after all."""
-        return self._decide(lambda roll: roll.withdraw(robot))
+        return self._decide(lambda roster: roster.withdraw(robot))
 
     def settle(self) -> bool:
         """What was announced is put in its place as soon as the roster allows."""
         settled: list[int] = []
-        if not self._decide(lambda roll: settled.extend(roll.settle())):
+        if not self._decide(lambda roster: settled.extend(roster.settle())):
             return False
         for each in self._members():
             if each.robot in settled and each.position is not None:
@@ -338,7 +338,7 @@ class Track:
         return True
 
     def _members(self) -> Sequence[Any]:
-        return self.coordinator.roll.roster.members
+        return self.coordinator.roster.message.members
 
     def _lives(self, seat: Seat) -> bool:
         """Whether the coordinator has commands of this incarnation executed."""
@@ -354,9 +354,9 @@ class Track:
         )
 
 
-def _copied_roll(roll: Any) -> Any:
-    twin = copy.copy(roll)
-    twin._members, twin._kept = dict(roll._members), dict(roll._kept)
+def _copied(roster: Any) -> Any:
+    twin = copy.copy(roster)
+    twin._members, twin._kept = dict(roster._members), dict(roster._kept)
     return twin
 
 
@@ -413,7 +413,7 @@ def _frozen_bond(pair: Any) -> tuple[Any, ...]:
     side = None if disk is None or disk.half_plane is None else (disk.half_plane.nx, disk.half_plane.limit)
     return (
         tuple(tuple(value.items()) if isinstance(value, dict) else value for value in vars(end).values()),
-        tuple((side.nx, side.limit) for side in pair.sides),
+        tuple((side.nx, side.limit) for side in pair.line_half_planes),
         None if disk is None else (disk.x, side),
         None if state is None else state.incarnation,
         pair.heard,

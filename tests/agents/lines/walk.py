@@ -93,7 +93,7 @@ class _Walk:
 
     def _such(self, status: str) -> int:
         """Mostly a robot with that status, if there is one."""
-        members = self.track.coordinator.roll.roster.members
+        members = self.track.coordinator.roster.message.members
         such = [each.robot for each in members if each.status == status]
         return self.rng.choice(such) if such and self.rng.random() < 0.8 else self._robot()
 
