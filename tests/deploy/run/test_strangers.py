@@ -52,7 +52,7 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
 
 
 def test_a_watcher_counts_strangers() -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet([SWAP], speed=8.0)  # slow enough for the watcher to ask for the scenario
     watcher = watch_local(fleet.network, "local")
     for token in TOKENS:
         watcher.handle(Presence(f"disknav/local/{token}", True))

@@ -28,7 +28,7 @@ def all_acknowledge(roster: Roster, *robots: int, life: int = 1) -> None:
 
 
 def test_whoever_is_not_there_when_the_run_is_founded_stands_at_its_start():
-    members = founded(1, 3).roster.members
+    members = founded(1, 3).message.members
     assert [(each.robot, each.status, each.founding) for each in members] == [
         (1, "live", 1),
         (2, "standing", 0),

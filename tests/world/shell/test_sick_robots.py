@@ -95,12 +95,13 @@ class Ward:
         self,
         takes: Callable[[Any], bool] | None = None,
         damage: Callable[[State, bytes], bytes] | None = None,
+        speed: float = 20.0,
     ) -> None:
         network = LocalNetwork()
         bus = network.connect()
         self.said: list[str] = []
         self.world = bus.node = WorldNode(
-            bus, "w", [SCENARIO], patience=LONG, speed=20.0, say=self.said.append
+            bus, "w", [SCENARIO], patience=LONG, speed=speed, say=self.said.append
         )
         self.patient: Patient | None = None
         for robot in SCENARIO.ids:
@@ -140,7 +141,7 @@ def test_one_that_hangs_between_state_and_command_is_given_up_alone() -> None:
 
 
 def test_one_that_hears_nobody_is_given_up_alone() -> None:
-    ward = Ward(takes=lambda message: not isinstance(message, State))
+    ward = Ward(takes=lambda message: not isinstance(message, State), speed=8.0)  # time for five refusals
     ward.assert_the_others_arrived()
     given_up = ward.report["faults"]["given_up"]
     assert "does not hear" in given_up[0]["reason"]
