@@ -72,11 +72,17 @@ def blockade(k: float) -> Known:
     return found
 
 
-def forever() -> Known:
-    """Three robots of unequal radii that have a minimum at every large k: no K exists (docs/theory.md)."""
-    goals = np.array([(0.0511, 0.0201), (0.0019, 0.0039), (-0.002, 0.0564)])
-    problem = Problem(goals, np.array([0.0106, 0.0382, 0.0106]), WORKSPACE, 1e5)
-    place = np.array([(0.0166, 0.0459), (0.0, 0.0), (0.0345, 0.0345)])
+def forever(equal: bool) -> Known:
+    """Four equal or three unequal robots with a minimum at every large k: no K exists (docs/theory.md)."""
+    if equal:
+        goals = np.array([(-0.0444, -0.0437), (0.0429, -0.0424), (-0.0407, 0.0476), (0.0422, 0.0386)])
+        place = np.array([(-0.0494, -0.0486), (-0.0281, 0.0285), (0.0281, -0.0285), (0.0494, 0.0486)])
+        radii = np.full(4, 0.04)
+    else:
+        goals = np.array([(0.0511, 0.0201), (0.0019, 0.0039), (-0.002, 0.0564)])
+        place = np.array([(0.0166, 0.0459), (0.0, 0.0), (0.0345, 0.0345)])
+        radii = np.array([0.0106, 0.0382, 0.0106])
+    problem = Problem(goals, radii, WORKSPACE, 1e5)
     start = 1.001 * (place - place.mean(axis=0)) + place.mean(axis=0)
     (found,) = _found(problem, [integrate(problem, start).path[-1]])
     assert found.point.kind == "minimum"
