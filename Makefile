@@ -5,11 +5,20 @@ BIN := .venv/bin
 READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
-INNER := $(addprefix protocol/,events.py cursor.py reader.py codec.py drive.py bus_local.py bus_zenoh.py) $(addprefix agents/,roster.py peer_state.py peer_reader.py slice.py flow.py \
-  pace.py deadlock.py polygon.py safe_velocity.py estimate.py neighbours.py link.py robot.py node.py laws/gradient.py \
-  lines/line.py lines/boundary.py lines/placement.py lines/pair.py lines/fixed_disk.py lines/bond.py lines/spoken.py lines/ledger.py) \
-  $(addprefix world/,commands.py roll.py lives.py kinematics.py verdict.py sensing.py record.py world.py turn.py \
-  outlet.py pacing.py node.py) $(addprefix deploy/recording/,mcap_file.py channel.py writer.py)
+INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
+  $(addprefix protocol/,cursor.py reader.py codec.py) \
+  $(addprefix agents/,roster.py polygon.py estimate.py robot.py node.py) \
+  $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
+  $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py) \
+  $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py fixed_disk.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/laws/,gradient.py) \
+  $(addprefix world/coordinator/,commands.py roster.py lives.py) \
+  $(addprefix world/plants/,integrator.py) \
+  $(addprefix world/judge/,verdict.py record.py) \
+  $(addprefix world/,sensing.py world.py node.py) \
+  $(addprefix world/shell/,turn.py publishers.py pacing.py) \
+  $(addprefix deploy/recording/mcap/,file.py) \
+  $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compile demo test fast check golden bench fuzz figures clean
@@ -69,7 +78,7 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
 	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
-	$(BIN)/python -m deploy.studies.sampled > out/sampled.md
+	$(BIN)/python -m deploy.studies.paper.sampled > out/sampled.md
 	$(BIN)/python -m deploy.studies.certified --write
 	for study in tightness tuning robustness arrival delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done

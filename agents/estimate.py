@@ -44,7 +44,7 @@ class Estimate:
 
     Args:
         error: largest error of a measurement, noise bound plus bias, m.
-        reach: the most that the robot can really move in one tick, m; what is assumed of a tick
+        max_step: the most that the robot can really move in one tick, m; what is assumed of a tick
             whose odometry was missed.
         trusting: whether to begin anew from the newest measurement when two contradict each other.
         oldest: age of the oldest measurement that may come, ticks.
@@ -57,12 +57,12 @@ class Estimate:
         contradiction: which measurement contradicted what, "" if none ever did.
     """
 
-    def __init__(self, error: float, reach: float, trusting: bool = False, oldest: int = 0) -> None:
+    def __init__(self, error: float, max_step: float, trusting: bool = False, oldest: int = 0) -> None:
         self.bound = math.inf
         self.shape: Polygon | None = None
         self.contradiction = ""
         self._error = error
-        self._reach = reach
+        self._max_step = max_step
         self._trusting = trusting
         self._tick: int | None = None
         self.x = self.y = 0.0
@@ -128,12 +128,12 @@ class Estimate:
     def _move(self, displacement: Vector, passed: int) -> None:
         """Apply odometry. Of missed ticks only the first can have moved it: there was no command after."""
         if passed > 1:
-            self._history.append(Move(0.0, 0.0, self._reach))
+            self._history.append(Move(0.0, 0.0, self._max_step))
             self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, self._kept))
             if self.shape is not None:
-                self._settle(self.shape.widened(self._reach), "")
+                self._settle(self.shape.widened(self._max_step), "")
             elif self.known:
-                self._begin(Move(self.x, self.y, self._reach), self._newest)
+                self._begin(Move(self.x, self.y, self._max_step), self._newest)
         dx, dy = displacement
         self._history.append(Move(dx, dy, 0.0))
         if self.bound == math.inf:

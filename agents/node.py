@@ -15,17 +15,17 @@ from collections.abc import Callable
 from math import inf
 from typing import Final
 
-from agents.peer_reader import PeerReader
-from agents.peer_state import PeerState
+from agents.peers.reader import PeerReader
+from agents.peers.state import PeerState
 from agents.robot import Robot
 from protocol import joining
-from protocol.bus import Bus
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
-from protocol.events import Event, Presence, Sample
 from protocol.keys import robot_key, world_key
 from protocol.messages import Health, Measurement, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
@@ -125,9 +125,9 @@ class RobotNode:
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
         self._peers = {
             robot_key(self._run, spec.id, "state"): PeerReader(
-                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), place
+                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), index
             )
-            for place, spec in enumerate(others)
+            for index, spec in enumerate(others)
         }
         self._lockstep, self._away = admission.lockstep, admission.away
         self._refused = self._published = self._received = 0
@@ -191,7 +191,7 @@ class RobotNode:
             self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_state(self, core: Robot, state: PeerState) -> None:
-        core.hear(state)
+        core.on_state(state)
         if not self._commanded and core.complete:
             self._command()
 

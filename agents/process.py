@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 
 from agents.node import RobotNode
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
-from protocol.credentials import credentials
-from protocol.drive import Stop, drive, stop_on_signal
+from protocol.bus.connection import Connection
+from protocol.bus.credentials import credentials
+from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
 

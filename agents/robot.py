@@ -14,15 +14,15 @@ from typing import Final
 from agents.estimate import Estimate
 from agents.laws import choose
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.link import Link
-from agents.neighbours import Neighbours
-from agents.peer_state import PeerState
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import SeparatingLines
+from agents.peers.link import Link
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
-from agents.safe_velocity import safe_velocity
 from protocol.messages import Answer, Command, Health, Measurement, Proposal, Roster, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
@@ -31,7 +31,7 @@ CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 
 
 class Robot:
-    """One life of one robot.
+    """One incarnation of one robot.
 
     It stands still until the first Measurement has told it the roster: only then does it know whether
     it began the run, and so knows the initial lines.
@@ -39,7 +39,7 @@ class Robot:
     Args:
         scenario: the run; k already a number.
         robot: own id.
-        incarnation: this life, as handed out by the world.
+        incarnation: this incarnation, as handed out by the world.
     """
 
     def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
@@ -60,8 +60,8 @@ class Robot:
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
         self._roster = KnownRoster(robot, incarnation)
-        self._kept = 0  # version of the roster that this life keeps to
-        self._lines: Ledger | None = None
+        self._kept = 0  # version of the roster that this incarnation keeps to
+        self._lines: SeparatingLines | None = None
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
@@ -95,7 +95,7 @@ class Robot:
         else:
             lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
 
-    def _confine(self, lines: Ledger, shape: Polygon) -> None:
+    def _confine(self, lines: SeparatingLines, shape: Polygon) -> None:
         """Cut off from the set of possible positions what the workspace and the obeyed lines exclude."""
         estimate = self._estimate
         for _ in range(CORNERS):
@@ -113,7 +113,7 @@ class Robot:
             self._neighbours.on_member(member)
         if self._lines is None:
             starts = {peer.id: peer.start for peer in self._scenario.robots}
-            self._lines = Ledger(
+            self._lines = SeparatingLines(
                 self.robot,
                 self.incarnation,
                 self._radii,
@@ -144,7 +144,7 @@ class Robot:
             gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
             slice_norm = self._law.slice_norm(position)
             if self._filtered and self._lines is not None:
-                proposals, answers = self._lines.speak(self._desired)
+                proposals, answers = self._lines.entries(self._desired)
         return State(
             self.robot,
             self.incarnation,
@@ -164,7 +164,7 @@ class Robot:
 
     # -- between the phases
 
-    def hear(self, state: PeerState) -> None:
+    def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived."""
         robot, tick = state.robot, state.tick
         if self._open and tick <= self.tick and self._link.ideal and self._lines is not None:
@@ -202,16 +202,16 @@ class Robot:
         lacking = tuple(sorted(self._awaited)[:NAMED])
         return Command(self.robot, self.incarnation, self.tick, STILL, self._kept, lacking)
 
-    def _take_over(self, lines: Ledger, tick: int) -> None:
+    def _take_over(self, lines: SeparatingLines, tick: int) -> None:
         """Hear all States that are due by `tick`."""
         for state in self._link.take(tick):
             self._learn(lines, state)
 
-    def _learn(self, lines: Ledger, state: PeerState) -> None:
-        self._neighbours.hear(state)
-        lines.hear(state)
+    def _learn(self, lines: SeparatingLines, state: PeerState) -> None:
+        self._neighbours.on_state(state)
+        lines.on_state(state)
 
-    def _allowed(self, lines: Ledger, position: Vector, desired: Vector) -> Vector:
+    def _allowed(self, lines: SeparatingLines, position: Vector, desired: Vector) -> Vector:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
@@ -231,7 +231,7 @@ class Robot:
     # -- about itself
 
     def has_ended(self, measurement: Measurement) -> bool:
-        """Whether the world says that this life is over."""
+        """Whether the world says that this incarnation is over."""
         roster = measurement.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
 
@@ -247,7 +247,7 @@ class Robot:
         """What a monitor may want to know."""
         heard = tuple(sorted((state.robot, state.tick) for state in self._neighbours.heard()))
         position, bound = self._estimate.position, self._estimate.bound
-        lines = self._lines.sides() if self._filtered and self._lines is not None else ()
+        lines = self._lines.obeyed_lines() if self._filtered and self._lines is not None else ()
         return Health(
             self.robot,
             self.incarnation,

@@ -1,5 +1,5 @@
-"""The roster as one robot knows it: the newest version that it has heard. Decisions about lives are the
-coordinator's; this robot only follows its versions, and never an older one than it already knows."""
+"""The roster as one robot knows it: the newest version that it has heard. Decisions about incarnations are
+the coordinator's; this robot only follows its versions, and never an older one than it already knows."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from protocol.messages import Member, Roster
 
 @final
 class KnownRoster:
-    """The newest roster heard by one life of one robot.
+    """The newest roster heard by one incarnation of one robot.
 
     Args:
         robot: own id.
-        incarnation: own life.
+        incarnation: own incarnation.
 
     Attributes:
         version: of it; 0 as long as there is none.
@@ -37,13 +37,14 @@ class KnownRoster:
 
     @property
     def founding(self) -> bool:
-        """Whether this life was there before the first tick, and so knows the initial lines."""
+        """Whether this incarnation was there before the first tick, and so knows the initial lines."""
         own = self._members.get(self._robot)
         return own is not None and own.founding == self._incarnation > 0
 
 
 def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
-    """Whether a roster says that this life is over: its disk stands, or a newer life is there."""
+    """Whether a roster says that this incarnation is over: its disk stands, or a newer incarnation is
+    there."""
     for member in roster.members:
         if member.robot == robot and member.incarnation >= incarnation:
             return member.incarnation > incarnation or member.status != "live"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import signal
 import sys
 
-from deploy import compiled
-from deploy.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
-from protocol.drive import uninterrupted
+from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
+from deploy.software import compiled
+from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
 
 _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
@@ -22,7 +22,7 @@ def main() -> None:
     try:
         with uninterrupted():  # modules that Cython made swallow an interruption of their import
             compiled.check()
-            from deploy.application import app
+            from deploy.commands.application import app
         app()
     except _INVALID as error:
         _fail(error, EXIT_INVALID)

@@ -14,7 +14,7 @@ import msgspec
 
 from protocol.errors import MessageError
 from protocol.messages import Count, Health, Id
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 

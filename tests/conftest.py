@@ -5,7 +5,7 @@ import os
 import pytest
 from hypothesis import HealthCheck, settings
 
-from deploy import compiled
+from deploy.software import compiled
 from protocol.errors import UsageError
 
 # A busy machine is no counterexample; in continuous integration the same examples are tried every time.

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from deploy.load import resolved
-from deploy.local import LocalFleet
-from protocol.scenario_file import parse_toml
+from deploy.library.load import resolved
+from deploy.run.local import LocalFleet
+from protocol.scenario.file import parse_toml
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()

@@ -17,33 +17,33 @@ from typing import Any
 import msgspec
 
 from protocol import joining
-from protocol.bus import Bus
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Measurement
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.steering import decode_steer
-from world.admission import Admissions
-from world.journal import Began
-from world.outlet import Outlet
-from world.pacing import Pacing
-from world.replay import Resumed
-from world.turn import Turn
+from world.shell.admission import Admissions
+from world.shell.journal import Began
+from world.shell.pacing import Pacing
+from world.shell.publishers import Publishers
+from world.shell.replay import Resumed
+from world.shell.turn import Turn
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
 GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
-FAREWELL = 2.0  # s that robots have to report after the end, and to hear that it is over
+SHUTDOWN = 2.0  # s that robots have to report after the end, and to hear that it is over
 _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
 class Phase(Enum):
-    """RUNNING (or gathering), FAREWELL (robots report), CLOSING (they are told to leave)."""
+    """RUNNING (or gathering), SHUTDOWN (robots report), CLOSING (they are told to leave)."""
 
     RUNNING = 1
-    FAREWELL = 2
+    SHUTDOWN = 2
     CLOSING = 3
 
 
@@ -97,7 +97,7 @@ class WorldNode:
         self._expected = dict.fromkeys(scenarios[0].ids, 0)  # next lives that were waited for
         self._restarts = restarts if lockstep else 0
         self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock, self._journal)
-        self._outlet = Outlet(bus, run, scenarios[0].ids)
+        self._publishers = Publishers(bus, run, scenarios[0].ids)
         turn = Turn(0, scenarios[0], {}) if past is None else past.turn
         self._scenarios = iter(scenarios[turn.number + 1 :])
         self._begin(turn)
@@ -122,7 +122,7 @@ class WorldNode:
     def _begin(self, turn: Turn) -> None:
         self._turn, self._phase = turn, Phase.RUNNING
         self._admissions.forget_reports()
-        self._outlet.published = 0
+        self._publishers.published = 0
         self._pacing.wait()
 
     @property
@@ -167,11 +167,11 @@ class WorldNode:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
         if self._turn.opened and self._lockstep and not self._admissions.missing():
             self._pacing.begin_again()
-            self._outlet.measurements(self._turn.world.open_tick())
+            self._publishers.measurements(self._turn.world.open_tick())
 
     def _miss(self, robot: int) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
-        if self._grace and self._turn.world.goes_on(robot, self._admissions.seats[robot].granted):
+        if self._grace and self._turn.world.goes_on(robot, self._admissions.slots[robot].granted):
             self._admissions.miss(robot)
         else:
             self._gone(robot)
@@ -199,7 +199,7 @@ class WorldNode:
         except KeyGrammarError:
             self._turn.rejected["key"] += 1
             return None
-        if robot not in self._admissions.seats:
+        if robot not in self._admissions.slots:
             self._turn.rejected["identity"] += 1
             return None
         return robot
@@ -230,16 +230,16 @@ class WorldNode:
         refusal = self._admissions.refusal(join, self._turn)
         if refusal is not None:
             return refusal
-        seat = self._admissions.seats[join.robot]
-        if join.robot in self._admissions.missing() and join.session != seat.session:
+        slot = self._admissions.slots[join.robot]
+        if join.robot in self._admissions.missing() and join.session != slot.session:
             self._gone(join.robot)  # whose successor this is
-        if self._phase is Phase.FAREWELL:
-            seat.health = join.health or seat.health
-            self._farewell()
-        if self._phase is Phase.FAREWELL:
+        if self._phase is Phase.SHUTDOWN:
+            slot.health = join.health or slot.health
+            self._shut_down()
+        if self._phase is Phase.SHUTDOWN:
             return joining.Wait(_ASK_AGAIN, "the run is being wound up")
         if self._phase is Phase.CLOSING:
-            seat.told = True
+            slot.notified = True
             return joining.Finished(self._turn.world.verdict)
         return self._admissions.enlist(join, self._turn)
 
@@ -250,7 +250,7 @@ class WorldNode:
         self._write_off()
         self._bide(now)
         if self._phase is not Phase.RUNNING:
-            self._say_farewell()
+            self._announce_end()
         elif self._lockstep or not self._turn.opened:
             self._keep_waiting(now)
         else:
@@ -265,15 +265,15 @@ class WorldNode:
             if not (self._turn.world.complete and self._lockstep):
                 return
             self._close()
-        if self._phase is Phase.FAREWELL:
-            self._farewell()
-        if self._phase is Phase.CLOSING and (not self._admissions.untold() or self._patience_is_over()):
+        if self._phase is Phase.SHUTDOWN:
+            self._shut_down()
+        if self._phase is Phase.CLOSING and (not self._admissions.unnotified() or self._patience_is_over()):
             self.finished = True
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         turn = self._turn
-        if not turn.world.founded and self._admissions.unseated():
+        if not turn.world.founded and self._admissions.absent():
             return False
         measurements = turn.world.open_tick()
         if self._absent():
@@ -290,26 +290,26 @@ class WorldNode:
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(turn.world.tick, turn.scenario.time.step)
-        self._outlet.measurements(measurements)  # first: the robots compute while this process judges
+        self._publishers.measurements(measurements)  # first: the robots compute while this process judges
         self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
         return True
 
     def _inform(self, *, due: bool) -> None:
         """Tell those who watch, if it is `due` for its own sake or again."""
-        if due or self._outlet.is_due:
-            self._outlet.watched(self._turn.clock(), self._turn.world.news())
+        if due or self._publishers.is_due:
+            self._publishers.watched(self._turn.clock(), self._turn.world.news())
 
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world = self._turn.world
         if not world.founded:
-            return world.awaiting_join | self._admissions.unseated()
-        return world.awaiting_join | (self._admissions.unseated() & frozenset(world.active))
+            return world.awaiting_join | self._admissions.absent()
+        return world.awaiting_join | (self._admissions.absent() & frozenset(world.active))
 
     def _remind(self, measurements: dict[int, Measurement]) -> None:
         """A fenced life that the scenario wants back must learn that it has to join again."""
         awaited = self._turn.world.awaiting_join
-        self._outlet.measurements({robot: m for robot, m in measurements.items() if robot in awaited})
+        self._publishers.measurements({robot: m for robot, m in measurements.items() if robot in awaited})
 
     def _open_without(self) -> dict[int, Measurement]:
         """Real time waits for nobody; who comes later joins then."""
@@ -335,7 +335,7 @@ class WorldNode:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
                 self._lose_patience()
             elif self._pacing.repeats():
-                self._outlet.measurements(turn.world.open_tick())
+                self._publishers.measurements(turn.world.open_tick())
         elif not self._absent():
             self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
@@ -369,7 +369,7 @@ class WorldNode:
                 self._tell_person(robot, reason)
         if self._turn.opened and self._lockstep:
             waiting = world.waiting
-            self._outlet.measurements({r: m for r, m in world.open_tick().items() if r in waiting})
+            self._publishers.measurements({r: m for r, m in world.open_tick().items() if r in waiting})
 
     def _tell_person(self, robot: int, reason: str) -> None:
         self._say(f"tick {self._turn.world.tick}: gives up robot {robot}, which {reason}")
@@ -392,33 +392,37 @@ class WorldNode:
         self.finished = True
 
     def _end(self) -> None:
-        self._phase = Phase.FAREWELL
+        self._phase = Phase.SHUTDOWN
         self._pacing.wait()
-        self._say_farewell()
+        self._announce_end()
 
-    def _say_farewell(self) -> None:
+    def _announce_end(self) -> None:
         """Whoever has not heard that the run is over hears it (again)."""
         self._inform(due=True)
-        deaf = self._admissions.owing_health() if self._phase is Phase.FAREWELL else self._admissions.untold()
-        self._outlet.measurements(self._turn.last_words(deaf))
+        remaining = (
+            self._admissions.owing_health()
+            if self._phase is Phase.SHUTDOWN
+            else self._admissions.unnotified()
+        )
+        self._publishers.measurements(self._turn.final_measurements(remaining))
 
-    def _farewell(self) -> None:
+    def _shut_down(self) -> None:
         """Once the robots have reported, or had the time to, publish the result."""
         if not self._admissions.owing_health() or self._patience_is_over():
             self._conclude()
 
     def _patience_is_over(self) -> bool:
-        return self._pacing.waited() > FAREWELL
+        return self._pacing.waited() > SHUTDOWN
 
     def _conclude(self) -> None:
         """Publish the result and go on to the next run, if there is one."""
-        if self._phase is not Phase.FAREWELL:
+        if self._phase is not Phase.SHUTDOWN:
             return
-        turn, seats = self._turn, self._admissions.seats.values()
-        report = turn.report((seat.health for seat in seats), self._outlet.published, self._pacing.since)
+        turn, slots = self._turn, self._admissions.slots.values()
+        report = turn.report((slot.health for slot in slots), self._publishers.published, self._pacing.since)
         self.reports.append(report)
         self._tell(report)
-        self._outlet.result(report)
+        self._publishers.result(report)
         following = next(self._scenarios, None)
         if following is None:
             self._phase = Phase.CLOSING

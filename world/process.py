@@ -9,15 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
-from protocol.drive import Stop, drive, stop_on_signal
+from protocol.bus.connection import Connection
+from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
-from protocol.scenario import Scenario
-from world.journal import Journal
+from protocol.scenario.model import Scenario
 from world.node import GATHERING, WorldNode
-from world.replay import Resumed, resume
+from world.shell.journal import Journal
+from world.shell.replay import Resumed, resume
 
 SUCCESS, FAULT = 0, 3
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from protocol.scenario import Scenario
-from world.commands import Commands
-from world.contacts import Contact
-from world.lives import Lives
-from world.measures import normalised_length, tight
-from world.record import Record
+from protocol.scenario.model import Scenario
+from world.coordinator.commands import Commands
+from world.coordinator.lives import Lives
+from world.judge.contacts import Contact
+from world.judge.measures import normalised_length, tight
+from world.judge.record import Record
 from world.sensing import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message
@@ -46,7 +46,7 @@ def report(
         "robots": list(scenario.ids),
         "law": scenario.control.law,
         "filter": scenario.control.filter,
-        "k": scenario.gain,
+        "k": scenario.k,
         "verdict": verdict[0],
         "reason": verdict[1],
         "arrived": arrived,
@@ -55,7 +55,7 @@ def report(
         "min_clearance": record.clearance,
         "nrl": normalised_length(scenario, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
-        "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.excursions, strict=True)},
+        "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)},
         "tight": tight(scenario),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,

@@ -6,8 +6,8 @@ from heapq import heappop, heappush
 
 from protocol.draws import Purpose
 from protocol.messages import Vector
-from protocol.scenario import Scenario, Sensing
-from world.disturbance import Uniforms, truncated_normal
+from protocol.scenario.model import Scenario, Sensing
+from world.plants.disturbance import Uniforms, truncated_normal
 
 
 class Sensor:

@@ -12,16 +12,16 @@ from typing import Any
 import msgspec
 
 from protocol.messages import Command, Down, Measurement, Truth, Vector
-from protocol.scenario import Scenario
-from world.commands import Commands
-from world.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
-from world.kinematics import Bodies
-from world.lives import Lives
-from world.patience import blamed
-from world.record import Record
+from protocol.scenario.model import Scenario
+from world.coordinator.commands import Commands
+from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
+from world.coordinator.lives import Lives
+from world.coordinator.patience import blamed
+from world.judge.record import Record
+from world.judge.verdict import Judge
+from world.plants.integrator import Bodies
 from world.report import report
 from world.sensing import Sensor
-from world.verdict import Judge
 
 _Sensed = Mapping[int, tuple[Vector | None, int]]
 
@@ -34,7 +34,8 @@ class World:
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
         note: is told every input that this world has taken, in order, before the call that gave it returns.
-            The same inputs given to another world of the same scenario make it the same (`world.replay`).
+            The same inputs given to another world of the same scenario make it the same
+            (`world.shell.replay`).
     """
 
     def __init__(

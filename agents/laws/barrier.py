@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from agents.laws.nominal import Nominal
 from agents.lines.boundary import RoundBoundary
-from agents.neighbours import Neighbours
-from agents.safe_velocity import safe_velocity
-from protocol.scenario import Scenario
+from agents.lines.safe_velocity import safe_velocity
+from agents.peers.neighbours import Neighbours
+from protocol.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
 from protocol.errors import UsageError
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 _LIBRARIES = {"orca": "pyrvo", "barrier": "daqp"}
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from agents import pace
-from agents.deadlock import Progress, barred, circling
-from agents.flow import Flow, desired_velocity
-from agents.neighbours import Neighbours
-from agents.peer_state import PeerState
-from agents.slice import Gradient, Peer, Slice
-from protocol.scenario import Scenario
+from agents.navigation import pace
+from agents.navigation.deadlock import Progress, barred, circling
+from agents.navigation.flow import Flow, desired_velocity
+from agents.navigation.slice import Gradient, Peer, Slice
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 
@@ -22,11 +22,11 @@ class GradientLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._goal, self._radius = spec.goal, spec.radius
-        self._workspace, self._k = scenario.workspace.radius, scenario.gain
+        self._workspace, self._k = scenario.workspace.radius, scenario.k
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
-        self._gain = pace.gain(control.speed, scenario.time.step, scenario.time.tolerance)
+        self._max_rate = pace.max_rate(control.speed, scenario.time.step, scenario.time.tolerance)
         lap = max(each.radius for each in scenario.robots) / control.speed
         self._progress = Progress(scenario.time.step, lap) if control.escape else None
         self._wanted: Vector = (0.0, 0.0)
@@ -57,11 +57,11 @@ class GradientLaw:
 
     def _scale(self, slice_norm: float, position: Vector, moving: Sequence[PeerState]) -> float:
         if not self._common:
-            return pace.own_pace(self._gain)
+            return pace.own_pace(self._max_rate)
         gamma = self._away(position) ** 2
         for state in moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
-        return pace.common_pace(slice_norm, gamma, self._speed, self._gain)
+        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)
 
     def _stuck(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from agents.neighbours import Neighbours
+from agents.peers.neighbours import Neighbours
 
 Vector = tuple[float, float]
 

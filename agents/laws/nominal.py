@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from protocol.draws import Purpose, generator
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 _HELD = 1.0  # s that a random part stays as it is: drawn anew every tick it would average out

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 from agents.laws.nominal import Nominal
-from agents.neighbours import Neighbours
-from protocol.scenario import Scenario
+from agents.peers.neighbours import Neighbours
+from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 

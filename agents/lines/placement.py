@@ -41,7 +41,7 @@ def is_same(one: Line, other: Line, tolerance: float) -> bool:
     )
 
 
-def place(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -> Line | None:
+def fit_line(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -> Line | None:
     """The line that lets both do what they want for the longest time, up to `ahead` seconds.
 
     Each disk sweeps along its desired velocity; the line separates the two swept areas, and leaves the
@@ -76,7 +76,7 @@ def initial_line(
 ) -> Line | None:
     """The line between two robots at the start, the same for both."""
     owner, follower = sorted((robot, peer))
-    return place(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))
+    return fit_line(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))
 
 
 def _length(span: Span) -> float:

@@ -1,1 +1,1 @@
-"""The navigation function of Karagoz, Bozma, Koditschek over whole configurations, and its theory."""
+"""One robot's slice of the navigation function: its gradient, flow, pace, and the way out of deadlocks."""

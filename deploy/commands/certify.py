@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 
 if TYPE_CHECKING:
-    from deploy.certify.session import Outcome
-    from deploy.certify.verifier.replay import Replay
+    from deploy.theory.certify.session import Outcome
+    from deploy.theory.certify.verifier.replay import Replay
 
 
 def certify(
@@ -56,13 +56,13 @@ def certify(
     Exit status: 0 proven (K, or anything without --k) or every start arrived, 1 not within the time or a
     start failed, 2 invalid, 130 interrupted.
     """
-    from deploy.load import read
+    from deploy.library.load import read
     from protocol.errors import UsageError
 
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
-        from deploy.certify.certificate import Goals, fetch
-        from deploy.certify.verifier.replay import replay
+        from deploy.theory.certify.certificate import Goals, fetch
+        from deploy.theory.certify.verifier.replay import replay
 
         goals = None if read_scenario is None else Goals.of(read_scenario)
         checked = replay(fetch(verify, goals), minutes, quiet)
@@ -72,8 +72,8 @@ def certify(
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
     if starts is not None:
         raise typer.Exit(_statistics(scenario, setting or [], starts, seed, as_json))
-    from deploy.certify.session import Request, to_json
-    from deploy.certify.session import certify as perform
+    from deploy.theory.certify.session import Request, to_json
+    from deploy.theory.certify.session import certify as perform
 
     outcome = perform(read_scenario, Request(scenario, k, minutes, file, scheduler, quiet))
     _say(_found(outcome), to_json(outcome), as_json)
@@ -83,14 +83,14 @@ def certify(
 def _statistics(name: str, settings: list[str], starts: int, seed: int, as_json: bool) -> int:
     from dataclasses import asdict, replace
 
-    from deploy.bar import bar
-    from deploy.certify.certificate import Goals
-    from deploy.certify.statistics import failing_fraction
-    from deploy.load import load
+    from deploy.library.load import load
+    from deploy.output.bar import bar
+    from deploy.theory.certify.certificate import Goals
+    from deploy.theory.certify.statistics import failing_fraction
 
     valid = load(name, settings)
     with bar("random starts") as tell:
-        problem = replace(Goals.of(valid).problem, k=valid.gain)
+        problem = replace(Goals.of(valid).problem, k=valid.k)
         found = failing_fraction(problem, starts, seed, tell)
     _say(str(found), asdict(found), as_json)
     return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED

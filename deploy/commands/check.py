@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from deploy.check_report import Certified
-    from protocol.scenario import Scenario
+    from deploy.theory.check.report import Certified
+    from protocol.scenario.model import Scenario
 
 
 def check(
@@ -25,10 +25,10 @@ def check(
 
     Exit status: 0 valid (whatever the theory says), 2 invalid.
     """
-    from deploy.check import report
-    from deploy.check_render import render
-    from deploy.check_report import to_json
-    from deploy.load import load
+    from deploy.library.load import load
+    from deploy.theory.check.check import report
+    from deploy.theory.check.render import render
+    from deploy.theory.check.report import to_json
 
     valid = load(scenario, setting or [], seed)
     found = report(valid, _certificate(scenario, valid))
@@ -42,8 +42,8 @@ def check(
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
     """What lies beside the scenario."""
-    from deploy.certify.certificate import ProofError, path_for, stored
-    from deploy.check_report import Certified
+    from deploy.theory.certify.certificate import ProofError, path_for, stored
+    from deploy.theory.check.report import Certified
 
     path = str(path_for(name))
     try:

@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
-from deploy import json_output
-from deploy.bar import bar
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.options import RunOptions, Transport, fresh_run_name
+from deploy.output import json_output
+from deploy.output.bar import bar
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.security.membership import Membership
 from protocol.errors import UsageError
 
@@ -43,8 +43,8 @@ def endure(
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.endurance.endure import Trial, table
-    from deploy.endurance.endure import endure as perform
+    from deploy.studies.endurance.endure import Trial, table
+    from deploy.studies.endurance.endure import endure as perform
 
     if transport == "local":
         raise UsageError("what is to endure are real processes: --transport routed or mesh")
@@ -79,8 +79,8 @@ def flood(
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.endurance.flood import Plan, table
-    from deploy.endurance.flood import flood as perform
+    from deploy.studies.endurance.flood import Plan, table
+    from deploy.studies.endurance.flood import flood as perform
 
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
@@ -97,7 +97,7 @@ def _finish(
     outcome: dict[str, Any], table: Callable[[dict[str, Any]], Any], target: Path | None, silent: bool
 ) -> None:
     """Write, print and exit."""
-    from deploy.fleet import INTERRUPTED
+    from deploy.run.fleet import INTERRUPTED
 
     json_output.write_json(outcome, target)
     if not silent:

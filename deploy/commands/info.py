@@ -10,7 +10,7 @@ from rich.console import Console, Group
 from rich.table import Table
 from rich.text import Text
 
-from deploy.bar import bar
+from deploy.output.bar import bar
 from protocol.errors import RecordingError
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all

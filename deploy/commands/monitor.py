@@ -13,7 +13,7 @@ import typer
 from deploy.monitor.source import Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
-from protocol.connection import Connection
+from protocol.bus.connection import Connection
 from protocol.errors import UsageError
 
 _TIMEOUT = 5.0  # s to reach somebody
@@ -76,7 +76,7 @@ def _connection(endpoints: list[str] | None, membership: Membership) -> Connecti
 
 
 def _serve(source: Source, port: int | None) -> None:
-    from deploy.monitor.server import serve_in_thread
+    from deploy.monitor.web.server import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:
         print(f"{server.address}  (Ctrl-C ends it)", flush=True)

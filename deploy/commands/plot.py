@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deploy.bar import bar
+from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
     from deploy.recording.reader import Recording

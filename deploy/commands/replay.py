@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deploy.bar import bar
+from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
     from deploy.recording.reader import Recording
@@ -57,10 +57,10 @@ def replay(
 
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
+    from deploy.processes.router import listening
     from deploy.recording.replay import publish
-    from deploy.router import listening
-    from protocol.bus_zenoh import ZenohBus
-    from protocol.connection import Connection
+    from protocol.bus.connection import Connection
+    from protocol.bus.zenoh import ZenohBus
 
     if router is None:
         bus, endpoint = listening(Connection("router"))
@@ -73,7 +73,7 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
 
 def _show(recording: Recording, run: str | None, speed: float) -> None:
     from deploy.monitor.player import Player
-    from deploy.monitor.server import serve_in_thread
+    from deploy.monitor.web.server import serve_in_thread
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from deploy.json_output import is_standard_output
-from deploy.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
-from deploy.result import exit_status, table
+from deploy.output.json_output import is_standard_output
+from deploy.run.options import RESTARTS, Mode, RunOptions, Transport, fresh_run_name, restarts
+from deploy.run.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 
@@ -67,15 +67,15 @@ def run(
 
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.execute import Extras, execute
-    from deploy.hosts.table import read_hosts
-    from deploy.load import load
+    from deploy.library.load import load
+    from deploy.processes.hosts.table import read_hosts
+    from deploy.run.execute import Extras, execute
 
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
-    spread = None if hosts is None else read_hosts(hosts, loaded.ids)
-    options = RunOptions(transport, mode, router, run_name, secure, spread, pace, restarts(restart))
+    hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
+    options = RunOptions(transport, mode, router, run_name, secure, hosts_table, pace, restarts(restart))
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, options, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 app = typer.Typer(help="List, show and generate scenarios.", no_args_is_help=True)
 
@@ -46,7 +46,7 @@ def show(
 
     Example: disknav scenario show figure-1 --set control.k=80 > mine.toml
     """
-    from deploy.load import read
+    from deploy.library.load import read
 
     _write(read(name, setting or [], seed), None)
 
@@ -86,14 +86,14 @@ def schema() -> None:
     """
     import json
 
-    from protocol.scenario_file import json_schema
+    from protocol.scenario.file import json_schema
 
     print(json.dumps(json_schema(), indent=2))
 
 
 def _write(scenario: Scenario, output: Path | None) -> None:
     from protocol.errors import UsageError
-    from protocol.scenario_file import write_toml
+    from protocol.scenario.file import write_toml
 
     text = write_toml(scenario)
     if output is None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from deploy.options import Transport
+from deploy.run.options import Transport
 from deploy.studies.study import StudyName
 
 

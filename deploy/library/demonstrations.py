@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import cos, pi, sin
 
 from deploy.library.goal_sets import figure_3
-from protocol.scenario import Link, ProcessFault, RobotSpec, Scenario, Workspace
+from protocol.scenario.model import Link, ProcessFault, RobotSpec, Scenario, Workspace
 
 
 def delay_6(seed: int = 0) -> Scenario:

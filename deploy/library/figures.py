@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from protocol.scenario import Control, Point, RobotSpec, Scenario, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Workspace
 
 RADIUS = 0.04  # m
 WORKSPACE = 0.30  # m

@@ -8,7 +8,7 @@ from deploy.library.names import build
 from deploy.library.random_instances import PAPER_DENSITY, random_instance
 from deploy.library.swaps import swap
 from protocol.errors import UsageError
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 Options = Mapping[str, float]
 

@@ -14,7 +14,7 @@ from itertools import combinations
 from deploy.library.figures import RADIUS, WORKSPACE, paper_scenario
 from deploy.library.random_instances import random_starts
 from protocol.errors import UsageError
-from protocol.scenario import Point, Scenario
+from protocol.scenario.model import Point, Scenario
 
 GOAL_SETS: dict[str, tuple[Point, ...]] = {
     "a": (

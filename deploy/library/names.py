@@ -14,7 +14,7 @@ from deploy.library.goal_sets import TIGHTNESS, figure_3
 from deploy.library.random_instances import random_instance
 from deploy.library.swaps import head_on, swap
 from protocol.errors import UsageError
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 DEFAULT_SEED = 0
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
-from protocol.scenario import Point, RobotSpec, Scenario, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import Point, RobotSpec, Scenario, Workspace
 
 Array = NDArray[np.float64]
 

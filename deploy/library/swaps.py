@@ -6,8 +6,8 @@ import math
 
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
-from protocol.scenario import Point, RobotSpec, Scenario, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import Point, RobotSpec, Scenario, Workspace
 
 RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts

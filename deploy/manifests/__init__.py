@@ -1,1 +1,1 @@
-"""Files by which an existing engine runs a secured fleet: Docker Compose, Kubernetes, systemd."""
+"""Files by which an existing orchestrator runs a secured fleet: Docker Compose, Kubernetes, systemd."""

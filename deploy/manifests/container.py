@@ -1,4 +1,4 @@
-"""What is the same in every container engine: images, places inside a container, commands."""
+"""What is the same in every container orchestrator: images, places inside a container, commands."""
 
 from __future__ import annotations
 

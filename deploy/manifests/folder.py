@@ -1,4 +1,4 @@
-"""The folder that `disknav deploy` leaves: an engine's files, and the keys."""
+"""The folder that `disknav deploy` leaves: an orchestrator's files, and the keys."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from deploy.manifests.systemd import systemd
 from deploy.security.membership import missing_library
 from protocol.errors import UsageError
 
-Engine = Literal["compose", "kubernetes", "systemd"]
+Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 
-def write(folder: Path, engine: Engine, plan: Plan, days: float = 30.0) -> None:
-    """Make `folder` with all that `engine` needs.
+def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30.0) -> None:
+    """Make `folder` with all that `orchestrator` needs.
 
     Raises:
         UsageError: there is something in it already, or a library is missing.
@@ -27,25 +27,25 @@ def write(folder: Path, engine: Engine, plan: Plan, days: float = 30.0) -> None:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
         raise missing_library() from error
-    create(folder / KEYS, plan.roster, hosts=_hosts(engine, plan), days=days)
-    for name, text in _files(engine, plan, folder / KEYS).items():
+    create(folder / KEYS, plan.roster, hosts=_hosts(orchestrator, plan), days=days)
+    for name, text in _files(orchestrator, plan, folder / KEYS).items():
         path = folder / name
         path.touch(mode=0o600 if name == kubernetes.SECRET else 0o644)
         path.write_text(text, encoding="utf-8")
 
 
-def _files(engine: Engine, plan: Plan, keys: Path) -> Mapping[str, str]:
-    if engine == "compose":
+def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:
+    if orchestrator == "compose":
         return compose.compose(plan)
-    if engine == "kubernetes":
+    if orchestrator == "kubernetes":
         return kubernetes.kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
     return systemd(plan)
 
 
-def _hosts(engine: Engine, plan: Plan) -> tuple[str, ...]:
+def _hosts(orchestrator: Orchestrator, plan: Plan) -> tuple[str, ...]:
     """By which names and addresses the router will be called."""
-    if engine == "compose":
+    if orchestrator == "compose":
         return compose.HOSTS
-    if engine == "kubernetes":
+    if orchestrator == "kubernetes":
         return kubernetes.hosts(plan)
     return (plan.router.partition("/")[2].rpartition(":")[0].strip("[]"),)

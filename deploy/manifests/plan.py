@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deploy.options import Mode
-from deploy.router_config import router_config
+from deploy.processes.router_config import router_config
+from deploy.run.options import Mode
 from deploy.security.access import access_control
 from deploy.security.roster import ROSTER, ROUTER, Roster, robot_role
-from protocol.connection import Connection
-from protocol.credentials import AUTHORITY, Credentials, certificate_file, key_file
+from protocol.bus.connection import Connection
+from protocol.bus.credentials import AUTHORITY, Credentials, certificate_file, key_file
 
 SCENARIO = "scenario.toml"
 ROUTER_CONFIG = "router.json5"
@@ -20,7 +20,7 @@ KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
 
 @dataclass(frozen=True)
 class Plan:
-    """A run, its scenario, and what an engine starts."""
+    """A run, its scenario, and what an orchestrator starts."""
 
     roster: Roster
     scenario: str  # TOML

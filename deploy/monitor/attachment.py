@@ -8,9 +8,9 @@ from math import inf
 
 from deploy.monitor.admin_space import ROUTERS, router
 from deploy.monitor.watcher import Watcher
-from protocol.bus import Bus
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
+from protocol.bus.bus import Bus
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
 from protocol.keys import checked_run
 

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from functools import partial
 
 from deploy.monitor.source import SharedView
-from deploy.monitor.view import View
+from deploy.monitor.view.fleet import View
 from protocol.messages import Message
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.steering import Steer, Steering
 
 _NAP = 0.01  # s, longest wait before steering is looked at again
@@ -83,4 +83,4 @@ class Player(SharedView):
 
 
 def _hear(message: Message, view: View, now: float) -> None:
-    view.hear(message, now)
+    view.on_message(message, now)

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from deploy.monitor import telling
-from deploy.monitor.view import View
+from deploy.monitor.view import snapshot as telling
+from deploy.monitor.view.fleet import View
 from protocol.steering import Steer
 
 

@@ -10,12 +10,12 @@ from typing import Any
 import msgspec
 
 from deploy.monitor.source import SharedView
-from deploy.monitor.view import View
-from protocol.bus import Bus
-from protocol.bus_local import LocalNetwork
+from deploy.monitor.view.fleet import View
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Sample
+from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.events import Event, Presence, Sample
 from protocol.joining import Overview, decode_reply
 from protocol.keys import every_robot, parse, world_key
 from protocol.messages import AnyMessage
@@ -27,7 +27,7 @@ _ASK_TIMEOUT = 2.0
 
 
 class Watcher(SharedView):
-    """Implements `protocol.bus.Node` for the thread that owns `bus`, and `Source` for all others.
+    """Implements `protocol.bus.bus.Node` for the thread that owns `bus`, and `Source` for all others.
 
     Attributes:
         rejected: messages and tokens that are nobody's, by reason.
@@ -99,7 +99,7 @@ class Watcher(SharedView):
             return
         if self._known and self._is_news(message):
             self._learn()
-        self.change(lambda view, now: view.hear(message, now))
+        self.change(lambda view, now: view.on_message(message, now))
 
     def _is_news(self, message: AnyMessage) -> bool:
         news = False

@@ -6,11 +6,11 @@ from collections import defaultdict
 
 import numpy as np
 
-from agents.link import Link
-from agents.peer_state import said_to
+from agents.peers.link import Link
+from agents.peers.state import addressed_to
 from deploy.recording.reader import Recording
 from protocol.messages import State
-from protocol.scenario import Link as LinkFaults
+from protocol.scenario.model import Link as LinkFaults
 
 
 def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -57,7 +57,7 @@ class Heard:
             for robot, link in self._links.items():
                 for state in self._said[tick]:
                     if state.robot != robot:
-                        link.put(said_to(robot, state, self._radii[state.robot]))
+                        link.put(addressed_to(robot, state, self._radii[state.robot]))
                         self._sent += 1
                 for heard in link.take(tick):
                     newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))

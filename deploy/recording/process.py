@@ -13,12 +13,12 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from deploy.recording.beside import FileBeside
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer import RecordingFile
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
-from protocol.drive import Stop, drive, follow, stop_on_signal
+from deploy.recording.writer_process import WriterProcess
+from protocol.bus.connection import Connection
+from protocol.bus.drive import Stop, drive, follow, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, UsageError
 from protocol.keys import checked_run, everything, world_key
 
@@ -65,7 +65,7 @@ class Aboard:
     """
 
     def __init__(self, run: str, path: Path) -> None:
-        self._run, self._file = checked_run(run), FileBeside(path)
+        self._run, self._file = checked_run(run), WriterProcess(path)
 
     def begin(self, bus: ZenohBus) -> None:
         """Hear the run from now on, before anybody can connect."""
@@ -86,7 +86,7 @@ class Aboard:
 def _recorder(
     bus: ZenohBus,
     run: str,
-    file: RecordingFile | FileBeside,
+    file: RecordingFile | WriterProcess,
     on_ready: Callable[[], None] | None = None,
     away: float = 0.0,
 ) -> Recorder:

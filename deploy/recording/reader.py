@@ -12,13 +12,13 @@ from typing import Any, NamedTuple, TypeVar
 import msgspec
 import numpy as np
 
-from deploy.recording.contents import Contents, contents
 from deploy.recording.form import from_object
+from deploy.recording.mcap.contents import Contents, contents
 from deploy.recording.result import LAUNCH
 from protocol.errors import KeyGrammarError, RecordingError
 from protocol.keys import Address, parse
 from protocol.messages import Clock, Command, Health, Measurement, Message, State, Truth
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from world.world import World
 

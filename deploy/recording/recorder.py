@@ -10,14 +10,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from math import inf
 
-from deploy.recording.beside import FileBeside
 from deploy.recording.writer import RecordingFile
+from deploy.recording.writer_process import WriterProcess
 from protocol import joining
-from protocol.bus import Bus
+from protocol.bus.bus import Bus
+from protocol.bus.drive import uninterrupted
+from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode
-from protocol.drive import uninterrupted
 from protocol.errors import BusError, MessageError
-from protocol.events import Event, Presence, Sample
 from protocol.keys import robot_key, world_key
 from protocol.messages import Result
 
@@ -50,7 +50,7 @@ class Recorder:
         self,
         bus: Bus,
         run: str,
-        file: RecordingFile | FileBeside,
+        file: RecordingFile | WriterProcess,
         *,
         on_ready: Callable[[], None] | None = None,
         heard: Callable[[], list[tuple[str, bytes]]] | None = None,

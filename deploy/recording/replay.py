@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from deploy.recording.reader import Recording
 from deploy.recording.trajectory import Trajectory, trajectory
-from protocol.bus import Bus, Publish
+from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import parse, robot_key, world_key

@@ -17,8 +17,8 @@ from mcap.records import DataEnd, Footer, McapRecord, Metadata, MetadataIndex, S
 from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
-from deploy.recording.contents import records
-from protocol.drive import uninterrupted
+from deploy.recording.mcap.contents import records
+from protocol.bus.drive import uninterrupted
 from protocol.errors import RecordingError
 
 LAUNCH = "launch"  # name of the metadata record

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from deploy.recording.reader import Recording
 from protocol.errors import RecordingError
 from protocol.messages import Vector
-from world.trajectory import TrajectoryDigest
+from world.judge.trajectory import TrajectoryDigest
 
 _Plane = list[Vector]
 

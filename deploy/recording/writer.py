@@ -15,12 +15,12 @@ import numpy as np
 
 from deploy.recording.channel import Channel
 from deploy.recording.form import schema
-from deploy.recording.mcap_file import McapFile
+from deploy.recording.mcap.file import McapFile
 from protocol.codec import check_finite
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import parse
 from protocol.messages import VERSION
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 LIBRARY = "disknav"

@@ -11,7 +11,7 @@ from tempfile import mkdtemp
 
 from deploy.security.certificates import Authority
 from deploy.security.roster import ROSTER, ROUTER, Roster, encoded
-from protocol.credentials import AUTHORITY, certificate_file, key_file
+from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")

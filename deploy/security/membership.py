@@ -8,8 +8,8 @@ from pathlib import Path
 
 from deploy.security.access import access_control
 from deploy.security.roster import ROUTER, Roster, read
-from protocol.connection import Connection
-from protocol.credentials import Credentials, credentials
+from protocol.bus.connection import Connection
+from protocol.bus.credentials import Credentials, credentials
 from protocol.errors import CertificateError, UsageError
 
 DEFAULT_PORT = 7447

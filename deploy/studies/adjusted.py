@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from deploy.load import resolved
+from deploy.library.load import resolved
 from deploy.studies.study import Build, Study
-from protocol.scenario import Scenario
-from protocol.scenario_file import apply_settings, document_of, parse_document
+from protocol.scenario.file import apply_settings, document_of, parse_document
+from protocol.scenario.model import Scenario
 
 
 def adjusted(study: Study, settings: Sequence[str]) -> Study:

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from deploy.options import Transport
-from deploy.studies.arrival import arrival
-from deploy.studies.delay import delay
-from deploy.studies.paper import tightness, tuning
-from deploy.studies.peers import peers
-from deploy.studies.random_faults import random_faults
-from deploy.studies.robustness import robustness
+from deploy.run.options import Transport
+from deploy.studies.faults.arrival import arrival
+from deploy.studies.faults.delay import delay
+from deploy.studies.faults.random_faults import random_faults
+from deploy.studies.faults.robustness import robustness
+from deploy.studies.paper.experiments import tightness, tuning
+from deploy.studies.peers.study import peers
 from deploy.studies.scale import scale
 from deploy.studies.study import Study, StudyName
 from protocol.errors import UsageError

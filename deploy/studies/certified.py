@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.navigation.function import Array, Problem
-from agents.navigation.sampling import random_configuration
-from agents.navigation.threshold import arrival_threshold, arrives_from_all
-from agents.navigation.tuning import automatic_k
-from deploy.bar import bar
-from deploy.certify.campaign import Here, prove
-from deploy.certify.certificate import Certificate, Goals
+from deploy.output.bar import bar
+from deploy.theory.certify.campaign import Here, prove
+from deploy.theory.certify.certificate import Certificate, Goals
+from deploy.theory.function import Array, Problem
+from deploy.theory.gain.threshold import arrival_threshold, arrives_from_all
+from deploy.theory.gain.tuning import automatic_k
+from deploy.theory.sampling import random_configuration
 from protocol.draws import Purpose, generator
 
 MARKER = "<!-- measured -->"

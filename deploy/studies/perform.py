@@ -7,20 +7,20 @@ from pathlib import Path
 
 from rich.console import Console
 
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.json_output import check as check_json
-from deploy.json_output import is_standard_output, write_json
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.json_output import check as check_json
+from deploy.output.json_output import is_standard_output, write_json
 from deploy.plot.draw import PICTURES
 from deploy.plot.draw import check as check_plot
+from deploy.software.provenance import provenance
 from deploy.studies.adjusted import adjusted
 from deploy.studies.catalogue import defaults, find
+from deploy.studies.charts.table import table
 from deploy.studies.falsify.perform import falsify
-from deploy.studies.provenance import provenance
 from deploy.studies.request import Request
-from deploy.studies.run_log import RunLog
-from deploy.studies.runner import Outcome, execute
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.runner import Outcome, execute
 from deploy.studies.study import Study
-from deploy.studies.table import table
 from protocol.errors import UsageError
 
 _PAPER = 160  # columns where there is no terminal
@@ -61,7 +61,7 @@ def perform(request: Request) -> int:
     }
     write_json(document, request.target)
     if request.plot is not None and outcome.rows:
-        from deploy.studies.chart import draw_study
+        from deploy.studies.charts.chart import draw_study
 
         draw_study(study.name, outcome.rows, request.plot)
     if not quiet:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from deploy.json_output import is_standard_output
-from deploy.options import Transport
+from deploy.output.json_output import is_standard_output
+from deploy.run.options import Transport
 from deploy.studies.study import StudyName
 
 FOUND = Path("out/falsify")  # where a search keeps what it finds

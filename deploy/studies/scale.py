@@ -7,12 +7,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance
-from deploy.load import resolved
-from deploy.options import Transport
+from deploy.run.options import Transport
 from deploy.studies.statistics import arrived, mean, power_law
 from deploy.studies.study import Cell, Result, Row, Study
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 ROBOTS = (3, 6, 12, 16, 24, 32, 48, 64)
 TRANSPORTS: tuple[Transport, ...] = ("routed", "local")

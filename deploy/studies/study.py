@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from deploy.options import Transport
-from protocol.scenario import Scenario
+from deploy.run.options import Transport
+from protocol.scenario.model import Scenario
 
 Row = dict[str, Any]
 Result = dict[str, Any]

@@ -13,7 +13,7 @@ from agents.estimate import HISTORY, Estimate
 from agents.lines.line import HalfPlane
 from agents.polygon import SIDES
 from protocol.messages import Measurement
-from world.disturbance import truncated_normal
+from world.plants.disturbance import truncated_normal
 
 REACH = 0.005
 polar = st.tuples(st.floats(0.0, 2.0 * math.pi), st.floats(0.0, 1.0))

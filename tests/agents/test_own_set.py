@@ -9,11 +9,11 @@ import pytest
 from msgspec import structs
 
 from agents.node import RobotNode
-from deploy.local import LocalFleet
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Event, Sample
 from protocol.codec import decode, encode
-from protocol.events import Event, Sample
 from protocol.messages import Measurement
-from protocol.scenario import Actuation, Control, RobotSpec, Scenario, Sensing, Time
+from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time
 
 RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall
 

@@ -7,9 +7,9 @@ from functools import cache
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peer_state import PeerState, said_to
+from agents.peers.state import PeerState, addressed_to
 from agents.robot import Robot
-from deploy.load import load
+from deploy.library.load import load
 from protocol.messages import Command, Measurement, State
 from world.world import World
 
@@ -27,7 +27,7 @@ def robots() -> tuple[World, dict[int, Robot]]:
 
 
 def heard(state: State) -> PeerState:
-    return said_to(OWN, state, SCENARIO.spec(state.robot).radius)
+    return addressed_to(OWN, state, SCENARIO.spec(state.robot).radius)
 
 
 @cache
@@ -41,7 +41,7 @@ def said() -> list[tuple[Measurement, dict[int, State], Command]]:
         for i, robot in fleet.items():
             for peer in IDS:
                 if peer != i:
-                    robot.hear(said_to(i, states[peer], SCENARIO.spec(peer).radius))
+                    robot.on_state(addressed_to(i, states[peer], SCENARIO.spec(peer).radius))
         commands = {i: robot.command() for i, robot in fleet.items()}
         for command in commands.values():
             world.accept(command)
@@ -58,7 +58,7 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
             if each == OWN:
                 assert robot.measure(measurement) == states[OWN]
             else:
-                robot.hear(heard(states[each]))
+                robot.on_state(heard(states[each]))
             told = OWN in order[: count + 1]
             assert not told or robot.complete == (count == len(order) - 1)
         assert robot.command() == command
@@ -69,7 +69,7 @@ def test_who_no_longer_takes_part_is_not_awaited() -> None:
     measurement, states, _ = said()[0]
     robot.measure(measurement)
     for peer in OTHERS[1:]:
-        robot.hear(heard(states[peer]))
+        robot.on_state(heard(states[peer]))
     assert not robot.complete
     robot.reconsider(Measurement(OWN, 1, 0, measurement.position, 0, (0.0, 0.0), (OWN, *OTHERS[1:])))
     assert robot.complete
@@ -80,9 +80,9 @@ def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
     (first, states, _), (second, _, _) = said()[:2]
     robot.measure(first)
     for peer in OTHERS:
-        robot.hear(heard(states[peer]))
+        robot.on_state(heard(states[peer]))
     robot.command()
     robot.measure(second)
     for peer in OTHERS:
-        robot.hear(heard(states[peer]))
+        robot.on_state(heard(states[peer]))
     assert not robot.complete

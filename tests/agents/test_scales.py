@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from deploy.load import load
-from deploy.local import LocalFleet
-from protocol.scenario import Control, RobotSpec, Scenario, Time, Workspace
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
 
 PERIODS = (0.01, 0.05, 0.25, 0.5)  # s
 WORKSPACES = (0.02, 0.3, 200.0)  # m

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from agents.node import RobotNode
-from deploy.load import load
-from deploy.local import LocalFleet
-from protocol.bus_local import LocalNetwork
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.bus.local import LocalNetwork
 from protocol.errors import BusError
-from world.journal import Journal
 from world.node import WorldNode
+from world.shell.journal import Journal
 
 SCENARIO = load("swap-2")
 

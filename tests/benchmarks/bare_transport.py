@@ -17,17 +17,23 @@ from typing import Any, Literal, NamedTuple
 
 import zenoh
 
-from deploy.process_table import Process, router
-from deploy.spawn import Spawner
-from deploy.supervisor import Supervisor
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection, configuration
-from protocol.events import Presence, Sample
+from deploy.processes.spawn import Spawner
+from deploy.processes.supervisor import Supervisor
+from deploy.processes.table import Process, router
+from protocol.bus.connection import Connection, configuration
+from protocol.bus.events import Presence, Sample
+from protocol.bus.zenoh import ZenohBus
 from protocol.keys import every_robot, robot_key, world_key
 from protocol.streams import STREAMS
 
 RUN = "bare"
-_MODULES = ("numpy", "zenoh", "protocol.bus_zenoh", "deploy.router", "tests.benchmarks.bare_transport")
+_MODULES = (
+    "numpy",
+    "zenoh",
+    "protocol.bus.zenoh",
+    "deploy.processes.router",
+    "tests.benchmarks.bare_transport",
+)
 
 
 class Payloads(NamedTuple):

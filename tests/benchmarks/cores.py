@@ -18,16 +18,16 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.peer_state import said_to
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import SeparatingLines
+from agents.navigation.slice import Peer, Slice
+from agents.peers.state import addressed_to
 from agents.robot import Robot
-from agents.safe_velocity import safe_velocity
-from agents.slice import Peer, Slice
-from deploy.load import load
+from deploy.library.load import load
 from protocol.codec import decode, encode
 from protocol.keys import robot_key
 from protocol.messages import Command, Measurement, State
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 from world.world import World
 
 ROBOTS = (6, 32, 64, 200)
@@ -63,7 +63,7 @@ class Fleet:
     def _tell(self, own: int, robot: Robot) -> None:
         for peer, state in self.states.items():
             if peer != own:
-                robot.hear(said_to(own, state, self.radii[peer]))
+                robot.on_state(addressed_to(own, state, self.radii[peer]))
 
     def robot_tick(self) -> Callable[[], Command]:
         """A function that is robot 1's next tick, with all others' States as they are."""
@@ -78,7 +78,7 @@ class Fleet:
                 Measurement(1, mine.incarnation, ahead[0], mine.position, ahead[0], (0.0, 0.0), active)
             )
             for state in peers:
-                robot.hear(said_to(1, _at(state, ahead[0]), self.radii[state.robot]))
+                robot.on_state(addressed_to(1, _at(state, ahead[0]), self.radii[state.robot]))
             return robot.command()
 
         return step
@@ -156,7 +156,7 @@ def _slice(fleet: Fleet) -> Callable[[], object]:
         for i, state in states.items()
         if i != 1 and state.position is not None
     ]
-    edge, k = scenario.workspace.radius, scenario.gain
+    edge, k = scenario.workspace.radius, scenario.k
     return lambda: Slice(spec.goal, spec.radius, edge, k, peers).gradient(*own)
 
 
@@ -167,17 +167,17 @@ def _filter(fleet: Fleet) -> Callable[[], object]:
     starts = {i: state.position for i, state in states.items() if state.position is not None}
     speed, period = scenario.control.speed, scenario.time.step
     boundary = RoundBoundary(scenario.workspace.radius - radii[1])
-    ledger = Ledger(1, 1, radii, speed=speed, period=period, starts=starts)
+    ledger = SeparatingLines(1, 1, radii, speed=speed, period=period, starts=starts)
     own, desired = starts[1], states[1].desired
     tick = [0]
 
     def step() -> object:
         tick[0] += 1
         ledger.locate(tick[0], own, 0.0)
-        spoken = ledger.speak(desired)
+        spoken = ledger.entries(desired)
         for i, state in states.items():
             if i != 1:
-                ledger.hear(said_to(1, _at(state, tick[0]), radii[state.robot]))
+                ledger.on_state(addressed_to(1, _at(state, tick[0]), radii[state.robot]))
         planes = ledger.half_planes() if ledger.ready else []
         return spoken, safe_velocity(desired, own, planes, boundary=boundary, speed=speed, period=period)
 

@@ -10,11 +10,11 @@ from typing import Literal, NamedTuple
 
 import psutil
 
-from deploy.fleet import Fleet
-from deploy.load import load
-from deploy.options import RunOptions
+from deploy.library.load import load
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
 from protocol.messages import Clock
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 Filter = Literal["separating-lines", "none"]
 _TURNS = 1000  # runs one after another with the same processes: nobody counts ticks beyond the time asked for

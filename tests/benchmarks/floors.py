@@ -14,9 +14,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal, Protocol
 
-from deploy.process_table import Process
-from deploy.spawn import Spawner
-from deploy.supervisor import Supervisor
+from deploy.processes.spawn import Spawner
+from deploy.processes.supervisor import Supervisor
+from deploy.processes.table import Process
 from tests.benchmarks.bare_transport import Payloads, Rate, timed
 
 Carrier = Literal["zmq", "pipes"]
@@ -133,7 +133,7 @@ def rate(robots: int, seconds: float, carrier: Carrier) -> Rate:
     say = payloads(robots)
     with (
         TemporaryDirectory(prefix="disknav-") as folder,
-        Supervisor(Spawner(("zmq", "deploy.process_table", _MODULE))) as supervisor,
+        Supervisor(Spawner(("zmq", "deploy.processes.table", _MODULE))) as supervisor,
     ):
         path = Path(folder)
         supervisor.start(

@@ -19,11 +19,11 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from deploy.local import LocalFleet
+from deploy.run.local import LocalFleet
 from protocol.messages import Command
 from tests.benchmarks.fleets import measure, scenario
-from world.journal import Journal
-from world.replay import resume
+from world.shell.journal import Journal
+from world.shell.replay import resume
 from world.world import World
 
 _TICKS = 64

@@ -6,8 +6,8 @@ from collections import Counter
 from functools import cache
 from math import inf
 
-from deploy.local import LocalFleet
-from protocol.events import Event, Sample
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Event, Sample
 from protocol.keys import everything, parse
 from tests.benchmarks.bare_transport import Payloads
 from tests.benchmarks.fleets import scenario

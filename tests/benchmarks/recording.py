@@ -25,13 +25,13 @@ import psutil
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from deploy import process_table as table
-from deploy.fleet import Fleet
-from deploy.load import load
-from deploy.options import RunOptions, fresh_run_name
-from deploy.supervisor import Supervisor
-from protocol.connection import Connection
-from protocol.scenario import Scenario
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions, fresh_run_name
+from protocol.bus.connection import Connection
+from protocol.scenario.model import Scenario
 
 VARIANTS = ("plain", "recorded", "page", "terminal")
 SETTINGS = ("control.speed=0.01", "time.limit=120")

@@ -14,15 +14,15 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from deploy import process_table as table
-from deploy.fleet import Fleet
-from deploy.load import load
-from deploy.options import RunOptions
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from deploy.supervisor import Supervisor
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 RUN = "measured"
 VARIANTS = ("plain", "tls", "tls and rules")

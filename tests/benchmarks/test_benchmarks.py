@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.load import load
+from deploy.library.load import load
 from tests.benchmarks import __main__ as bench
 from tests.benchmarks import cores, floors, journal, recording
 from tests.benchmarks.fleets import Measured, measure

@@ -14,7 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-from deploy.bar import bar
+from deploy.output.bar import bar
 from tests.fuzz.campaign import Tally, campaign
 from tests.fuzz.targets import TARGETS
 

@@ -17,24 +17,23 @@ from typing import Any
 import msgspec
 
 from agents.node import RobotNode
-from agents.peer_reader import PeerReader
-from agents.peer_state import PeerState
-from deploy.fleet import Fleet
+from agents.peers.reader import PeerReader
+from agents.peers.state import PeerState
 from deploy.library.demonstrations import crash
-from deploy.load import load, read
-from deploy.local import LocalFleet
+from deploy.library.load import load, read
 from deploy.monitor.watcher import watch_local
-from deploy.options import RunOptions
-from deploy.studies.fault_scenario import fault_scenario
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from deploy.studies.faults.scenario import fault_scenario
 from protocol import joining, keys
-from protocol.bus_local import LocalNetwork
+from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
-from protocol.events import Event, Presence, Request, Sample
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
 from protocol.messages import Health, State
-from protocol.scenario import Scenario
-from protocol.scenario_file import (
+from protocol.scenario.file import (
     apply_settings,
     document_of,
     parse_document,
@@ -42,6 +41,7 @@ from protocol.scenario_file import (
     read_scenario,
     write_toml,
 )
+from protocol.scenario.model import Scenario
 from protocol.steering import Steer, decode_steer
 from protocol.streams import STREAMS
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from deploy.library import catalogue, swap
-from deploy.load import load, resolved
-from protocol.scenario import Scenario
+from deploy.library.load import load, resolved
+from protocol.scenario.model import Scenario
 
 _COUNTED = (
     "swap-2",

@@ -59,5 +59,5 @@ def test_a_last_bit_does_not_decide(case: str) -> None:
 def test_a_small_numerical_change_is_seen(case: str) -> None:
     """A thousandth in k, say: no test of arrival or clearance would see it."""
     scenario = CASES[case]()
-    control = replace(scenario.control, k=1.001 * scenario.gain)
+    control = replace(scenario.control, k=1.001 * scenario.k)
     assert run(replace(scenario, control=control)).deviation(KEPT[case]) > TOLERANCE

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from deploy.local import LocalFleet
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Event, Sample
 from protocol.codec import decode
-from protocol.events import Event, Sample
 from protocol.keys import world_key
 from protocol.messages import Truth, Vector
-from protocol.scenario import Scenario
+from protocol.scenario.model import Scenario
 
 EVERY = 10  # ticks between two configurations that are kept
 

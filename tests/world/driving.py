@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from protocol.messages import Command, Vector
-from protocol.scenario import Control, RobotSpec, Scenario, Time
+from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from world.world import World
 
 STEP = 0.05

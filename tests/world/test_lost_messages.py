@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from deploy.load import load
-from deploy.local import LocalFleet
-from protocol.bus import Node
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.bus.bus import Node
+from protocol.bus.events import Event, Sample
 from protocol.codec import decode
-from protocol.events import Event, Sample
 from protocol.messages import AnyMessage, Command, Measurement, State
 
 SCENARIO = load("swap-4")
@@ -53,9 +53,9 @@ def test_what_is_lost_is_said_again(listener: int | None, kind: type[Measurement
     fleet = LocalFleet([SCENARIO])
     bus = fleet.network._buses[0] if listener is None else fleet.robots[listener]
     assert bus.node is not None
-    deaf = bus.node = Deaf(bus.node, kind)
+    remaining = bus.node = Deaf(bus.node, kind)
     report = fleet.execute()[0]
-    assert deaf.missed == len(LOST_AT)
+    assert remaining.missed == len(LOST_AT)
     assert report["verdict"] == "arrived"
     assert report["trajectory_sha256"] == whole["trajectory_sha256"]
     assert report["ticks"] == whole["ticks"]

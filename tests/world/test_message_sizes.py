@@ -12,19 +12,28 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.lines.ledger import OUTSTANDING, Ledger
+from agents.lines.ends import Owner
+from agents.lines.entries import fitting
 from agents.lines.line import Line
-from agents.lines.pair import Owner
-from agents.lines.spoken import fitting
-from agents.peer_state import PeerState, said_to
+from agents.lines.separating_lines import OUTSTANDING, SeparatingLines
+from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Down, Health, Proposal, Result, State
-from protocol.scenario import Control, Link, Partition, ProcessFault, RobotSpec, Scenario, Time, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import (
+    Control,
+    Link,
+    Partition,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Time,
+    Workspace,
+)
 from protocol.streams import STREAMS
-from world.contacts import Contact
-from world.turn import Turn
+from world.judge.contacts import Contact
+from world.shell.turn import Turn
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often
@@ -53,25 +62,25 @@ def crowd() -> Scenario:
     )
 
 
-def cut_off(place: int) -> Ledger:
+def cut_off(place: int) -> SeparatingLines:
     """The lines of one of many after a long partition: all that it owns is unanswered, answers are due."""
-    ledger = Ledger(IDS[place], LIFE, dict.fromkeys(IDS, 0.04), speed=0.1, period=0.05)
+    ledger = SeparatingLines(IDS[place], LIFE, dict.fromkeys(IDS, 0.04), speed=0.1, period=0.05)
     ledger.locate(LIFE, POINT, 1e-3)
-    for n, bond in enumerate(ledger._bonds.values()):
-        bond.meet(PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04))
-        bond.answers_left = 3
-        if isinstance(bond.end, Owner):
-            bond.end.number = LIFE
+    for n, pair in enumerate(ledger._pairs.values()):
+        pair.accept(PeerState(pair.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04))
+        pair.answers_left = 3
+        if isinstance(pair.end, Owner):
+            pair.end.number = LIFE
             for turn in range(OUTSTANDING):
-                bond.end.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn))
-        bond.renew()
+                pair.end.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn))
+        pair.renew()
     return ledger
 
 
 @pytest.mark.parametrize("place", [0, 1, 250, 500, 750, MOST - 1])
 def test_a_state_fits_after_any_partition(place: int) -> None:
     ledger = cut_off(place)
-    proposals, answers = ledger.speak(POINT)
+    proposals, answers = ledger.entries(POINT)
     state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals, answers)
     assert_fits(state, robot_key("r", IDS[place], "state"))
     assert len(answers) == place
@@ -83,7 +92,7 @@ def test_a_state_fits_after_any_partition(place: int) -> None:
 
 @pytest.mark.parametrize("place", [0, 500, MOST - 1])
 def test_a_health_message_fits_after_any_partition(place: int) -> None:
-    lines = cut_off(place).sides()
+    lines = cut_off(place).obeyed_lines()
     heard = tuple((peer, LIFE) for peer in IDS if peer != IDS[place])
     rejected = dict.fromkeys(REASONS, LIFE)
     health = Health(IDS[place], LIFE, LIFE, 0.1, LIFE, LIFE, rejected, heard, lines)
@@ -92,7 +101,7 @@ def test_a_health_message_fits_after_any_partition(place: int) -> None:
 
 
 def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
-    shown = cut_off(0).sides()
+    shown = cut_off(0).obeyed_lines()
     assert len(shown) == MOST - 1
     x, y = POINT
     for peer, nx, ny, limit in shown:
@@ -129,28 +138,28 @@ def test_the_newest_proposal_alone_settles_a_pair() -> None:
     """What is not repeated need not be."""
     owner, follower = ledger(1), ledger(2)
     tell(owner, 1, State(2, 1, 0, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
-    bond = owner._bonds[2]
-    assert isinstance(bond.end, Owner)
+    pair = owner._pairs[2]
+    assert isinstance(pair.end, Owner)
     for number in range(OUTSTANDING):
-        bond.end.propose(Line(1.0, 0.0, 0.1 + 0.001 * number))
-    bond.renew()
-    newest = owner.speak((0.0, 0.0))[0][-1]
+        pair.end.propose(Line(1.0, 0.0, 0.1 + 0.001 * number))
+    pair.renew()
+    newest = owner.entries((0.0, 0.0))[0][-1]
     tell(follower, 2, State(1, 1, 1, (-0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (newest,)))
-    _, answers = follower.speak((0.0, 0.0))
+    _, answers = follower.entries((0.0, 0.0))
     tell(owner, 1, State(2, 1, 1, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (), answers))
-    assert [line.offset for line in bond.end.obeyed] == [newest.offset]
-    assert bond.settled
+    assert [line.offset for line in pair.end.obeyed] == [newest.offset]
+    assert pair.settled
     assert follower.ready
 
 
-def ledger(robot: int) -> Ledger:
-    made = Ledger(robot, 1, {1: 0.04, 2: 0.04}, speed=0.1, period=0.05)
+def ledger(robot: int) -> SeparatingLines:
+    made = SeparatingLines(robot, 1, {1: 0.04, 2: 0.04}, speed=0.1, period=0.05)
     made.locate(0, (-0.5, 0.0) if robot == 1 else (0.5, 0.0), 0.0)
     return made
 
 
-def tell(listener: Ledger, own: int, state: State) -> None:
-    listener.hear(said_to(own, state, 0.04))
+def tell(listener: SeparatingLines, own: int, state: State) -> None:
+    listener.on_state(addressed_to(own, state, 0.04))
 
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:

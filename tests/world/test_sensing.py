@@ -2,14 +2,14 @@ import math
 
 import numpy as np
 import pytest
-from driving import STEP, two
 from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.draws import Purpose, generator
-from protocol.scenario import Sensing
-from world import disturbance
-from world.disturbance import Uniforms, truncated_normal
+from protocol.scenario.model import Sensing
+from tests.world.driving import STEP, two
+from world.plants import disturbance
+from world.plants.disturbance import Uniforms, truncated_normal
 from world.sensing import Sensor
 
 TRUTH = (0.123, -0.0456)

@@ -4,13 +4,13 @@ import math
 import struct
 
 import pytest
-from driving import STEP, advance, joined, play, scenario, toward, two
 from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.errors import JoinError
 from protocol.messages import Command
-from protocol.scenario import Actuation, Sensing
+from protocol.scenario.model import Actuation, Sensing
+from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.world import World
 
 FAULTS = {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from deploy.studies.falsify.dice import Dice
-from protocol.scenario import Scenario
+from deploy.studies.falsify.scenarios.dice import Dice
+from protocol.scenario.model import Scenario
 
 _CONTENDERS = 2  # parents that are drawn; the nearer one wins
 

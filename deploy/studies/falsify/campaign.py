@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Protocol
 
-from deploy.options import Transport
+from deploy.run.options import Transport
 from deploy.studies.falsify.archive import Archive, Entry
-from deploy.studies.falsify.dice import Dice
+from deploy.studies.falsify.runs.violation import Violation
+from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.trial import Fresh, Mutant, Result, Shrinking, Source, Task, Trial
-from deploy.studies.falsify.violation import Violation
-from deploy.studies.run_log import RunLog
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.worker import Batch
 from deploy.studies.study import Run
-from deploy.studies.worker import Batch
 
 GENERATION = 256
 FRESH, MUTANT, SHRINKING = range(3)  # cells of the study
@@ -30,7 +30,7 @@ _STREAM = 3
 
 
 class Workers(Protocol):
-    """Whoever performs tasks: `deploy.studies.crew.Crew` or `deploy.studies.cluster.Cluster`."""
+    """Whoever performs tasks: a worker pool of `deploy.studies.runners`, or a cluster."""
 
     def run(self, batches: Sequence[Batch]) -> Iterator[tuple[Run, Result]]:
         """Results of all batches, as they come."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from deploy.studies.falsify.campaign import Finding
-from deploy.studies.falsify.violation import MEANING
+from deploy.studies.falsify.runs.violation import MEANING
 from protocol.errors import UsageError
 
 UNSHRUNK = 100  # files of violations that are not shrunk; more would say nothing new

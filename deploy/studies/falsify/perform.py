@@ -7,18 +7,18 @@ from pathlib import Path
 
 from rich.console import Console
 
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.json_output import check, is_standard_output, write_json
-from deploy.studies.cluster import Cluster
-from deploy.studies.crew import Crew
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.json_output import check, is_standard_output, write_json
+from deploy.software.provenance import code_digest, provenance
 from deploy.studies.falsify.campaign import Campaign, Plan
 from deploy.studies.falsify.files import Files
 from deploy.studies.falsify.rows import listed, rows, table
 from deploy.studies.falsify.trial import Fresh, Trial, perform
-from deploy.studies.progress import StudyProgress
-from deploy.studies.provenance import code_digest, provenance
 from deploy.studies.request import Request
-from deploy.studies.run_log import RunLog
+from deploy.studies.runners.cluster import Cluster
+from deploy.studies.runners.progress import StudyProgress
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.worker_pool import WorkerPool
 from protocol.errors import UsageError
 
 RUNS = 1000
@@ -64,7 +64,11 @@ def falsify(request: Request, log_path: Path | None) -> int:
 
 
 def _execute(campaign: Campaign, request: Request, quiet: bool) -> None:
-    crew = Crew(request.jobs, perform) if request.scheduler is None else Cluster(request.scheduler, perform)
+    crew = (
+        WorkerPool(request.jobs, perform)
+        if request.scheduler is None
+        else Cluster(request.scheduler, perform)
+    )
     with StudyProgress("falsify", campaign.plan.runs, 0, quiet) as progress, crew as workers:
         campaign.execute(workers, progress.advance)
 

@@ -12,8 +12,8 @@ from rich.text import Text
 
 from deploy.studies.falsify.campaign import FRESH, MUTANT, Campaign, Finding
 from deploy.studies.falsify.files import Files
+from deploy.studies.falsify.runs.violation import MEANING
 from deploy.studies.falsify.trial import Result
-from deploy.studies.falsify.violation import MEANING
 
 _ORIGINS = {FRESH: "fresh", MUTANT: "mutants"}
 

@@ -7,19 +7,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
-from deploy.load import resolved
-from deploy.options import Transport
-from deploy.studies.falsify.draw import drawn
-from deploy.studies.falsify.mutate import mutated
-from deploy.studies.falsify.nearness import nearness
-from deploy.studies.falsify.observe import Observation, observe
-from deploy.studies.falsify.on_processes import on_processes
-from deploy.studies.falsify.shrink import shrunk
-from deploy.studies.falsify.violation import Violation, other_trajectory
+from deploy.library.load import resolved
+from deploy.run.options import Transport
+from deploy.studies.falsify.runs.nearness import nearness
+from deploy.studies.falsify.runs.observe import Observation, observe
+from deploy.studies.falsify.runs.on_processes import on_processes
+from deploy.studies.falsify.runs.violation import Violation, other_trajectory
+from deploy.studies.falsify.scenarios.draw import drawn
+from deploy.studies.falsify.scenarios.mutate import mutated
+from deploy.studies.falsify.shrinking.shrink import shrunk
+from deploy.studies.runners.worker import Send
 from deploy.studies.study import Run
-from deploy.studies.worker import Send
-from protocol.scenario import Scenario
-from protocol.scenario_file import apply_settings, document_of, parse_document, parse_toml, write_toml
+from protocol.scenario.file import apply_settings, document_of, parse_document, parse_toml, write_toml
+from protocol.scenario.model import Scenario
 
 Result = dict[str, Any]
 Task = Callable[[Run], Result]

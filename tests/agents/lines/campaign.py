@@ -14,7 +14,7 @@ import argparse
 import sys
 import time
 
-from deploy.bar import bar
+from deploy.output.bar import bar
 from tests.agents.lines import skirmish, walk
 from tests.agents.lines.mutants import MUTANTS, hunt
 from tests.agents.lines.product import Product

@@ -12,10 +12,15 @@ from tests.agents.lines.small_model import Bounds, search
 from tests.interpreted import Edit
 
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
-    f"agents.lines.{name}" for name in ("pair", "bond", "fixed_disk", "ledger", "boundary")
+    f"agents.lines.{name}" for name in ("ends", "robot_pair", "fixed_disk", "separating_lines", "boundary")
 )
 _ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
-_ROLL, _COMMANDS, _LIVES, _BODIES = "world.roll", "world.commands", "world.lives", "world.kinematics"
+_ROLL, _COMMANDS, _LIVES, _BODIES = (
+    "world.coordinator.roster",
+    "world.coordinator.commands",
+    "world.coordinator.lives",
+    "world.plants.integrator",
+)
 _RUNS = 2_000  # random ones in which a mutant has to be found, at most
 
 
@@ -116,7 +121,7 @@ PAIR = (
     Mutant(
         "no-line-no-motion",
         "a robot moves only while every peer that is there is behind a line or a tangent",
-        (Edit(_LEDGER, "if not (bond.settled or bond.ready):", "if False:"),),
+        (Edit(_LEDGER, "if not (pair.settled or pair.ready):", "if False:"),),
     ),
 )
 
@@ -125,12 +130,22 @@ LIVES = (
     Mutant(
         "answer-to-this-life",
         "an answer counts only for the life of the owner that it names",
-        (Edit(_PAIR, "or life != self.life or not self.seen < seen", "or not self.seen < seen"),),
+        (
+            Edit(
+                _PAIR,
+                "            or incarnation != self.incarnation\n            or not self.seen",
+                "            or not self.seen",
+            ),
+        ),
     ),
     Mutant(
         "offer-to-this-life",
         "a proposal counts only for the life of the follower that it names",
-        (Edit(_PAIR, "or life != self.life or number <= self.seen:", "or number <= self.seen:"),),
+        (
+            Edit(
+                _PAIR, "or incarnation != self.incarnation or number <= self.seen:", "or number <= self.seen:"
+            ),
+        ),
     ),
     Mutant(
         "older-follower-ignored",
@@ -138,13 +153,13 @@ LIVES = (
         (
             Edit(
                 _PAIR,
-                "if not self.meet(peer_life) or life != self.life or not self.seen",
-                "if life != self.life or not self.seen",
+                "            not self.accept(peer_incarnation)\n            or incarnation",
+                "            incarnation",
             ),
             Edit(
                 _BOND,
-                "            if not self.end.meet(state.incarnation):\n                return False\n",
-                "            self.end.meet(state.incarnation)\n",
+                "            if not self.end.accept(state.incarnation):\n                return False\n",
+                "            self.end.accept(state.incarnation)\n",
             ),
         ),
     ),
@@ -154,13 +169,13 @@ LIVES = (
         (
             Edit(
                 _PAIR,
-                "if not self.meet(peer_life) or life != self.life or number",
-                "if life != self.life or number",
+                "if not self.accept(peer_incarnation) or incarnation != self.incarnation or number",
+                "if incarnation != self.incarnation or number",
             ),
             Edit(
                 _BOND,
-                "            if not self.end.meet(state.incarnation):\n                return False\n",
-                "            self.end.meet(state.incarnation)\n",
+                "            if not self.end.accept(state.incarnation):\n                return False\n",
+                "            self.end.accept(state.incarnation)\n",
             ),
         ),
     ),
@@ -170,8 +185,8 @@ LIVES = (
         (
             Edit(
                 _PAIR,
-                "        if peer_life > self.peer_life:\n            self.held_number",
-                "        if peer_life != self.peer_life:\n            self.held_number",
+                "        if peer_incarnation > self.peer_incarnation:\n            self.held_number",
+                "        if peer_incarnation != self.peer_incarnation:\n            self.held_number",
             ),
         ),
     ),
@@ -373,7 +388,7 @@ WHO_IS_THERE = (
     Mutant(
         "standing-life-is-over",
         "of a life that stands nothing counts any more, whatever it says",
-        (Edit(_BOND, "        self.end.bury(incarnation)\n", "        self.end.bury(incarnation - 1)\n"),),
+        (Edit(_BOND, "        self.end.fence(incarnation)\n", "        self.end.fence(incarnation - 1)\n"),),
     ),
     Mutant(
         "save-before-telling",
@@ -424,10 +439,10 @@ ITSELF = (
         "missed-odometry",
         "a tick whose odometry was missed may have led as far as any",
         (
-            Edit(_ESTIMATE, 'self._settle(self.shape.widened(self._reach), "")', "pass"),
+            Edit(_ESTIMATE, 'self._settle(self.shape.widened(self._max_step), "")', "pass"),
             Edit(
                 _ESTIMATE,
-                "self._history.append(Move(0.0, 0.0, self._reach))",
+                "self._history.append(Move(0.0, 0.0, self._max_step))",
                 "self._history.append(Move(0.0, 0.0, 0.0))",
             ),
         ),

@@ -10,10 +10,22 @@ from tests.interpreted import Edit, interpreted
 
 _LINES = [
     f"agents.lines.{name}"
-    for name in ("line", "boundary", "placement", "pair", "fixed_disk", "bond", "spoken", "ledger")
+    for name in (
+        "line",
+        "boundary",
+        "placement",
+        "ends",
+        "fixed_disk",
+        "robot_pair",
+        "entries",
+        "separating_lines",
+    )
 ]
-_ROBOT = ["agents.roster", "agents.estimate", "agents.safe_velocity", "agents.robot"]
-_WORLD = [f"world.{name}" for name in ("roll", "lives", "commands", "kinematics", "world")]
+_ROBOT = ["agents.roster", "agents.estimate", "agents.lines.safe_velocity", "agents.robot"]
+_WORLD = [
+    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands")),
+    *("world.plants.integrator", "world.world"),
+]
 
 
 class Product:
@@ -26,11 +38,11 @@ class Product:
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
         names = [*_LINES, *_ROBOT, *_WORLD]
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.placement: Any = modules["agents.lines.ledger"]  # where `place` is looked up
+        self.placement: Any = modules["agents.lines.separating_lines"]  # where `fit_line` is looked up
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
-        self.Ledger: Any = modules["agents.lines.ledger"].Ledger
+        self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines
         self.KnownRoster: Any = modules["agents.roster"].KnownRoster
         self.Robot: Any = modules["agents.robot"].Robot
-        self.Roll: Any = modules["world.roll"].Roll
+        self.Roster: Any = modules["world.coordinator.roster"].Roster
         self.World: Any = modules["world.world"].World

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any
 
-from agents.peer_state import said_to
+from agents.peers.state import addressed_to
 from protocol.messages import Command, Measurement, State
-from protocol.scenario import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
 from tests.agents.lines.product import Product
 
 TICKS = 40
@@ -133,7 +133,7 @@ class Skirmish:
         self._live(_Process(), robot)
 
     def _live(self, process: _Process, robot: int) -> None:
-        """The process begins a new life of its robot."""
+        """The process begins a new incarnation of its robot."""
         core = self.product.Robot(self.scenario, robot, self.world.join(robot))
         core._law = _Attack(self.rng, self.world, robot)
         process.core = core
@@ -196,7 +196,7 @@ class Skirmish:
             radius = self.scenario.spec(state.robot).radius
             place = [each for each in self.scenario.ids if each != robot].index(state.robot)
             for process in self._all_of(robot):
-                process.core.hear(said_to(robot, state, radius, place))
+                process.core.on_state(addressed_to(robot, state, radius, place))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 

@@ -24,8 +24,11 @@ LINES = (0.5, 1.5)  # offsets; places are 0, 1, 2
 class Bounds(NamedTuple):
     """What keeps the search finite."""
 
-    lives: tuple[int, int] = (1, 1)  # of robot 1 and 2, founding ones and a life 0 that never was included
-    proposals: int = 2  # numbers used in one life of the owner
+    lives: tuple[int, int] = (
+        1,
+        1,
+    )  # of robot 1 and 2, founding ones and an incarnation 0 that never was included
+    proposals: int = 2  # numbers used in one incarnation of the owner
     outstanding: int = 1  # unanswered proposals at once
     founding: tuple[int, ...] = ROBOTS
     fences: int = 0
@@ -33,7 +36,7 @@ class Bounds(NamedTuple):
     appearances: int = 0  # disks that are announced, each at any place
     deaths: int = 0  # of the coordinator
     versions: int = 6  # of the roster; with the above nearly always enough
-    talks_on: bool = False  # whether former lives hear and talk
+    talks_on: bool = False  # whether former incarnations hear and talk
     starts: tuple[int, int] = (0, LENGTH)
 
 
@@ -103,10 +106,10 @@ def _events(track: Track, bounds: Bounds, count: _Count) -> Iterator[tuple[Event
             yield partial(Track.move, robot=robot, place=min(float(LENGTH), place + 1.0)), count
     for event in _talk(track, bounds):
         yield event, count
-    if any(each.status == "appearing" for each in track.coordinator.roll.roster.members):
+    if any(each.status == "appearing" for each in track.coordinator.roster.message.members):
         for robot in ROBOTS:
             yield partial(Track.acknowledge, robot=robot), count
-    if track.coordinator.roll.version < bounds.versions:
+    if track.coordinator.roster.version < bounds.versions:
         yield from _decisions(track, bounds, count)
     if count.deaths < bounds.deaths:
         yield Track.restart, count._replace(deaths=count.deaths + 1)
@@ -117,7 +120,7 @@ def _talk(track: Track, bounds: Bounds) -> Iterator[Event]:
     for who, seat in track.seats.items():
         if seat.ledger is not None:
             if seat.robot != OWNER or all((state.robot, state.incarnation) != who for state in track.sent):
-                yield partial(Track.speak, who=who)  # answers, or only that it is there
+                yield partial(Track.entries, who=who)  # answers, or only that it is there
             end = seat.ledger._each[0].end
             if (
                 seat.robot == OWNER
@@ -126,7 +129,7 @@ def _talk(track: Track, bounds: Bounds) -> Iterator[Event]:
             ):
                 for offset in LINES:
                     line = track.product.Line(1.0, 0.0, offset)
-                    yield partial(Track.speak, who=who, choose=partial(_same, line))
+                    yield partial(Track.entries, who=who, choose=partial(_same, line))
             for state in track.sent:
                 if state.robot != seat.robot:
                     yield partial(Track.hear, who=who, state=state)

@@ -9,14 +9,14 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from interpreted import interpreted
 
 from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon, around
 from protocol.messages import Measurement
-from world.disturbance import truncated_normal
+from tests.interpreted import interpreted
+from world.plants.disturbance import truncated_normal
 
 W, SPEED, PERIOD = 0.26, 0.1, 0.05
 REACH = SPEED * PERIOD
@@ -24,7 +24,7 @@ TINY = 1e-12  # m
 angles = st.floats(0.0, 2.0 * math.pi)
 shares = st.floats(0.0, 1.0)
 Wall = Callable[[float], object]
-INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.safe_velocity")
+INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.lines.safe_velocity")
 
 
 class NaiveWall:

@@ -2,8 +2,8 @@
 
 import math
 
-from agents.lines.ledger import RENEWALS, Ledger
-from agents.peer_state import said_to
+from agents.lines.separating_lines import RENEWALS, SeparatingLines
+from agents.peers.state import addressed_to
 from protocol.messages import Answer, Member, Proposal, State
 
 ROBOTS = 16
@@ -15,15 +15,15 @@ MEMBERS = [Member(i, 7, "live", RADII[i], founding=7) for i in RADII]
 DESIRED = (0.05, 0.02)
 
 
-def ledger(robot: int) -> Ledger:
+def ledger(robot: int) -> SeparatingLines:
     others = [member for member in MEMBERS if member.robot != robot]
-    made = Ledger(robot, 7, RADII, speed=0.1, period=0.05, members=others, starts=STARTS)
+    made = SeparatingLines(robot, 7, RADII, speed=0.1, period=0.05, members=others, starts=STARTS)
     made.locate(0, STARTS[robot], 0.0)
     return made
 
 
 def tell(
-    listener: Ledger,
+    listener: SeparatingLines,
     own: int,
     speaker: int,
     tick: int,
@@ -31,7 +31,7 @@ def tell(
     answers: tuple[Answer, ...] = (),
 ) -> None:
     state = State(speaker, 7, tick, STARTS[speaker], 0.0, 0.0, 0.0, DESIRED, proposals, answers)
-    listener.hear(said_to(own, state, RADII[state.robot]))
+    listener.on_state(addressed_to(own, state, RADII[state.robot]))
 
 
 def test_all_are_ready_before_a_word_is_said() -> None:
@@ -45,26 +45,26 @@ def test_an_owner_renews_a_few_a_tick_until_all_are_renewed_once() -> None:
     for tick in range(8):
         owner.locate(tick, STARTS[1], 0.0)
         for peer, follower in followers.items():
-            _, answers = follower.speak(DESIRED)
+            _, answers = follower.entries(DESIRED)
             tell(owner, 1, peer, tick, answers=answers)
-        proposals, _ = owner.speak(DESIRED)
+        proposals, _ = owner.entries(DESIRED)
         new = [each.peer for each in proposals if each.peer not in proposed]
         assert len(new) <= RENEWALS
         proposed += new
         for peer, follower in followers.items():
             tell(follower, peer, 1, tick, proposals)
     assert sorted(proposed) == sorted(followers)
-    assert owner.speak(DESIRED) == ((), ())
+    assert owner.entries(DESIRED) == ((), ())
     assert owner.ready
 
 
 def test_the_lines_of_the_two_ends_are_the_same_from_the_start() -> None:
-    (mine,) = (side for side in ledger(1).sides() if side[0] == 2)
-    (theirs,) = (side for side in ledger(2).sides() if side[0] == 1)
+    (mine,) = (side for side in ledger(1).obeyed_lines() if side[0] == 2)
+    (theirs,) = (side for side in ledger(2).obeyed_lines() if side[0] == 1)
     assert mine[1:] == (-theirs[1], -theirs[2], -theirs[3])
     owner = ledger(1)
     tell(owner, 1, 2, 0)
-    assert mine in owner.sides()
+    assert mine in owner.obeyed_lines()
 
 
 def test_a_state_is_kept_without_what_it_says_to_others() -> None:
@@ -80,8 +80,8 @@ def test_a_state_is_kept_without_what_it_says_to_others() -> None:
         (Proposal(2, 7, 1, 1.0, 0.0, 0.0), Proposal(3, 7, 1, 0.0, 1.0, math.inf)),
         (Answer(4, 7, 1, 1), Answer(2, 7, 0, 0)),
     )
-    heard = said_to(2, said, 0.1)
+    heard = addressed_to(2, said, 0.1)
     assert heard.proposals == said.proposals[:1]
     assert heard.answers == said.answers[1:]
     assert heard.is_finite
-    assert not said_to(3, said, 0.1).is_finite
+    assert not addressed_to(3, said, 0.1).is_finite

@@ -18,9 +18,9 @@ from hypothesis.stateful import (
 )
 
 from agents.lines.boundary import RoundBoundary
-from agents.lines.ledger import Ledger
-from agents.peer_state import said_to
-from agents.safe_velocity import safe_velocity
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import SeparatingLines
+from agents.peers.state import addressed_to
 from protocol.messages import Member, State
 
 SPEED, PERIOD, ROOM = 0.4, 0.05, 0.3  # fast, so that a few ticks suffice to collide
@@ -44,16 +44,16 @@ class Fleet(RuleBasedStateMachine):
         self.bound = bound
         self.truth = dict(STARTS)
         self.error = dict.fromkeys(RADII, (0.0, 0.0))
-        self.life = dict.fromkeys(RADII, 1)
+        self.incarnation = dict.fromkeys(RADII, 1)
         self.down: dict[int, Member] = {}
         self.sent: list[State] = []
         self.ledger = {robot: self.newborn(robot, STARTS if known else None) for robot in RADII}
 
-    def newborn(self, robot: int, starts: dict[int, tuple[float, float]] | None) -> Ledger:
-        live = (Member(i, self.life[i], "live", RADII[i], founding=1) for i in RADII)
-        ledger = Ledger(
+    def newborn(self, robot: int, starts: dict[int, tuple[float, float]] | None) -> SeparatingLines:
+        live = (Member(i, self.incarnation[i], "live", RADII[i], founding=1) for i in RADII)
+        ledger = SeparatingLines(
             robot,
-            self.life[robot],
+            self.incarnation[robot],
             RADII,
             speed=SPEED,
             period=PERIOD,
@@ -78,13 +78,13 @@ class Fleet(RuleBasedStateMachine):
         return polar(SPEED, math.atan2(py - y, px - x) + turn)
 
     @rule(robot=robots, turn=st.floats(-0.5, 0.5))
-    def speak(self, robot: int, turn: float) -> None:
+    def entries(self, robot: int, turn: float) -> None:
         desired = self.towards_next(robot, turn)
-        proposals, answers = self.ledger[robot].speak(desired)
+        proposals, answers = self.ledger[robot].entries(desired)
         self.sent.append(
             State(
                 robot,
-                self.life[robot],
+                self.incarnation[robot],
                 self.tick,
                 self.estimate(robot),
                 self.bound,
@@ -101,7 +101,7 @@ class Fleet(RuleBasedStateMachine):
     def deliver(self, back: int, robot: int) -> None:
         state = self.sent[-1 - back % len(self.sent)]
         if state.robot != robot:
-            self.ledger[robot].hear(said_to(robot, state, RADII[state.robot]))
+            self.ledger[robot].on_state(addressed_to(robot, state, RADII[state.robot]))
 
     @rule(wish=wishes, ticks=st.integers(1, 4))
     def drive(self, wish: dict[int, float], ticks: int) -> None:
@@ -119,10 +119,10 @@ class Fleet(RuleBasedStateMachine):
         for _ in range(ticks):
             states = len(self.sent)
             for robot, turn in wish.items():
-                self.speak(robot, turn)
+                self.entries(robot, turn)
             for state, robot in itertools.product(self.sent[states:], RADII):
                 if state.robot != robot:
-                    self.ledger[robot].hear(said_to(robot, state, RADII[state.robot]))
+                    self.ledger[robot].on_state(addressed_to(robot, state, RADII[state.robot]))
             self.drive(wish, 1)
 
     def executed(self, robot: int, turn: float) -> tuple[float, float]:
@@ -143,14 +143,14 @@ class Fleet(RuleBasedStateMachine):
 
     @rule(robot=robots)
     def restart(self, robot: int) -> None:
-        self.life[robot] += 1
+        self.incarnation[robot] += 1
         self.down.pop(robot, None)
         self.ledger[robot] = self.newborn(robot, None)
 
     @rule(robot=robots)
     def fence(self, robot: int) -> None:
         radius, place = RADII[robot], self.truth[robot]
-        self.down[robot] = Member(robot, self.life[robot], "standing", radius, place, founding=1)
+        self.down[robot] = Member(robot, self.incarnation[robot], "standing", radius, place, founding=1)
 
     @precondition(lambda self: self.down)
     @rule(robot=robots)
@@ -169,23 +169,23 @@ class Fleet(RuleBasedStateMachine):
     def shared(self) -> None:
         """Of every pair that may both move, each obeys a line that the other obeys too."""
         for one, other in itertools.combinations(RADII, 2):
-            owner, follower = self.ledger[one]._bonds[other], self.ledger[other]._bonds[one]
+            owner, follower = self.ledger[one]._pairs[other], self.ledger[other]._pairs[one]
             if owner.end.agreed and follower.end.agreed and not self.down.keys() & {one, other}:
                 assert set(follower.end.obeyed) <= set(owner.end.obeyed)
 
     @invariant()
     def settled(self) -> None:
         """What a settled pair keeps at hand is the only line that it obeys; nothing else is left of it."""
-        for bond in itertools.chain.from_iterable(ledger._bonds.values() for ledger in self.ledger.values()):
-            if bond.settled:
-                (line,) = bond.end.obeyed
-                side = line.side(bond.own_radius, bond.owns)
-                assert (bond.nx, bond.ny, bond.limit) == (side.nx, side.ny, side.limit)
+        for pair in itertools.chain.from_iterable(ledger._pairs.values() for ledger in self.ledger.values()):
+            if pair.settled:
+                (line,) = pair.end.obeyed
+                side = line.side(pair.own_radius, pair.owns)
+                assert (pair.nx, pair.ny, pair.limit) == (side.nx, side.ny, side.limit)
                 assert line.gap(0.3, 0.2) == pytest.approx(
-                    (bond.offset - bond.nx * 0.3 - bond.ny * 0.2) * (1.0 if bond.owns else -1.0)
+                    (pair.offset - pair.nx * 0.3 - pair.ny * 0.2) * (1.0 if pair.owns else -1.0)
                 )
-                assert bond.end.agreed
-                assert bond.disk is None
+                assert pair.end.agreed
+                assert pair.disk is None
 
 
 Fleet.TestCase.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
@@ -195,7 +195,7 @@ TestFleet = Fleet.TestCase
 def test_the_machine_would_notice_a_robot_that_moves_before_it_has_a_line(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(Ledger, "ready", True)
+    monkeypatch.setattr(SeparatingLines, "ready", True)
     brief = settings(
         max_examples=200, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
     )
@@ -205,7 +205,7 @@ def test_the_machine_would_notice_a_robot_that_moves_before_it_has_a_line(
 
 @pytest.mark.slow
 def test_the_machine_would_notice_a_follower_that_adopts_blindly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Ledger, "_follower_fits", lambda self, line: True)  # noqa: ARG005
+    monkeypatch.setattr(SeparatingLines, "_follower_fits", lambda self, line: True)  # noqa: ARG005
     brief = settings(
         max_examples=200, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
     )

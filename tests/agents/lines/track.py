@@ -2,8 +2,9 @@
 
 The rosters, the ledgers and all that is in them are the real ones. The model adds what is physical (where
 each disk is, or that it is not there), and keeps whatever was once said: it can be heard at any later moment,
-any number of times, in any order, or never. A roster can reach every life that it names, sooner or later.
-Robots propose any line of a given choice, not only the one that they would place. A fenced life talks on.
+any number of times, in any order, or never. A roster can reach every incarnation that it names, sooner or
+later. Robots propose any line of a given choice, not only the one that they would place. A fenced incarnation
+talks on.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from agents.peer_state import said_to
+from agents.peers.state import addressed_to
 from protocol.errors import RosterError
 from protocol.messages import Roster, State
 from tests.agents.lines.product import Product
@@ -33,64 +34,64 @@ class Setting(NamedTuple):
     saved: bool = True  # whether the coordinator writes down what it decided before it tells anybody
 
 
-Who = tuple[int, int]  # a robot and one of its lives
+Who = tuple[int, int]  # a robot and one of its incarnations
 
 
 @dataclass(slots=True)
 class Seat:
-    """One life of one robot; twins of a track share it until one of them changes it."""
+    """One incarnation of one robot; twins of a track share it until one of them changes it."""
 
     robot: int
-    life: int
+    incarnation: int
     known: Any  # its KnownRoster
     owner: Track
     ledger: Any = None  # none before it has heard a roster
-    key: int = 0  # equal for lives that nothing can tell apart; 0 if not known
+    key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
 
 
 class Coordinator:
     """Decides who is there, may die at any moment, and goes on from what it has written down.
 
     Attributes:
-        roll: the real one.
+        roster: the real one.
         announced: every version ever told, in the order in which they were.
     """
 
     def __init__(self, product: Product, saved: bool, owner: Track) -> None:
         self.owner, self.key = owner, 0
-        self.roll = product.Roll()
+        self.roster = product.Roster()
         self.announced: list[Roster] = []
         self._in_time = saved
-        self._saved = _copied_roll(self.roll)
+        self._saved = _copied(self.roster)
 
     def decide(self, act: Callable[[Any], object]) -> bool:
         """Change the roster and announce it; False if it refuses, or if nothing changes."""
-        before, version = _copied_roll(self.roll), self.roll.version
+        before, version = _copied(self.roster), self.roster.version
         try:
-            act(self.roll)
+            act(self.roster)
         except RosterError:
             return False
-        if self.roll.version == version:
+        if self.roster.version == version:
             return False
-        self._saved = _copied_roll(self.roll) if self._in_time else before
-        self.announced.append(self.roll.roster)
+        self._saved = _copied(self.roster) if self._in_time else before
+        self.announced.append(self.roster.message)
         return True
 
     def restart(self) -> None:
         """Die, and go on from what is written down."""
-        self.roll = _copied_roll(self._saved)
+        self.roster = _copied(self._saved)
 
     def twin(self, owner: Track) -> Coordinator:
         """The same, to be changed independently."""
         twin = copy.copy(self)
-        twin.roll, twin._saved, twin.owner = _copied_roll(self.roll), _copied_roll(self._saved), owner
+        twin.roster, twin._saved, twin.owner = _copied(self.roster), _copied(self._saved), owner
         twin.announced = list(self.announced)
         return twin
 
     def frozen(self) -> tuple[Any, ...]:
         """Equal for coordinators that nothing can tell apart."""
-        rolls = (self.roll, self._saved)
-        kept = [(roll.version, roll.roster, tuple(sorted(roll._kept.items()))) for roll in rolls]
+        rolls = (self.roster, self._saved)
+        kept = [(roster.version, roster.message, tuple(sorted(roster._kept.items()))) for roster in rolls]
         return (*kept, tuple(self.announced))
 
 
@@ -104,13 +105,13 @@ class Track:
         self.truth: dict[int, float | None] = dict(setting.starts)  # None: the disk is not there
         self.error = dict.fromkeys(setting.starts, 0.0)
         self.seats: dict[Who, Seat] = {}  # of whoever may still talk
-        self.newest: dict[int, int] = {}  # life of each robot
+        self.newest: dict[int, int] = {}  # incarnation of each robot
         self.sent: tuple[State, ...] = ()
         self._keys: dict[Any, int] = {}  # small numbers for what is compared often
         self.coordinator = Coordinator(product, setting.saved, self)
         there = setting.founding if setting.founding is not None else frozenset(setting.starts)
         places = {robot: (place, 0.0) for robot, place in setting.starts.items()}
-        self._decide(lambda roll: roll.found(dict.fromkeys(there, 1), places, self.radii))
+        self._decide(lambda roster: roster.found(dict.fromkeys(there, 1), places, self.radii))
         for robot in sorted(there):
             self._seat(robot, 1)
 
@@ -136,7 +137,7 @@ class Track:
         return self._keys.setdefault(thing, len(self._keys) + 1)
 
     def _change(self, who: Who) -> Seat:
-        """A life that is about to change, for this twin alone."""
+        """An incarnation that is about to change, for this twin alone."""
         seat = self.seats[who]
         if seat.owner is not self:
             seat = self.seats[who] = _copied_seat(seat, self)
@@ -155,7 +156,7 @@ class Track:
         return self.coordinator
 
     def seat(self, robot: int) -> Seat | None:
-        """The newest life of a robot, if there was any."""
+        """The newest incarnation of a robot, if there was any."""
         return self.seats.get((robot, self.newest.get(robot, 0)))
 
     def reach(self, robot: int) -> tuple[float, float]:
@@ -174,7 +175,7 @@ class Track:
         return low, high
 
     def moves(self, robot: int) -> bool:
-        """Whether commands of the robot's newest life would be executed, and it gives any."""
+        """Whether commands of the robot's newest incarnation would be executed, and it gives any."""
         seat = self.seat(robot)
         return seat is not None and self._lives(seat) and seat.ledger is not None and seat.ledger.ready
 
@@ -199,16 +200,16 @@ class Track:
     # -- what robots do
 
     def locate(self, robot: int, error: float) -> bool:
-        """The newest life's estimate is off by `error`, m."""
+        """The newest incarnation's estimate is off by `error`, m."""
         self.error[robot] = error
         seat, place = self.seat(robot), self.truth[robot]
         if seat is not None and seat.ledger is not None and place is not None:
-            seat = self._change((robot, seat.life))
+            seat = self._change((robot, seat.incarnation))
             seat.ledger.locate(0, (place + error, 0.0), self.setting.bound)
         return True
 
     def move(self, robot: int, place: float) -> bool:
-        """The newest life drives to a place; everything between is passed."""
+        """The newest incarnation drives to a place; everything between is passed."""
         if self.truth[robot] is None or not self.moves(robot):
             return False
         low, high = self.reach(robot)
@@ -217,35 +218,39 @@ class Track:
         self.truth[robot] = place
         return self.locate(robot, self.error[robot])
 
-    def speak(self, who: Who, choose: Callable[[int], Any] = lambda _: None) -> bool:
-        """A life publishes a State; `choose` gives the line that is placed between it and each peer."""
+    def entries(self, who: Who, choose: Callable[[int], Any] = lambda _: None) -> bool:
+        """An incarnation publishes a State; `choose` gives the line that is placed between it and each
+        peer."""
         if self.seats[who].ledger is None:
             return False
         seat = self._change(who)
-        for bond in seat.ledger._each:
-            bond.answers_left = int(bool(not bond.owns and bond.end.seen))  # an answer may be said ever again
+        for pair in seat.ledger._each:
+            pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
         placement = self.product.placement
-        place, placement.place = placement.place, lambda _, peer, *__: choose(round(peer.y))
+        fit, placement.fit_line = placement.fit_line, lambda _, peer, *__: choose(round(peer.y))
         try:
-            proposals, answers = seat.ledger.speak(STILL)
+            proposals, answers = seat.ledger.entries(STILL)
         finally:
-            placement.place = place
+            placement.fit_line = fit
         name = (0.0, float(seat.robot))  # no place, which only matters to where lines are placed
-        state = State(seat.robot, seat.life, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers)
+        state = State(
+            seat.robot, seat.incarnation, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers
+        )
         if state in self.sent:
             return False
         self.sent = (*self.sent, state)
         return True
 
     def hear(self, who: Who, state: State) -> bool:
-        """A life hears what was once said."""
+        """An incarnation hears what was once said."""
         if self.seats[who].ledger is None or state.robot == who[0]:
             return False
-        self._change(who).ledger.hear(said_to(who[0], state, self.setting.radius))
+        self._change(who).ledger.on_state(addressed_to(who[0], state, self.setting.radius))
         return True
 
     def be_told(self, who: Who, roster: Roster) -> bool:
-        """A life hears a version of the roster that was told while it was the newest (`Robot._on_roster`)."""
+        """An incarnation hears a version of the roster that was told while it was the newest
+        (`Robot._on_roster`)."""
         if all((each.robot, each.incarnation) != who for each in roster.members):
             return False
         seat = self._change(who)
@@ -255,48 +260,49 @@ class Track:
                 seat.ledger.on_member(member)
             return True
         starts = {robot: (start, 0.0) for robot, start in self.setting.starts.items()}
-        seat.ledger = self.product.Ledger(
+        seat.ledger = self.product.SeparatingLines(
             seat.robot,
-            seat.life,
+            seat.incarnation,
             self.radii,
             speed=4.0 * self.setting.length,
             period=1.0,
             members=news,
             starts=starts if seat.known.founding else None,
         )
-        if self.newest[seat.robot] == seat.life:
+        if self.newest[seat.robot] == seat.incarnation:
             self.locate(seat.robot, self.error[seat.robot])
         return True
 
     def acknowledge(self, robot: int) -> bool:
-        """A Command of the newest life is taken (`Robot.command`)."""
+        """A Command of the newest incarnation is taken (`Robot.command`)."""
         seat = self.seat(robot)
         if seat is None or seat.ledger is None or not self._lives(seat) or not seat.ledger.keeps_clear:
             return False
-        self._coordinator().roll.acknowledge(robot, seat.life, seat.known.version)
+        self._coordinator().roster.acknowledge(robot, seat.incarnation, seat.known.version)
         return True
 
     # -- what the coordinator and the operator do
 
     def join(self, robot: int, again: bool = False) -> bool:
-        """A process begins a new life of the robot, or `again` claims the number of the present one."""
+        """A process begins a new incarnation of the robot, or `again` claims the number of the present
+        one."""
         newest = max((each.incarnation for each in self._members() if each.robot == robot), default=0)
-        life = newest if again else newest + 1
-        if not self._decide(lambda roll: roll.admit(robot, life)):
+        incarnation = newest if again else newest + 1
+        if not self._decide(lambda roster: roster.admit(robot, incarnation)):
             return False
-        self._seat(robot, life)
+        self._seat(robot, incarnation)
         return True
 
     def fence(self, robot: int) -> bool:
-        """The newest life was silent for too long."""
+        """The newest incarnation was silent for too long."""
         place = self.truth[robot]
-        return place is not None and self._decide(lambda roll: roll.fence(robot, (place, 0.0)))
+        return place is not None and self._decide(lambda roster: roster.fence(robot, (place, 0.0)))
 
     def remove(self, robot: int) -> bool:
         """The operator takes a disk away if it stands; that it may not strike off one that does not, the
         roster has to know."""
-        stands = any(each.robot == robot for each in self.coordinator.roll.standing)
-        if not self._decide(lambda roll: roll.remove(robot)):
+        stands = any(each.robot == robot for each in self.coordinator.roster.standing)
+        if not self._decide(lambda roster: roster.remove(robot)):
             return False
         if stands:
             self.truth[robot] = None
@@ -306,7 +312,7 @@ class Track:
         """A disk is to appear."""
         if self.truth[robot] is not None:
             return False
-        return self._decide(lambda roll: roll.announce(robot, self.setting.radius, (place, 0.0)))
+        return self._decide(lambda roster: roster.announce(robot, self.setting.radius, (place, 0.0)))
 
     def restart(self) -> bool:
         """The coordinator dies, and goes on from what it has written down."""
@@ -314,17 +320,17 @@ class Track:
         return True
 
     def forget(self) -> None:
-        """Former lives say nothing any more."""
+        """Former incarnations say nothing any more."""
         self.seats = {who: seat for who, seat in self.seats.items() if self.newest[who[0]] == who[1]}
 
     def withdraw(self, robot: int) -> bool:
         """It is not to appear after all."""
-        return self._decide(lambda roll: roll.withdraw(robot))
+        return self._decide(lambda roster: roster.withdraw(robot))
 
     def settle(self) -> bool:
         """What was announced is put in its place as soon as the roster allows."""
         settled: list[int] = []
-        if not self._decide(lambda roll: settled.extend(roll.settle())):
+        if not self._decide(lambda roster: settled.extend(roster.settle())):
             return False
         for each in self._members():
             if each.robot in settled and each.position is not None:
@@ -332,49 +338,51 @@ class Track:
         return True
 
     def _members(self) -> Sequence[Any]:
-        return self.coordinator.roll.roster.members
+        return self.coordinator.roster.message.members
 
     def _lives(self, seat: Seat) -> bool:
-        """Whether the coordinator has commands of this life executed."""
+        """Whether the coordinator has commands of this incarnation executed."""
         return any(
-            (each.robot, each.incarnation, each.status) == (seat.robot, seat.life, "live")
+            (each.robot, each.incarnation, each.status) == (seat.robot, seat.incarnation, "live")
             for each in self._members()
         )
 
-    def _seat(self, robot: int, life: int) -> None:
-        self.error[robot], self.newest[robot] = 0.0, life
-        self.seats[robot, life] = Seat(robot, life, self.product.KnownRoster(robot, life), self)
+    def _seat(self, robot: int, incarnation: int) -> None:
+        self.error[robot], self.newest[robot] = 0.0, incarnation
+        self.seats[robot, incarnation] = Seat(
+            robot, incarnation, self.product.KnownRoster(robot, incarnation), self
+        )
 
 
-def _copied_roll(roll: Any) -> Any:
-    twin = copy.copy(roll)
-    twin._members, twin._kept = dict(roll._members), dict(roll._kept)
+def _copied(roster: Any) -> Any:
+    twin = copy.copy(roster)
+    twin._members, twin._kept = dict(roster._members), dict(roster._kept)
     return twin
 
 
 def _copied_seat(seat: Seat, owner: Track) -> Seat:
     known = _twin(seat.known)  # its members are never changed, only replaced
     ledger = None if seat.ledger is None else _copied_ledger(seat.ledger)
-    return Seat(seat.robot, seat.life, known, owner, ledger)
+    return Seat(seat.robot, seat.incarnation, known, owner, ledger)
 
 
 def _copied_ledger(ledger: Any) -> Any:
     twin = _twin(ledger)
-    twin._bonds = {peer: _copied_bond(bond) for peer, bond in ledger._bonds.items()}
-    twin._each = list(twin._bonds.values())
+    twin._pairs = {peer: _copied_bond(pair) for peer, pair in ledger._pairs.items()}
+    twin._each = list(twin._pairs.values())
     return twin
 
 
-def _copied_bond(bond: Any) -> Any:
-    kind = type(bond)
+def _copied_bond(pair: Any) -> Any:
+    kind = type(pair)
     twin = kind.__new__(kind)
     for name in kind.__slots__:
-        setattr(twin, name, getattr(bond, name))
-    twin.end = _twin(bond.end)
-    if bond.owns:
-        twin.end.proposed = dict(bond.end.proposed)
-    if bond.disk is not None:
-        twin.disk = _twin(bond.disk)
+        setattr(twin, name, getattr(pair, name))
+    twin.end = _twin(pair.end)
+    if pair.owns:
+        twin.end.proposed = dict(pair.end.proposed)
+    if pair.disk is not None:
+        twin.disk = _twin(pair.disk)
     return twin
 
 
@@ -387,20 +395,27 @@ def _twin(thing: Any) -> Any:
 
 def _frozen_seat(seat: Seat) -> tuple[Any, ...]:
     ledger = seat.ledger
-    bonds = () if ledger is None else tuple(_frozen_bond(bond) for bond in ledger._each)
+    pairs = () if ledger is None else tuple(_frozen_bond(pair) for pair in ledger._each)
     disturbed = ledger is not None and ledger._disturbed
-    return seat.robot, seat.life, seat.known.version, tuple(seat.known._members.values()), disturbed, bonds
+    return (
+        seat.robot,
+        seat.incarnation,
+        seat.known.version,
+        tuple(seat.known._members.values()),
+        disturbed,
+        pairs,
+    )
 
 
-def _frozen_bond(bond: Any) -> tuple[Any, ...]:
+def _frozen_bond(pair: Any) -> tuple[Any, ...]:
     """All that can matter later. What follows from the rest, or only moves robots elsewhere, is left out."""
-    end, disk, state = bond.end, bond.disk, bond.state
+    end, disk, state = pair.end, pair.disk, pair.state
     side = None if disk is None or disk.half_plane is None else (disk.half_plane.nx, disk.half_plane.limit)
     return (
         tuple(tuple(value.items()) if isinstance(value, dict) else value for value in vars(end).values()),
-        tuple((side.nx, side.limit) for side in bond.sides),
+        tuple((side.nx, side.limit) for side in pair.line_half_planes),
         None if disk is None else (disk.x, side),
         None if state is None else state.incarnation,
-        bond.heard,
-        bond.excused,
+        pair.heard,
+        pair.excused,
     )

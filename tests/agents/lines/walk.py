@@ -93,7 +93,7 @@ class _Walk:
 
     def _such(self, status: str) -> int:
         """Mostly a robot with that status, if there is one."""
-        members = self.track.coordinator.roll.roster.members
+        members = self.track.coordinator.roster.message.members
         such = [each.robot for each in members if each.status == status]
         return self.rng.choice(such) if such and self.rng.random() < 0.8 else self._robot()
 
@@ -101,7 +101,7 @@ class _Walk:
         return _GRID * self.rng.randint(0, round(self.track.setting.length / _GRID))
 
     def _someone(self) -> Any:
-        """A life that talks and listens, mostly one of the newest."""
+        """An incarnation that talks and listens, mostly one of the newest."""
         robot, newest = self._robot(), self.track.newest
         if self.rng.random() < 0.9 and robot in newest:
             return robot, newest[robot]
@@ -124,7 +124,7 @@ class _Walk:
         return self._say(self._someone())
 
     def _say(self, who: Any) -> bool:
-        return self.track.speak(who, lambda peer: self._line(who[0], peer))
+        return self.track.entries(who, lambda peer: self._line(who[0], peer))
 
     def _line(self, robot: int, peer: int) -> Any:
         """A line that touches the own disk, or the peer's, or is somewhere between or near; or none."""

@@ -13,13 +13,13 @@ import pytest
 import yaml
 import zenoh
 
-from deploy.load import load
+from deploy.library.load import load
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
-from deploy.probe import probed_key
+from deploy.processes.probe import probed_key
 from deploy.security.roster import Roster
 from protocol.errors import UsageError
-from protocol.scenario_file import parse_toml, write_toml
+from protocol.scenario.file import parse_toml, write_toml
 
 ROSTER = Roster("Yard_7", (1, 2, 5))
 SCENARIO = load("figure-2", [], 4)
@@ -30,8 +30,8 @@ def plan() -> Plan:
     return Plan(ROSTER, write_toml(SCENARIO))
 
 
-def written(tmp_path: Path, engine: Any, plan: Plan) -> Path:
-    write(tmp_path / "fleet", engine, plan)
+def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
+    write(tmp_path / "fleet", orchestrator, plan)
     return tmp_path / "fleet"
 
 

@@ -15,18 +15,18 @@ from pathlib import Path
 
 import pytest
 
-from deploy.load import load
+from deploy.library.load import load
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.manifests.systemd import ETC
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from protocol.bus_zenoh import ZenohBus
+from protocol.bus.events import Sample
+from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.events import Sample
 from protocol.keys import world_key
 from protocol.messages import Result
-from protocol.scenario_file import write_toml
+from protocol.scenario.file import write_toml
 
 SCENARIO = load("figure-2", [], 4)
 DISKNAV = str(Path(sys.executable).parent / "disknav")

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.deploy.recorded import record
+from tests.deploy.recording.recorded import record
 
 
 @pytest.fixture(scope="package")

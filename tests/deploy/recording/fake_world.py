@@ -1,10 +1,10 @@
 """A world that says whatever a test wants."""
 
 from protocol import joining
-from protocol.events import Request
+from protocol.bus.events import Request
 from protocol.keys import parse, world_key
 from protocol.streams import STREAMS
-from tests.deploy.recorded import scenario
+from tests.deploy.recording.recorded import scenario
 
 
 class FakeWorld:

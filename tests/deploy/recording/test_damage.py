@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from deploy.recording.contents import records
+from deploy.recording.mcap.contents import records
 from deploy.recording.reader import read
 from deploy.recording.result import attach
 from protocol.errors import RecordingError, UsageError

@@ -12,7 +12,7 @@ from mcap.records import ChunkIndex, McapRecord, Message, MessageIndex, Statisti
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from mcap.writer import CompressionType, Writer
 
-from deploy.recording.mcap_file import McapFile
+from deploy.recording.mcap.file import McapFile
 
 CHANNELS = 5
 _HEAD = struct.Struct("<BQHIQQ")

@@ -11,22 +11,22 @@ from pathlib import Path
 import psutil
 import pytest
 
-from deploy import process_table as table
-from deploy.fleet import Fleet
-from deploy.options import RunOptions
+from deploy.processes import table
+from deploy.processes.router import listening
+from deploy.processes.supervisor import Supervisor
 from deploy.recording import process
 from deploy.recording.reader import read
 from deploy.recording.trajectory import trajectory
-from deploy.router import listening
-from deploy.supervisor import Supervisor
-from protocol.bus_zenoh import ZenohBus
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
-from protocol.connection import Connection
 from protocol.keys import world_key
 from protocol.messages import Result, Truth
-from tests.deploy.recorded import ROBOTS, scenario
+from tests.deploy.monitor.watched import until
 from tests.deploy.recording.fake_world import FakeWorld
-from tests.deploy.watched import until
+from tests.deploy.recording.recorded import ROBOTS, scenario
 
 
 def _feed(world: FakeWorld, bus, until: Callable[[], bool]) -> int:

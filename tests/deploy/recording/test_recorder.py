@@ -8,17 +8,17 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from deploy.recording.beside import FileBeside
 from deploy.recording.reader import read
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer import RecordingFile
-from protocol.bus_local import LocalBus, LocalNetwork
+from deploy.recording.writer_process import WriterProcess
+from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
-from tests.deploy.recorded import scenario
 from tests.deploy.recording.fake_world import FakeWorld
+from tests.deploy.recording.recorded import scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> Recorder:
@@ -103,8 +103,8 @@ def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
 
 def test_the_same_when_another_process_writes(tmp_path):
     with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
-        FileBeside(tmp_path / "no" / "x.mcap")
-    here, beside = RecordingFile(tmp_path / "here.mcap"), FileBeside(tmp_path / "beside.mcap")
+        WriterProcess(tmp_path / "no" / "x.mcap")
+    here, beside = RecordingFile(tmp_path / "here.mcap"), WriterProcess(tmp_path / "beside.mcap")
     for file in (here, beside):
         file.begin("r", scenario())
         file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
@@ -114,7 +114,7 @@ def test_the_same_when_another_process_writes(tmp_path):
 
 
 def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
-    file = FileBeside(tmp_path / "x.mcap")
+    file = WriterProcess(tmp_path / "x.mcap")
     child = file._process
     child.kill()
     child.join(10)

@@ -13,19 +13,19 @@ from mcap.writer import Writer
 
 from deploy.commands.info import info
 from deploy.commands.replay import replay
-from deploy.recording.contents import contents
+from deploy.processes.router import listening
+from deploy.recording.mcap.contents import contents
 from deploy.recording.reader import Recording, Truths, read
 from deploy.recording.replay import publish, published, verify
-from deploy.router import listening
-from protocol.bus_local import LocalNetwork
-from protocol.bus_zenoh import ZenohBus
+from protocol.bus.connection import Connection
+from protocol.bus.events import Sample
+from protocol.bus.local import LocalNetwork
+from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
-from protocol.connection import Connection
 from protocol.errors import RecordingError
-from protocol.events import Sample
 from protocol.keys import everything, parse
 from protocol.messages import Measurement, Message, Result
-from tests.deploy.recorded import record
+from tests.deploy.recording.recorded import record
 
 
 @pytest.fixture(scope="module")

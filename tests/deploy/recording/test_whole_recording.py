@@ -5,15 +5,15 @@ import json
 import numpy as np
 from mcap.reader import make_reader
 
-from deploy.local import LocalFleet
 from deploy.recording.reader import read
 from deploy.recording.result import attach
 from deploy.recording.trajectory import trajectory
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Sample
 from protocol.codec import encode
-from protocol.events import Sample
 from protocol.keys import everything, parse
 from protocol.streams import STREAMS
-from tests.deploy.recorded import ROBOTS, scenario
+from tests.deploy.recording.recorded import ROBOTS, scenario
 
 
 class Spy:

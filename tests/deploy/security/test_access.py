@@ -9,10 +9,10 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.router_config import router_config
+from deploy.processes.router_config import router_config
 from deploy.security.access import access_control
 from deploy.security.roster import Roster
-from protocol.connection import Connection
+from protocol.bus.connection import Connection
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, robot_key, world_key
 from protocol.streams import STREAMS
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from protocol.connection import Connection
+from protocol.bus.connection import Connection
 
 
 def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:

@@ -16,7 +16,7 @@ from deploy.security.inspection import inspect
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster, read
-from protocol.credentials import credentials
+from protocol.bus.credentials import credentials
 from protocol.errors import CertificateError, UsageError
 
 ROSTER = Roster("demo", (1, 2, 7))

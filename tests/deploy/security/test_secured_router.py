@@ -13,21 +13,21 @@ from typing import Any
 
 import pytest
 
-from deploy import process_table as table
-from deploy.fleet import Fleet
-from deploy.load import load
-from deploy.local import LocalFleet
-from deploy.options import RunOptions
-from deploy.router import main
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.router import main
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from deploy.supervisor import Supervisor
-from protocol.bus_zenoh import ZenohBus
-from protocol.connection import Connection
-from protocol.credentials import Credentials, credentials
+from protocol.bus.connection import Connection
+from protocol.bus.credentials import Credentials, credentials
+from protocol.bus.events import Presence, Sample
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError
-from protocol.events import Presence, Sample
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Clock, Truth
 from protocol.streams import STREAMS

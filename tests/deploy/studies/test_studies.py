@@ -12,25 +12,25 @@ import pytest
 from rich.console import Console
 
 from deploy.library import swap
-from deploy.studies.arrival import arrival, crowd, room
-from deploy.studies.chart import draw_study
-from deploy.studies.fault_scenario import fault_scenario
-from deploy.studies.paper import PERIOD, TOLERANCE, paper_flow, tuning
-from deploy.studies.peers import LAWS, peers
+from deploy.software.provenance import provenance
+from deploy.studies.charts.chart import draw_study
+from deploy.studies.charts.table import table
+from deploy.studies.faults.arrival import arrival, crowd, room
+from deploy.studies.faults.random_faults import outcome, random_faults
+from deploy.studies.faults.robustness import Conditions, grid, robustness
+from deploy.studies.faults.scenario import fault_scenario
+from deploy.studies.paper.experiments import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import perform
-from deploy.studies.provenance import provenance
-from deploy.studies.random_faults import outcome, random_faults
 from deploy.studies.request import Request
-from deploy.studies.robustness import Conditions, grid, robustness
-from deploy.studies.run_log import RunLog
-from deploy.studies.runner import execute
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.runner import execute
 from deploy.studies.scale import scale
 from deploy.studies.statistics import deviation, power_law
 from deploy.studies.study import Study
-from deploy.studies.table import table
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario import Scenario, Workspace
-from protocol.scenario_file import validated
+from protocol.scenario.file import validated
+from protocol.scenario.model import Scenario, Workspace
 
 PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
 SMALL: dict[str, Callable[[], Study]] = {

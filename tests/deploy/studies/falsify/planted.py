@@ -9,21 +9,28 @@ from typing import Any
 import numpy as np
 import pytest
 
-from deploy.studies.falsify import observe
 from deploy.studies.falsify.campaign import Campaign, Finding, Plan
-from deploy.studies.run_log import RunLog
+from deploy.studies.falsify.runs import observe
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.worker import Batch
 from deploy.studies.study import Run
-from deploy.studies.worker import Batch
-from protocol.scenario import Sensing
+from protocol.scenario.model import Sensing
 from tests.interpreted import interpreted
 
 Modules = dict[str, ModuleType]
 
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
-    *("agents.lines.boundary", "agents.lines.pair", "agents.lines.bond"),
-    *("agents.lines.spoken", "agents.lines.ledger"),
-    *("agents.roster", "agents.safe_velocity", "agents.link", "agents.robot", "agents.node", "deploy.local"),
+    *("agents.lines.boundary", "agents.lines.ends", "agents.lines.robot_pair"),
+    *("agents.lines.entries", "agents.lines.separating_lines"),
+    *(
+        "agents.roster",
+        "agents.lines.safe_velocity",
+        "agents.peers.link",
+        "agents.robot",
+        "agents.node",
+        "deploy.run.local",
+    ),
 )
 
 
@@ -62,7 +69,7 @@ def plant(fault: Callable[[Modules, pytest.MonkeyPatch], None], monkeypatch: pyt
     """Let campaigns in this process run fleets with this fault."""
     modules = dict(zip(_CHAIN, interpreted(*_CHAIN), strict=True))
     fault(modules, monkeypatch)
-    monkeypatch.setattr(observe, "LocalFleet", modules["deploy.local"].LocalFleet)
+    monkeypatch.setattr(observe, "LocalFleet", modules["deploy.run.local"].LocalFleet)
     monkeypatch.setattr(observe, "RobotNode", modules["agents.node"].RobotNode)
 
 
@@ -91,7 +98,7 @@ def sliding_along_the_wall(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A follower adopts whatever it is offered, though its own disk is on the wrong side."""
-    follower = modules["agents.lines.pair"].Follower
+    follower = modules["agents.lines.ends"].Follower
     before = follower.hear
     follower.hear = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
         self, peer_life, life, number, line, lambda _: True
@@ -105,7 +112,7 @@ def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """An owner drops all lines towards a follower that lives anew."""
-    owner = modules["agents.lines.pair"].Owner
+    owner = modules["agents.lines.ends"].Owner
     before = owner._expect
 
     def expect(self: Any, peer_life: int) -> None:
@@ -117,13 +124,13 @@ def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot moves before everybody is behind something."""
-    modules["agents.lines.ledger"].Ledger.ready = True
+    modules["agents.lines.separating_lines"].SeparatingLines.ready = True
 
 
 def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """What the link does depends on the order in which messages come."""
     draws = np.random.default_rng(0)
-    link = modules["agents.link"].Link
+    link = modules["agents.peers.link"].Link
     before = link._delayed
     link._delayed = lambda self, tick, delay, jitter: before(self, tick, float(draws.random()), jitter)  # noqa: ARG005
 

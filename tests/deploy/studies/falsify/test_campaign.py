@@ -9,27 +9,27 @@ from typing import Any
 
 import pytest
 
-from deploy.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.load import resolved
-from deploy.studies.crew import Crew
+from deploy.library.load import resolved
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.studies.falsify import campaign as module
 from deploy.studies.falsify import perform as command
 from deploy.studies.falsify import trial
 from deploy.studies.falsify.archive import Archive, Entry
 from deploy.studies.falsify.campaign import Campaign, Finding, Plan
-from deploy.studies.falsify.dice import Dice
-from deploy.studies.falsify.draw import drawn
-from deploy.studies.falsify.nearness import nearness
-from deploy.studies.falsify.observe import observe
-from deploy.studies.falsify.on_processes import on_processes
+from deploy.studies.falsify.runs.nearness import nearness
+from deploy.studies.falsify.runs.observe import observe
+from deploy.studies.falsify.runs.on_processes import on_processes
+from deploy.studies.falsify.runs.violation import Violation, violations
+from deploy.studies.falsify.scenarios.dice import Dice
+from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.trial import Fresh, Trial, perform
-from deploy.studies.falsify.violation import Violation, violations
 from deploy.studies.perform import perform as study
 from deploy.studies.request import Request
-from deploy.studies.run_log import RunLog
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.worker_pool import WorkerPool
 from deploy.studies.study import Run
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario_file import parse_toml
+from protocol.scenario.file import parse_toml
 from tests.deploy.studies.falsify.planted import Here, not_waiting, plant
 
 PLAN = Plan(3, 20, "local")
@@ -52,7 +52,7 @@ def _executed(plan: Plan, log: RunLog, workers: module.Workers) -> Campaign:
 
 def test_the_same_whatever_the_number_of_workers() -> None:
     alone = _executed(PLAN, RunLog(None), Here())
-    with Crew(2, perform) as crew:
+    with WorkerPool(2, perform) as crew:
         together = _executed(PLAN, RunLog(None), crew)
     assert json.loads(json.dumps(list(_without_times(alone).values()))) == json.loads(
         json.dumps([_without_times(together)[key] for key in alone.results])
@@ -172,7 +172,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
         def __exit__(self, *_: object) -> None:
             """Nobody has to leave."""
 
-    monkeypatch.setattr(command, "Crew", Crewless)
+    monkeypatch.setattr(command, "WorkerPool", Crewless)
     monkeypatch.setitem(trial.TRIES, "local", 10)
 
 

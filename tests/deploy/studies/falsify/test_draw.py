@@ -8,13 +8,13 @@ from itertools import pairwise
 
 import pytest
 
-from deploy.studies.falsify.dice import Dice
-from deploy.studies.falsify.draw import BUDGET, TICKS, drawn
-from deploy.studies.falsify.lives import sensible
-from deploy.studies.falsify.mutate import CHANGES, mutated
-from deploy.studies.falsify.places import at_the_wall, beside, fits, scattered
-from protocol.scenario import ProcessFault, Scenario
-from protocol.scenario_file import validated
+from deploy.studies.falsify.scenarios.dice import Dice
+from deploy.studies.falsify.scenarios.draw import BUDGET, TICKS, drawn
+from deploy.studies.falsify.scenarios.lives import sensible
+from deploy.studies.falsify.scenarios.mutate import CHANGES, mutated
+from deploy.studies.falsify.scenarios.places import at_the_wall, beside, fits, scattered
+from protocol.scenario.file import validated
+from protocol.scenario.model import ProcessFault, Scenario
 
 MANY = 600
 DRAWS = [drawn(0, number)[0] for number in range(MANY)]
@@ -24,7 +24,7 @@ def test_draws_are_valid_with_the_filter_on_and_k_a_number() -> None:
     for scenario in DRAWS:
         assert validated(scenario) == scenario
         assert scenario.control.filter == "separating-lines"
-        assert scenario.gain > 0.0
+        assert scenario.k > 0.0
 
 
 def test_a_number_gives_the_same_whatever_was_drawn_before() -> None:
@@ -116,8 +116,8 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "orca": lambda s: s.control.law == "orca",
     "barrier": lambda s: s.control.law == "barrier",
     "no escape": lambda s: not s.control.escape,
-    "small k": lambda s: s.gain < 2.0,
-    "large k": lambda s: s.gain > 3000.0,
+    "small k": lambda s: s.k < 2.0,
+    "large k": lambda s: s.k > 3000.0,
     "a fence after a tick or two": lambda s: s.time.fence < 2.0 * s.time.step,
     "a fence after the run": lambda s: s.time.fence > s.time.limit,
     "an early deadlock": lambda s: s.time.deadlock < 0.3 * s.time.limit,

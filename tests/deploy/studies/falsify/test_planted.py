@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import pytest
 
-from deploy.load import resolved
+from deploy.library.load import resolved
 from deploy.studies.falsify.campaign import Plan
-from deploy.studies.falsify.observe import observe
+from deploy.studies.falsify.runs.observe import observe
 from deploy.studies.falsify.trial import Shrinking
 from deploy.studies.study import Run
-from protocol.scenario_file import parse_toml
+from protocol.scenario.file import parse_toml
 from tests.deploy.studies.falsify import planted
 
 RUNS = 250

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from deploy.studies.falsify.draw import drawn
-from deploy.studies.falsify.shrink import shrunk
-from protocol.scenario import Control, Link, Scenario, Sensing, Time
-from protocol.scenario_file import validated
+from deploy.studies.falsify.scenarios.draw import drawn
+from deploy.studies.falsify.shrinking.shrink import shrunk
+from protocol.scenario.file import validated
+from protocol.scenario.model import Control, Link, Scenario, Sensing, Time
 
 LARGE = max((drawn(0, number)[0] for number in range(200)), key=lambda s: len(s.process) * len(s.robots))
 ENOUGH = 5000

@@ -1,0 +1,146 @@
+"""The applied velocity: nearest to the desired one within all that must be obeyed until it expires.
+
+A convex program in two variables: half-planes, what the boundary leaves, the speed disk. All contain 0,
+so standing still is always allowed and any positive scale or projection keeps phi descending.
+
+Execution noise turns v into v + |v| w with |w| <= noise < 1. Against a half-plane n.d <= s of
+displacements, n.d + noise |d| <= s is wanted: one branch of a hyperbola around n. The wedge from its
+apex along its asymptotes lies inside it, is exact for s = 0, and consists of two half-planes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from agents.lines.boundary import RoundBoundary
+from agents.lines.line import HalfPlane
+from agents.polygon import Polygon
+
+_CUTS: Final = 12  # half-planes of the boundary that are tried
+_SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
+
+Vector = tuple[float, float]
+
+
+def safe_velocity(
+    desired: Vector,
+    position: Vector,
+    half_planes: Sequence[HalfPlane],
+    *,
+    boundary: RoundBoundary,
+    speed: float,
+    period: float,
+    shape: Polygon | None = None,
+    noise: float = 0.0,
+) -> Vector:
+    """The velocity nearest to `desired` that keeps all constraints until `period` is over, m/s.
+
+    The result satisfies every constraint in floating point, rounding inwards.
+
+    Args:
+        desired: m/s.
+        position: estimated own centre, m.
+        half_planes: where the estimated centre must stay; one already violated must not be approached.
+        boundary: what the true centre must not leave.
+        speed: speed limit, m/s.
+        period: how long the command holds, s.
+        shape: where the true centre can be, around the estimated one; None where that is exact.
+        noise: bound on the relative execution noise, in [0, 1).
+    """
+    x, y = position
+    max_step = speed * period
+    want = (desired[0] * period, desired[1] * period)
+    limits = _near(half_planes, x, y, max_step * (1.0 + noise))
+    if noise > 0.0:
+        limits = [wedge for limit in limits for wedge in _wedge(limit, noise)]
+    step = _nearest(want, limits, max_step)
+    for _ in range(_CUTS):
+        cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)
+        if cut is None:
+            break
+        limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
+        step = _nearest(want, limits, max_step)
+    for shrink in _SHRINK:
+        # Shrinking makes room at all edges but those through 0; only then can these be moved off.
+        step = _nudged((step[0] * shrink, step[1] * shrink), limits)
+        vx, vy = step[0] / period, step[1] / period
+        dx, dy = vx * period, vy * period
+        if (
+            math.hypot(dx, dy) <= max_step
+            and math.hypot(vx, vy) * period <= max_step
+            and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
+            and boundary.cut(x, y, shape, dx, dy, noise=noise) is None
+        ):
+            return vx, vy
+    return 0.0, 0.0
+
+
+def _near(half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float) -> list[HalfPlane]:
+    """The half-planes whose edge is within reach, for displacements: n.d <= slack, never negative."""
+    near = []
+    for each in half_planes:
+        slack = each.slack(x, y)
+        if slack < max_step:
+            near.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
+    return near
+
+
+def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
+    """Two half-planes inside {d: n.d + noise |d| <= s}: apex s/(1 + noise) n, edges along the asymptotes."""
+    nx, ny, slack = limit.nx, limit.ny, limit.limit
+    cosine = math.sqrt(1.0 - noise * noise)
+    offset = slack * cosine / (1.0 + noise)
+    return (
+        HalfPlane(cosine * nx - noise * ny, noise * nx + cosine * ny, offset),
+        HalfPlane(cosine * nx + noise * ny, cosine * ny - noise * nx, offset),
+    )
+
+
+def _nearest(want: Vector, limits: Sequence[HalfPlane], max_step: float) -> Vector:
+    """The point nearest to `want` in a disk of radius `max_step` around 0 and all half-planes.
+
+    One constraint after another: the nearest point so far stays if the next one allows it, otherwise
+    the new one lies on that constraint's edge, a problem in one variable (Seidel; de Berg et al.,
+    "Computational Geometry", chapter 4).
+    """
+    px, py = want
+    length = math.hypot(px, py)
+    if length > max_step:
+        px, py = px * max_step / length, py * max_step / length
+    for index, edge in enumerate(limits):
+        if edge.nx * px + edge.ny * py > edge.limit:
+            px, py = _on_edge(want, limits, index, max_step)
+    return px, py
+
+
+def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, max_step: float) -> Vector:
+    """The point nearest to `want` on the edge of one half-plane, within the disk and all earlier ones."""
+    edge = limits[index]
+    nx, ny, limit = edge.nx, edge.ny, edge.limit
+    high = math.sqrt(max(0.0, max_step * max_step - limit * limit))
+    low = -high
+    for other in limits[:index]:
+        along = nx * other.ny - ny * other.nx  # m . t with the edge's direction t = (-ny, nx)
+        room = other.limit - limit * (other.nx * nx + other.ny * ny)
+        if along > 1e-15:
+            high = min(high, room / along)
+        elif along < -1e-15:
+            low = max(low, room / along)
+    along = nx * want[1] - ny * want[0]
+    if low > high:  # only by rounding: 0 is allowed, so the edge is too, up to that
+        low = high = 0.5 * (low + high)
+    along = min(max(along, low), high)
+    return limit * nx - along * ny, limit * ny + along * nx
+
+
+def _nudged(step: Vector, limits: Sequence[HalfPlane]) -> Vector:
+    """A displacement moved off the edges that it lies on, by what rounding may add."""
+    dx, dy = step
+    push = 4e-16 * (abs(dx) + abs(dy))
+    for each in limits:
+        if each.nx * dx + each.ny * dy > each.limit - push:
+            dx -= 2.0 * push * each.nx
+            dy -= 2.0 * push * each.ny
+    return dx, dy

@@ -1,0 +1,292 @@
+"""All the lines of one robot: what it must obey now, what it says about them.
+
+Messages carry only what is open. A proposal is repeated in every State until it is answered, or,
+if a State has no room for all, at least the newest of the pair (`entries.fitting`). An answer is said when
+a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
+proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
+lost, the next repetition that arrives brings about another, and that settles all older ones.
+
+The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
+replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
+messages ten times their usual size.
+
+An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
+that halves the age of the lines, and the arrival times with it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from agents.lines.ends import Follower, Owner
+from agents.lines.entries import answer_of, fitting, proposals_of
+from agents.lines.line import ROUNDING, HalfPlane, Line
+from agents.lines.placement import Disk, fit_line, initial_line, is_same
+from agents.lines.robot_pair import RobotPair
+from agents.peers.state import PeerState
+from agents.polygon import Polygon
+from protocol.messages import Answer, Member, Proposal
+
+ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
+OUTSTANDING: Final = 32  # most unanswered proposals of one pair
+RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
+UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
+
+
+class SeparatingLines:
+    """Every separating line of one robot.
+
+    One tick is: `locate`, `on_state` for what has come in, `entries` for the State; `on_state` for the
+    States of this tick, then `ready` and `half_planes` for the velocity. No command is outstanding at these
+    moments.
+
+    Args:
+        robot: own id.
+        incarnation: own incarnation.
+        radii: radius of every robot, m, own included.
+        speed: the most that a robot really moves, m/s.
+        period: of one tick, s.
+        members: the others in the first roster that this incarnation hears.
+        starts: where every robot begins, m, if this incarnation is a founding one.
+    """
+
+    def __init__(
+        self,
+        robot: int,
+        incarnation: int,
+        radii: Mapping[int, float],
+        *,
+        speed: float,
+        period: float,
+        members: Sequence[Member] = (),
+        starts: Mapping[int, tuple[float, float]] | None = None,
+    ) -> None:
+        self._robot, self._incarnation = robot, incarnation
+        self._radius = radii[robot]
+        self._period, self._max_step = period, speed * period
+        founding = {each.robot: each.founding for each in members}
+        self._pairs = {
+            peer: self._pair(
+                peer,
+                radii[peer],
+                None if starts is None else initial_line(robot, peer, starts, radii),
+                founding.get(peer, 0),
+            )
+            for peer in sorted(radii)
+            if peer != robot
+        }
+        self._each = list(self._pairs.values())
+        self._disturbed = False  # whether any peer was ever fenced, or began anew
+        self._tick = 0
+        self._x = self._y = 0.0
+        self._bound = float("inf")
+        self._shape: Polygon | None = None
+        for member in members:
+            if member.status != "live":
+                self.on_member(member)
+
+    def _pair(self, peer: int, radius: float, initial: Line | None, peer_incarnation: int) -> RobotPair:
+        return RobotPair(
+            peer,
+            self._incarnation,
+            owns=self._robot < peer,
+            own_radius=self._radius,
+            radius=radius,
+            initial=initial,
+            peer_incarnation=peer_incarnation,
+        )
+
+    def locate(
+        self, tick: int, position: tuple[float, float], bound: float, shape: Polygon | None = None
+    ) -> None:
+        """Take the own position (m) at the start of `tick`; the truth is at most `bound` (m) from it, and
+        within `shape` around it if that is given."""
+        self._tick = tick
+        self._x, self._y = position
+        self._bound, self._shape = bound, shape
+        for pair in self._each if self._disturbed else ():
+            if pair.disk is not None:
+                pair.disk.renew(self._x, self._y, bound, shape)
+
+    def on_state(self, state: PeerState) -> None:
+        """Process what a peer's State says about the common line; old or repeated ones do no harm."""
+        pair = self._each[state.index]
+        if pair.peer != state.robot:
+            pair = self._pairs[state.robot]
+        if not pair.accept(state):
+            return
+        self._disturbed = self._disturbed or pair.peer_restarted
+        if not state.answers and not state.proposals:
+            return
+        if isinstance(pair.end, Owner):
+            self._on_answers(pair, pair.end, state)
+        else:
+            self._on_proposals(pair, pair.end, state)
+
+    def on_member(self, member: Member) -> None:
+        """A newer roster says something else of a peer than the one before."""
+        pair = self._pairs.get(member.robot)
+        if pair is None:
+            pair = self._pairs[member.robot] = self._pair(member.robot, member.radius, None, 0)
+            self._each.append(pair)
+        self._disturbed = self._disturbed or member.status != "live"
+        pair.on_member(member)
+        if pair.disk is not None:
+            pair.disk.renew(self._x, self._y, self._bound, self._shape)
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether the own disk is and stays clear of every place where a disk is to appear."""
+        return not self._disturbed or all(
+            pair.keeps_clear or pair.disk is None for pair in self._each if pair.excused
+        )
+
+    @property
+    def ready(self) -> bool:
+        """Whether every peer that is there is behind something; who is not ready must stand still."""
+        for pair in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
+            if not (pair.settled or pair.ready):
+                return False
+        return True
+
+    def make_room(self, desired: tuple[float, float]) -> tuple[float, float]:
+        """The desired velocity (m/s), turned away from peers whose new incarnation is too close for a
+        line."""
+        vx, vy = desired
+        for pair in self._each if self._disturbed else ():
+            if not pair.peer_restarted or pair.end.linked:
+                continue
+            dx, dy = pair.crowding(self._x, self._y, self._bound)
+            lacking = math.hypot(dx, dy)
+            if lacking > 0.0:
+                nx, ny = dx / lacking, dy / lacking
+                more = max(0.0, lacking / self._period - nx * vx - ny * vy)
+                vx, vy = vx + more * nx, vy + more * ny
+        return vx, vy
+
+    def half_planes(self) -> list[HalfPlane]:
+        """Where the estimated own centre must stay; radius and extent of the own set are subtracted.
+
+        Without those that are out of reach within a tick.
+        """
+        x, y = self._x, self._y
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._max_step
+        found = []
+        for pair in self._each:
+            if pair.settled:
+                if pair.limit - pair.nx * x - pair.ny * y < near:
+                    margin = self._extent(pair.nx, pair.ny) + 2.0 * ROUNDING
+                    found.append(HalfPlane(pair.nx, pair.ny, pair.limit - margin))
+                continue
+            for side in pair.half_planes:
+                if side.slack(x, y) < near:
+                    margin = self._extent(side.nx, side.ny) + 2.0 * ROUNDING
+                    found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
+        return found
+
+    def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
+        """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
+        radius = shape.radius
+        return [
+            (pair.peer, side)
+            for pair in self._each
+            for side in pair.half_planes
+            if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
+        ]
+
+    def _extent(self, nx: float, ny: float) -> float:
+        """How far the own set reaches from the own position in the direction (nx, ny), m."""
+        return self._bound if self._shape is None else self._shape.extent(nx, ny)
+
+    def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
+        """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
+        them, or if those are too many, the tightest of each pair."""
+        obeyed_lines = [(pair.peer, side) for pair in self._each for side in pair.half_planes]
+        if len(obeyed_lines) > SHOWN:
+            obeyed_lines.sort(key=self._slack, reverse=True)
+            obeyed_lines = list(dict(obeyed_lines).items())  # the last of each pair
+        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in obeyed_lines)
+
+    def _slack(self, side: tuple[int, HalfPlane]) -> float:
+        return side[1].slack(self._x, self._y)
+
+    def entries(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
+        """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
+        standing = not self.ready
+        vx, vy = (0.0, 0.0) if standing else desired
+        me = Disk(self._x, self._y, self._radius + self._bound, vx, vy)
+        proposals: list[Proposal] = []
+        answers: list[Answer] = []
+        renewals = RENEWALS
+        for pair in self._each:
+            if pair.owns:
+                renewals -= self._consider(pair, me, standing, renewals)
+                if not pair.settled:
+                    proposals += proposals_of(pair)
+            elif pair.answers_left:
+                pair.answers_left -= 1
+                answers.append(answer_of(pair))
+        return tuple(fitting(proposals, len(answers))), tuple(answers)
+
+    def _on_answers(self, pair: RobotPair, end: Owner, state: PeerState) -> None:
+        incarnation = state.incarnation
+        for answer in state.answers:
+            if end.on_answer(incarnation, answer.peer_incarnation, answer.held, answer.seen):
+                pair.renew()
+
+    def _on_proposals(self, pair: RobotPair, end: Follower, state: PeerState) -> None:
+        incarnation = state.incarnation
+        for offer in state.proposals:
+            pair.answers_left = ANSWER_TICKS
+            line = Line(offer.nx, offer.ny, offer.offset)
+            if end.on_proposal(incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits):
+                pair.renew()
+
+    def _follower_fits(self, line: Line) -> bool:
+        return self._fits(line, owner=False)
+
+    def _fits(self, line: Line, owner: bool) -> bool:
+        """Whether the own disk surely satisfies a line now."""
+        side = line.side(self._radius, owner)
+        return line.is_unit and side.slack(self._x, self._y) >= self._extent(side.nx, side.ny) + ROUNDING
+
+    def _consider(self, pair: RobotPair, me: Disk, standing: bool, renewals: int) -> int:
+        """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.
+
+        Returns 1 if it is one of the `renewals`, else 0.
+        """
+        state = pair.state
+        if state is None or not state.placed:
+            return 0
+        ticks = max(0, self._tick - state.tick) + 2
+        apart = 2.0 * ticks * self._max_step
+        # A pair is left alone if neither comes near the line before a new one could be agreed.
+        mine, theirs = apart + me.radius, apart + pair.radius + state.bound
+        if (
+            pair.settled
+            and pair.offset - pair.nx * me.x - pair.ny * me.y > mine
+            and -(pair.offset - pair.nx * state.x - pair.ny * state.y) > theirs
+        ):
+            return 0
+        end = pair.end
+        assert isinstance(end, Owner)
+        if not end.met or len(end.proposed) >= OUTSTANDING:
+            return 0
+        newest, renewal = end.newest, 0
+        if newest is not None and newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
+            if end.number > 0 or renewals == 0:
+                return 0
+            renewal = 1
+        halted = pair.disk is not None
+        vx, vy = (0.0, 0.0) if halted else state.desired
+        peer = Disk(state.x, state.y, pair.radius + state.bound, vx, vy)
+        line = fit_line(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
+        if line is None or not self._fits(line, owner=True):
+            return 0
+        if newest is None or not is_same(line, newest, UNCHANGED * self._max_step):
+            end.propose(line)
+            pair.renew()
+        return renewal

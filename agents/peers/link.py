@@ -1,0 +1,106 @@
+"""Injected link faults: what happens to a peer's State between its arrival and its being heard.
+
+States really travel robot to robot; delay, jitter, loss, duplication and partitions are added where
+they are received. Each draw is keyed by (seed, receiver, tick of the State) with a column per
+sender, so the order of arrival changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from agents.peers.state import PeerState
+from protocol.draws import Purpose, generator
+from protocol.scenario.model import Link as LinkFaults
+from protocol.scenario.model import Partition, Scenario
+
+_KEPT = 8  # ticks of draws that are remembered; any other can be drawn again
+
+
+class Link:
+    """States on their way to one robot.
+
+    Attributes:
+        ideal: whether there are no faults: every State is heard at its own tick.
+        lost, delayed, duplicated: States so far.
+    """
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        self.lost = 0
+        self.delayed = 0
+        self.duplicated = 0
+        self._scenario = scenario
+        self._faults = scenario.link
+        self._robot = robot
+        self._column = {peer: column for column, peer in enumerate(scenario.ids)}
+        self.ideal = scenario.link == LinkFaults()
+        self._draws: dict[int, np.ndarray] = {}
+        self._early: list[PeerState] = []  # without faults: those that this robot's own tick is behind
+        self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
+
+    def put(self, state: PeerState) -> None:
+        """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
+        if self.ideal:
+            self._early.append(state)
+            return
+        for tick in self._due(state):
+            self._waiting[tick].append(state)
+
+    def take(self, tick: int) -> list[PeerState]:
+        """All States due up to and including `tick`, by due tick, then by sender and age; without faults
+        as they came, which for each sender is by age too."""
+        if self.ideal:
+            return self._take_early(tick)
+        taken: list[PeerState] = []
+        for due in sorted([each for each in self._waiting if each <= tick]):
+            taken += sorted(self._waiting.pop(due), key=_by_sender)
+        return taken
+
+    def _take_early(self, tick: int) -> list[PeerState]:
+        early, self._early = self._early, []
+        if not early:
+            return early
+        self._early = [state for state in early if state.tick > tick]
+        return [state for state in early if state.tick <= tick] if self._early else early
+
+    def _due(self, state: PeerState) -> list[int]:
+        """Ticks at which copies of this State are heard; empty when it is lost."""
+        faults, column = self._faults, self._column[state.robot]
+        loss, duplicate, *spread = self._drawn(state.tick)[:, column].tolist()
+        time = state.tick * self._scenario.time.step
+        if loss < faults.loss or any(_parted(p, time, self._robot, state.robot) for p in faults.partition):
+            self.lost += 1
+            return []
+        due = [self._delayed(state.tick, spread[0], spread[1])]
+        if duplicate < faults.duplicate:
+            self.duplicated += 1
+            due.append(self._delayed(state.tick, spread[2], spread[3]))
+        self.delayed += due[0] > state.tick
+        return due
+
+    def _delayed(self, tick: int, delay: float, jitter: float) -> int:
+        bounds = self._faults.delay
+        low, high = bounds if isinstance(bounds, tuple) else (bounds, bounds)
+        return tick + self._scenario.ticks(low + delay * (high - low) + jitter * self._faults.jitter)
+
+    def _drawn(self, tick: int) -> np.ndarray:
+        drawn = self._draws.get(tick)
+        if drawn is None:
+            source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick)
+            drawn = self._draws[tick] = source.random((6, len(self._column)))
+            if len(self._draws) > _KEPT:
+                del self._draws[next(iter(self._draws))]
+        return drawn
+
+
+def _by_sender(state: PeerState) -> tuple[int, int]:
+    return state.robot, state.tick
+
+
+def _parted(partition: Partition, time: float, one: int, other: int) -> bool:
+    """Whether this partition keeps two robots apart at `time`."""
+    if not partition.from_ <= time < partition.until:
+        return False
+    return not any(one in group and other in group for group in partition.groups)

@@ -1,0 +1,107 @@
+"""What one robot knows of the others: the newest State heard of each, and the disks that stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from agents.navigation.slice import Peer
+from agents.peers.state import PeerState
+from protocol.messages import Member
+
+
+class Neighbours:
+    """Peers as last heard. A State is newer when its incarnation is newer, or its tick within the same
+    incarnation.
+
+    Args:
+        radii: radius (m) of every peer, by id.
+    """
+
+    def __init__(self, radii: Mapping[int, float]) -> None:
+        self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
+        self._radii = list(radii.items())
+        self._index = {peer: index for index, peer in enumerate(radii)}
+        self._states: list[PeerState | None] = [None] * len(radii)
+
+    def state(self, peer: int) -> PeerState | None:
+        """The newest State of a peer."""
+        index = self._index.get(peer)
+        return None if index is None else self._states[index]
+
+    def on_state(self, state: PeerState) -> bool:
+        """Take over a peer's State if it is news; False when it is not."""
+        index = state.index
+        known = self._states[index]
+        if known is None or known.robot != state.robot:
+            index = self._index[state.robot]
+            known = self._states[index]
+        if known is not None and not is_newer(state, known):
+            return False
+        self._states[index] = state
+        if self.standing:
+            self._rise(state)
+        return True
+
+    def _rise(self, state: PeerState) -> None:
+        """A fenced robot whose newer incarnation speaks is no obstacle any more."""
+        fenced = self.standing.get(state.robot)
+        if fenced is not None and state.incarnation > fenced.incarnation:
+            del self.standing[state.robot]
+
+    def on_member(self, member: Member) -> None:
+        """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
+        state = self.state(member.robot)
+        if state is not None and state.incarnation > member.incarnation:
+            return
+        if member.status in ("standing", "appearing"):
+            self.standing[member.robot] = member
+        elif member.status == "gone":
+            self.standing.pop(member.robot, None)
+            self._forget(member.robot)
+
+    def _forget(self, peer: int) -> None:
+        index = self._index.get(peer)
+        if index is not None:
+            self._states[index] = None
+
+    def heard(self) -> list[PeerState]:
+        """The newest States of all who have been heard."""
+        return [state for state in self._states if state is not None]
+
+    def moving(self) -> list[PeerState]:
+        """The newest States of all who do not stand."""
+        if not self.standing:
+            return self.heard()
+        return [state for state in self.heard() if state.robot not in self.standing]
+
+    def disks(self) -> list[Peer]:
+        """Everybody whose place is known. One who stands is an obstacle: that it never arrives must
+        not keep the others off their goals."""
+        if not self.standing:
+            return [state for state in self._states if state is not None and state.placed]
+        disks: list[Peer] = []
+        for (peer, radius), state in zip(self._radii, self._states, strict=True):
+            stood = self._stands_at(peer)
+            if stood is not None:
+                disks.append(Peer(*stood, radius, 0.0))
+            elif state is not None and state.placed:
+                disks.append(state)
+        return disks
+
+    def position(self, peer: int) -> tuple[float, float] | None:
+        """Where a peer is, as far as known."""
+        stood, state = self._stands_at(peer), self.state(peer)
+        if stood is not None:
+            return stood
+        return None if state is None else state.position
+
+    def _stands_at(self, peer: int) -> tuple[float, float] | None:
+        member = self.standing.get(peer)
+        return None if member is None else member.position
+
+
+def is_newer(state: PeerState, known: PeerState) -> bool:
+    """Whether `state` is of a newer incarnation than `known`, or of a later tick of the same incarnation."""
+    if state.incarnation == known.incarnation:
+        return state.tick > known.tick
+    return state.incarnation > known.incarnation

@@ -1,0 +1,125 @@
+"""Reads a peer's States for one robot. In a large fleet nearly all that they say of lines concerns
+other pairs, and nothing is made of that."""
+
+from __future__ import annotations
+
+from typing import Final, final
+
+from agents.peers.state import PeerState, addressed_to
+from protocol.codec import check_finite, encode
+from protocol.cursor import Cursor
+from protocol.messages import HIGHEST_ID, Answer, Proposal, State
+from protocol.reader import Reader
+from protocol.streams import STREAMS
+
+_COMPILED: Final = not __file__.endswith(".py")  # as Python, a cursor is slower than msgspec
+_LIMIT: Final = STREAMS["state"].limit
+_FIELDS = 1 + len(State.__struct_fields__)  # the tag and all others
+
+
+@final
+class PeerReader:
+    """Decodes what arrives under the state key of `peer`, for `robot`.
+
+    Args:
+        robot: own id.
+        peer: the speaker's.
+        radius: of the peer, m.
+        oldest: its first incarnation in this run.
+        index: see `PeerState`.
+
+    Attributes:
+        oldest: as given; earlier incarnations are no concern of this run.
+    """
+
+    __slots__ = ("_begin", "_index", "_peer", "_radius", "_reader", "_robot", "oldest")
+
+    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, index: int = 0) -> None:
+        self._robot, self._peer, self._radius, self._index = robot, peer, radius, index
+        self.oldest = oldest
+        self._reader = Reader("state", peer)
+        self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
+
+    def read(self, payload: bytes) -> PeerState:
+        """What the State in `payload` says to this robot.
+
+        Raises:
+            MessageError: it is none, or another robot's; or a number in what concerns this robot is
+                infinite, or none.
+        """
+        try:
+            state = self._usual(payload) if _COMPILED else None
+        except IndexError:
+            state = None
+        return self._any(payload) if state is None else state
+
+    def _usual(self, payload: bytes) -> PeerState | None:
+        """A sound State as libraries write it; None, or IndexError, if it is anything else."""
+        if len(payload) > _LIMIT or not payload.startswith(self._begin):
+            return None
+        cursor = Cursor(payload, len(self._begin))
+        incarnation, tick = cursor.count(), cursor.count()
+        placed, x, y = not cursor.none(), 0.0, 0.0
+        if placed:
+            cursor.enter(2)
+            x, y = cursor.number(), cursor.number()
+        bound, gamma, slice_norm = cursor.number(), cursor.number(), cursor.number()
+        cursor.enter(2)
+        vx, vy = cursor.number(), cursor.number()
+        proposals, answers = self._proposals(cursor), self._answers(cursor)
+        if cursor.at != len(payload) or bound < 0.0 or gamma < 0.0 or slice_norm < 0.0:
+            return None
+        state = PeerState(
+            self._peer,
+            incarnation,
+            tick,
+            placed,
+            x,
+            y,
+            bound,
+            gamma,
+            slice_norm,
+            vx,
+            vy,
+            radius=self._radius,
+            proposals=proposals,
+            answers=answers,
+            index=self._index,
+        )
+        return state if state.is_finite else None
+
+    def _proposals(self, cursor: Cursor) -> tuple[Proposal, ...]:
+        """Those to this robot."""
+        found: tuple[Proposal, ...] = ()
+        for _ in range(cursor.array()):
+            cursor.enter(6)
+            peer, life, number = _identity(cursor), cursor.count(), cursor.count()
+            nx, ny, offset = cursor.number(), cursor.number(), cursor.number()
+            if peer == self._robot:
+                found = (*found, Proposal(peer, life, number, nx, ny, offset))
+        return found
+
+    def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
+        """Those to this robot."""
+        found: tuple[Answer, ...] = ()
+        for _ in range(cursor.array()):
+            cursor.enter(4)
+            peer, life, held, seen = _identity(cursor), cursor.count(), cursor.count(), cursor.count()
+            if peer == self._robot:
+                found = (*found, Answer(peer, life, held, seen))
+        return found
+
+    def _any(self, payload: bytes) -> PeerState:
+        message = self._reader.read(payload)
+        assert isinstance(message, State)
+        state = addressed_to(self._robot, message, self._radius, self._index)
+        if not state.is_finite:
+            check_finite("state", message)
+        return state
+
+
+def _identity(cursor: Cursor) -> int:
+    robot = cursor.count()
+    if not 1 <= robot <= HIGHEST_ID:
+        raise IndexError("nobody's id")
+    return robot

@@ -1,0 +1,109 @@
+"""A peer's State as a robot keeps it: the same numbers, at hand for whoever computes with them."""
+
+from __future__ import annotations
+
+from typing import final
+
+from mypy_extensions import mypyc_attr
+
+from agents.navigation.slice import Peer
+from protocol.codec import LARGEST
+from protocol.messages import Answer, Proposal, State
+
+Vector = tuple[float, float]
+
+
+@final
+@mypyc_attr(acyclic=True)
+class PeerState(Peer):
+    """What a State says to one of those who hear it; see `protocol.messages.State` for what is not here.
+
+    Args:
+        placed: whether the peer knows where it is.
+        x, y: its estimate of that, m; 0 unless `placed`.
+        vx, vy: the velocity that its law asks for, m/s.
+        radius: the peer's, m.
+        index: where the listener looks first for what it knows of this peer: its number among the others.
+
+    Attributes: as given.
+    """
+
+    __slots__ = (
+        "answers",
+        "bound",
+        "incarnation",
+        "index",
+        "placed",
+        "proposals",
+        "robot",
+        "slice",
+        "tick",
+        "vx",
+        "vy",
+    )
+
+    def __init__(
+        self,
+        robot: int,
+        incarnation: int,
+        tick: int,
+        placed: bool,
+        x: float,
+        y: float,
+        bound: float,
+        gamma: float,
+        slice_norm: float,
+        vx: float,
+        vy: float,
+        *,
+        radius: float,
+        proposals: tuple[Proposal, ...] = (),
+        answers: tuple[Answer, ...] = (),
+        index: int = 0,
+    ) -> None:
+        self.robot, self.incarnation, self.tick = robot, incarnation, tick
+        self.placed, self.x, self.y = placed, x, y
+        self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
+        self.vx, self.vy = vx, vy
+        self.proposals, self.answers = proposals, answers
+        self.index = index
+
+    @property
+    def position(self) -> Vector | None:
+        """As in the State, m."""
+        return (self.x, self.y) if self.placed else None
+
+    @property
+    def desired(self) -> Vector:
+        """As in the State, m/s."""
+        return self.vx, self.vy
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all numbers together are sane (`codec.LARGEST`), which they are only if each of them is."""
+        total = abs(self.x) + abs(self.y) + self.bound + self.gamma + self.slice + abs(self.vx) + abs(self.vy)
+        for line in self.proposals:
+            total += abs(line.nx) + abs(line.ny) + abs(line.offset)
+        return total <= LARGEST
+
+
+def addressed_to(robot: int, state: State, radius: float, index: int = 0) -> PeerState:
+    """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
+    placed = state.position is not None
+    x, y = state.position or (0.0, 0.0)
+    return PeerState(
+        state.robot,
+        state.incarnation,
+        state.tick,
+        placed,
+        x,
+        y,
+        state.bound,
+        state.gamma,
+        state.slice,
+        *state.desired,
+        radius=radius,
+        proposals=tuple([each for each in state.proposals if each.peer == robot]),
+        answers=tuple([each for each in state.answers if each.peer == robot]),
+        index=index,
+    )

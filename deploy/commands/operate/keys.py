@@ -1,0 +1,59 @@
+"""`disknav keys`: certificates that say who is who in a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.run.options import fresh_run_name
+from protocol.keys import checked_run
+
+app = typer.Typer(help="Make the certificates of a run.", no_args_is_help=True)
+
+
+@app.callback()
+def keys() -> None:
+    """Make the certificates of a run."""
+
+
+@app.command()
+def new(
+    directory: Annotated[Path, typer.Argument(help="Directory to make.")],
+    scenario: Annotated[
+        str, typer.Option("--scenario", "-s", help="A scenario file or library name: its robots take part.")
+    ],
+    run: Annotated[
+        str | None, typer.Option(help="Name of the run that the keys are for; a fresh one unless given.")
+    ] = None,
+    host: Annotated[
+        list[str] | None,
+        typer.Option(help="Name or address of a router's host besides this one; repeat it for each."),
+    ] = None,
+    days: Annotated[float, typer.Option(min=0.0, help="For how long they are valid.")] = 30.0,
+    force: Annotated[bool, typer.Option("--force", help="Replace keys that are there already.")] = False,
+) -> None:
+    """Make an authority and one certificate each for router, world, monitor and every robot.
+
+    With [b]--secure DIR[/b] other commands use them: every link is TLS, both ends prove who they are, and
+    the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
+    the two files of each role that runs there.
+
+    Example: disknav keys new keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
+    """
+    from deploy.library.load import read
+    from deploy.security.membership import missing_library
+    from deploy.security.roster import Roster
+
+    try:
+        from deploy.security.keystore import create
+    except ModuleNotFoundError as error:
+        raise missing_library() from error
+    name = fresh_run_name() if run is None else checked_run(run)
+    roster = Roster(name, read(scenario).ids)
+    end = create(directory, roster, hosts=host or (), days=days, force=force)
+    print(
+        f"{directory}: {len(roster.roles)} certificates for the run {name}, "
+        f"valid until {end:%Y-%m-%d %H:%M} UTC"
+    )

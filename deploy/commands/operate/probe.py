@@ -1,0 +1,32 @@
+"""`disknav probe`: for the health checks of whatever orchestrator runs a fleet."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from deploy.commands.operate.single import Router, Run, Secure
+from deploy.security.membership import Membership
+from protocol.errors import UsageError
+
+
+def probe(
+    role: Annotated[str, typer.Argument(help="world, or a robot such as robot-3.")],
+    run: Run = None,
+    router: Router = None,
+    within: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 5.0,
+    secure: Secure = None,
+) -> None:
+    """Find out whether a process of a run is well: exits with 0 as soon as its health is heard, else with 3.
+
+    Example: disknav probe robot-3 --run demo
+    """
+    from deploy.processes.probe import probe as listen
+
+    membership = Membership(secure)
+    name = membership.run(run)
+    if name is None:
+        raise UsageError("name the run: --run NAME")
+    endpoint = router or membership.default_router
+    listen(membership.client(role, (endpoint,), timeout=within), name, role, within)

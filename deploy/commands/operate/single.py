@@ -1,0 +1,121 @@
+"""`disknav robot | world | router`: the single processes, for other launchers."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from deploy.run.options import Mode
+from deploy.security.membership import Membership
+from deploy.security.roster import WORLD, robot_role
+from protocol.errors import UsageError
+from protocol.keys import checked_run
+
+Router = Annotated[
+    str | None, typer.Option(help="Endpoint of the router; tcp/127.0.0.1:7447, or tls/ with --secure.")
+]
+Run = Annotated[
+    str | None, typer.Option(help="Name of the run, the same for the whole fleet; the roster's if --secure.")
+]
+Secure = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."),
+]
+
+
+def robot(
+    robot_id: Annotated[int, typer.Argument(metavar="ID", help="The robot's id in the scenario.")],
+    run: Run = None,
+    router: Router = None,
+    secure: Secure = None,
+) -> None:
+    """Run one robot; everything else it learns from the world.
+
+    Example: disknav robot 3 --run demo --router tcp/10.0.0.1:7447
+    """
+    membership = Membership(secure)
+    endpoint, role = router or membership.default_router, robot_role(robot_id)
+    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
+    # A fresh interpreter: a robot carries neither this command line nor its libraries.
+    arguments = [endpoint, _run(membership, run), str(robot_id), *([] if secure is None else [str(secure)])]
+    os.execv(sys.executable, [sys.executable, "-m", "agents.process", *arguments])
+
+
+def world(
+    scenario: Annotated[str, typer.Argument(help="A scenario file or a library name.")],
+    run: Run = None,
+    router: Router = None,
+    mode: Annotated[Mode, typer.Option(help="Who sets the pace: the robots or the wall clock.")] = "lockstep",
+    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
+    ] = None,
+    secure: Secure = None,
+    journal: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
+    ] = None,
+) -> None:
+    """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
+
+    Example: disknav world figure-1 --run demo --journal demo.journal > report.json
+    """
+    from deploy.library.load import load
+    from world.process import main
+    from world.shell.journal import Journal
+
+    membership = Membership(secure)
+    loaded = load(scenario, setting or [], seed)
+    connection = membership.client(WORLD, (router or membership.default_router,))
+    run_name = _run(membership, run)
+    if journal is not None and not journal.exists():
+        Journal.create(journal, run_name, [loaded])
+    lockstep = mode == "lockstep"
+    raise typer.Exit(main(connection, run_name, [loaded], lockstep, journal=journal, tell=_print_report))
+
+
+def router(
+    listen: Annotated[
+        str | None, typer.Option(help="Endpoint to listen on; the first free port from 7447 unless given.")
+    ] = None,
+    connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
+    secure: Secure = None,
+    print_config: Annotated[
+        bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
+    ] = False,
+) -> None:
+    """Run a router that relays between the processes of this host, and to routers of other hosts.
+
+    Example: disknav router --listen tcp/0.0.0.0:7447 --connect tcp/10.0.0.2:7447
+
+    The same by zenoh's own router: disknav router --secure keys --print-config > r.json5; zenohd -c r.json5
+    """
+    from deploy.processes.router import main
+    from deploy.processes.router_config import router_config
+
+    membership = Membership(secure)
+    connection = membership.router(() if listen is None else (listen,), connect or ())
+    if print_config:
+        sys.stdout.write(router_config(connection, membership.default_router))
+        return
+    raise typer.Exit(main(connection, ready=_say))
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(report, indent=2) + "\n")
+
+
+def _say(endpoint: str) -> None:
+    print(f"router: listening on {endpoint}", file=sys.stderr, flush=True)
+
+
+def _run(membership: Membership, asked: str | None) -> str:
+    run = membership.run(asked)
+    if run is None:
+        raise UsageError("name the run: --run NAME, the same for the whole fleet")
+    return checked_run(run)

@@ -1,0 +1,76 @@
+"""From what a user names to a scenario that can run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from agents.laws import require
+from deploy.library.names import build
+from deploy.theory.gain.tuning import automatic_k
+from protocol.errors import UsageError
+from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
+from protocol.scenario.model import Scenario
+from protocol.scenario.shape import Document
+
+
+def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
+    """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
+    scenario = resolved(_certified(name, read(name, settings, seed)))
+    require(scenario.control.law)
+    return scenario
+
+
+def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
+    """The scenario of a file or of the library, with settings laid over it.
+
+    Args:
+        name: a file, else a library name.
+        settings: `path.to.key=VALUE`, see `protocol.scenario.settings`.
+        seed: over the scenario's; a library scenario draws its random starts from it.
+
+    Raises:
+        ScenarioError: the scenario or a setting is invalid; names every problem.
+        UsageError: there is no such file or library name.
+    """
+    document = apply_settings(_document(name, seed), settings)
+    return parse_document(document, name)
+
+
+def resolved(scenario: Scenario) -> Scenario:
+    """The same with a number for k where it is "auto"."""
+    if scenario.control.k != "auto":
+        return scenario
+    radii = np.array([robot.radius for robot in scenario.robots])
+    return replace(
+        scenario, control=replace(scenario.control, k=automatic_k(radii, scenario.workspace.radius))
+    )
+
+
+def _certified(name: str, scenario: Scenario) -> Scenario:
+    """The same with the smallest proven K for k where it is "certified"."""
+    if scenario.control.k != "certified":
+        return scenario
+    from deploy.theory.certify.certificate import path_for, stored
+
+    certificate = stored(name, scenario)
+    if certificate is None or certificate.proven is None:
+        raise UsageError(
+            f'control.k is "certified", but {path_for(name)} proves nothing yet: disknav certify {name}'
+        )
+    return replace(scenario, control=replace(scenario.control, k=certificate.proven))
+
+
+def _document(name: str, seed: int | None) -> Document:
+    path = Path(name)
+    if path.is_file():
+        document = read_document(path)
+        return document if seed is None else document | {"seed": seed}
+    if path.suffix == ".toml" or "/" in name:
+        raise UsageError(
+            f"no scenario file {name!r}; the library has names such as figure-1 (see scenario list)"
+        )
+    return document_of(build(name, seed))

@@ -1,0 +1,151 @@
+"""A running fleet as a watcher sees it: messages and presence in, plain data for a page or table out.
+
+Only streams that the network may drop are needed (clock, truth, health) and liveliness tokens: a
+watcher that subscribed to states or commands could hold up those who publish them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from deploy.monitor.admin_space import Router
+from deploy.monitor.view.robot import RobotView
+from deploy.monitor.view.thinned import Thinned
+from protocol.messages import Clock, Health, Message, Truth
+from protocol.scenario.model import Scenario
+from protocol.steering import Steering
+
+HISTORY = 1024  # kept points of clearance and phi
+_TRAILS = 12_800  # kept points of all trails together
+_RECENT = 256  # truths between two snapshots, at most
+
+Point = tuple[float, float, float]  # simulated time, s; clearance, m; phi
+
+
+def _worst(earlier: Point, later: Point) -> Point:
+    """Two points as one: the clearance that matters is the smaller one."""
+    return later[0], min(earlier[1], later[1]), later[2]
+
+
+class View:
+    """Everything known of one run. `now` is the watcher's own clock, s; only differences matter."""
+
+    def __init__(self, run: str) -> None:
+        self.run = run
+        self.scenario: Scenario | None = None
+        self.lockstep = True
+        self.epoch = 0  # counts the scenarios seen under this run name
+        self.steering = Steering()
+        self.router: Router | None = None  # where its admin space is on
+        self.robots: dict[int, RobotView] = {}
+        self.tick, self.verdict, self.reason = 0, "", ""
+        self.world_alive: bool | None = None
+        self._tokens: dict[int, bool] = {}
+        self._clear()
+
+    def _clear(self) -> None:
+        self.tick, self.verdict, self.reason = 0, "", ""
+        self.smallest: float | None = None
+        self.history: Thinned[Point] = Thinned(HISTORY, _worst)
+        self.recent: deque[Truth] = deque(maxlen=_RECENT)
+        self._pace: deque[tuple[float, int]] = deque(maxlen=32)
+
+    def begin(self, scenario: Scenario, lockstep: bool) -> None:
+        """A scenario begins, or this watcher has just learnt which one is running."""
+        self._clear()
+        self.epoch += 1
+        self.scenario, self.lockstep = scenario, lockstep
+        trail = max(32, _TRAILS // len(scenario.robots))
+        first = 1 if self.epoch == 1 else None  # later scenarios count on from the lives before
+        self.robots = {robot: RobotView(scenario.spec(robot), trail, first) for robot in scenario.ids}
+        for robot, alive in self._tokens.items():
+            if robot in self.robots:
+                self.robots[robot].alive = alive
+
+    def is_news(self, message: Message) -> bool:
+        """Whether `message` belongs to another scenario than the one known: its clock went back."""
+        return isinstance(message, Clock) and (
+            message.tick < self.tick or self.verdict > message.verdict == ""
+        )
+
+    # -- what happens
+
+    def present(self, robot: int | None, alive: bool) -> None:
+        """A liveliness token came or went; `robot` is None for the world's."""
+        if robot is None:
+            self.world_alive = alive
+            return
+        if self.scenario is not None and robot not in self.robots:
+            return  # nobody of this run
+        self._tokens[robot] = alive
+        if robot in self.robots and not self.verdict:  # at the end everybody leaves, and that is well
+            self.robots[robot].alive = alive
+
+    def on_message(self, message: Message, now: float) -> None:
+        """Something was published; ignored while the scenario is unknown."""
+        if self.scenario is None:
+            return
+        if isinstance(message, Clock):
+            self._on_clock(message)
+        elif isinstance(message, Truth):
+            self._on_truth(message, now)
+        elif isinstance(message, Health):
+            self._on_health(message, now)
+
+    def _on_clock(self, clock: Clock) -> None:
+        self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
+        down = {each.robot for each in clock.down}
+        for robot, view in self.robots.items():
+            view.fenced, view.active = robot in down, robot in clock.active
+
+    def _on_truth(self, truth: Truth, now: float) -> None:
+        assert self.scenario is not None
+        step = self.scenario.time.step
+        known = self.recent[-1].tick if self.recent else 0
+        if truth.tick <= known:
+            return
+        elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
+        for robot, position in zip(truth.robots, truth.positions, strict=False):
+            if robot in self.robots:
+                self._moved(self.robots[robot], position, elapsed, truth.tick, now)
+        self.smallest = truth.clearance if self.smallest is None else min(self.smallest, truth.clearance)
+        self.history.append((truth.tick * step, truth.clearance, truth.phi))
+        self.recent.append(truth)
+        self.tick = max(self.tick, truth.tick)
+
+    def _moved(
+        self, robot: RobotView, position: tuple[float, float], elapsed: float, tick: int, now: float
+    ) -> None:
+        robot.moved(position, elapsed)
+        if self.lockstep and robot.active and robot.alive is not False:
+            robot.said(tick - 1, now)  # a lock-step tick ends only when everybody active has stated
+
+    def _on_health(self, health: Health, now: float) -> None:
+        if health.robot in self.robots:
+            self.robots[health.robot].report(health, now)
+        for peer, tick in health.heard:
+            if peer in self.robots:
+                self.robots[peer].said(tick, now)
+
+    # -- how the run stands
+
+    @property
+    def phase(self) -> str:
+        """searching, gathering, running, paused, ended, or lost: the world went without a verdict."""
+        if self.scenario is None:
+            return "searching"
+        if self.verdict:
+            return "ended"
+        if self.world_alive is False:
+            return "lost"
+        if self.steering.paused:
+            return "paused"
+        return "running" if self.recent or self.tick else "gathering"
+
+    def ticks_per_second(self, now: float) -> float:
+        """Since about a second ago, if somebody asked then."""
+        while len(self._pace) > 1 and self._pace[1][0] < now - 1.0:
+            self._pace.popleft()
+        self._pace.append((now, self.tick))
+        then, tick = self._pace[0]
+        return round((self.tick - tick) / (now - then), 1) if now > then else 0.0

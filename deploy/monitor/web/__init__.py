@@ -1,0 +1,1 @@
+"""The live page: its server, its websocket, and the page itself."""

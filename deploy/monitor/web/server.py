@@ -1,0 +1,72 @@
+"""The web server of the live page, on a thread of its own."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+from deploy.monitor.source import Source
+from protocol.errors import UsageError
+
+if TYPE_CHECKING:
+    import uvicorn
+
+HOST = "127.0.0.1"
+_INSTALL = 'the live page needs libraries that are not installed: pip install "disknav[web]"'
+
+
+class Server:
+    """A running server.
+
+    Attributes:
+        address: where the page is, such as `http://127.0.0.1:8000`.
+    """
+
+    def __init__(self, server: uvicorn.Server, listener: socket.socket) -> None:
+        host, port = listener.getsockname()[:2]
+        self.address = f"http://{host}:{port}"
+        self._server = server
+        self._thread = threading.Thread(
+            target=server.run, kwargs={"sockets": [listener]}, name="live page", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Say good-bye to all viewers and stop; may be called twice."""
+        self._server.should_exit = True
+        self._thread.join()
+
+
+def serve_in_thread(source: Source, port: int | None = None) -> Server:
+    """Serve the live page of `source` on 127.0.0.1, on a free port unless told which.
+
+    Raises:
+        UsageError: the extra `web` is not installed, or the port is taken.
+    """
+    try:
+        import uvicorn
+
+        from deploy.monitor.web.application import application
+    except ImportError as error:
+        raise UsageError(f"{_INSTALL} ({error})") from error
+    listener = _listener(port)
+    app = application(source, [HOST, "localhost"])
+    config = uvicorn.Config(
+        app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
+    )
+    return Server(uvicorn.Server(config), listener)
+
+
+def _listener(port: int | None) -> socket.socket:
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((HOST, port or 0))
+    except (OSError, OverflowError) as error:
+        listener.close()
+        raise UsageError(
+            f"--port {port}: {error}; name another port, or none and a free one is taken"
+        ) from error
+    listener.listen(64)
+    return listener

@@ -1,0 +1,56 @@
+"""What `disknav run --hosts` starts on each host: a fork server whose channel is an ssh connection.
+
+It says who it is in one line, then serves requests that come in on standard input, and tells news on
+standard output. It ends, and all its processes with it, when the connection does, or when nothing
+has come for so long that whoever is at the other end, or the way to it, must be gone.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Sequence
+from functools import partial
+from multiprocessing.connection import Connection as Channel
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+from deploy.processes.fork_messages import Store
+from deploy.processes.fork_server import serve
+from deploy.processes.spawn import MODULES
+from deploy.software.provenance import SOFTWARE, code_digest
+
+GREETING = "disknav-host"  # then a digest of the code, and the folder
+_PATIENCE = 30.0  # s; the launcher says something every second
+
+
+def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE) -> int:
+    """Serve until the connection ends; returns the exit status."""
+    requests: Channel[Any, Any] = Channel(os.dup(0), writable=False)
+    news: Channel[Any, Any] = Channel(os.dup(1), readable=False)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)  # what anybody prints must not get among the news
+    folder = Path(mkdtemp(prefix="disknav-"))  # mode 0700
+    try:
+        os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
+        serve(requests, news, modules, store=partial(_store, folder), patience=patience)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return 0
+
+
+def _store(folder: Path, file: Store) -> None:
+    """Write a file that never had more permissions than its owner's; a second time it is left alone."""
+    path = folder / Path(file.name).name
+    if path.exists():
+        return
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(descriptor, "wb") as stream:
+        stream.write(file.content)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

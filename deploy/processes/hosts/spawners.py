@@ -1,0 +1,147 @@
+"""Starts processes on the hosts of a table, each where it belongs: to a supervisor, one spawner."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping
+from itertools import count
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Any
+
+from deploy.processes.fork_messages import Exited, News
+from deploy.processes.forked import FAULT
+from deploy.processes.hosts.ssh import BEAT, SshSpawner
+from deploy.processes.hosts.table import HostsTable
+from deploy.processes.spawn import Spawner
+from protocol.errors import ProcessError
+
+_GREETING = 30.0  # s for all hosts to answer
+
+
+class HostSpawners:
+    """A spawner (see `deploy.processes.spawn`) for a whole table.
+
+    A host that is lost is no error: its processes have ended, and their news say why.
+
+    Args:
+        table: the hosts; those without ssh are this machine.
+        places: name of a process -> name of its host; all others are started here.
+
+    Raises:
+        ProcessError: a host cannot be reached.
+    """
+
+    def __init__(self, table: HostsTable, places: Mapping[str, str]) -> None:
+        self._places = places
+        self._here = Spawner()
+        self._there = {host.name: SshSpawner(host) for host in table.hosts if host.ssh}
+        self._numbers = count(1)
+        self._numbers_of: dict[tuple[Spawner, int], int] = {}  # a spawner's own number -> ours
+        self._lives: dict[int, tuple[Spawner, int]] = {}  # the reverse, of those that have not ended
+        self._own: deque[News] = deque()  # of processes on hosts that are lost
+
+    @property
+    def gone(self) -> bool:
+        """Whether this machine's own fork server ended; a lost host is not all there is."""
+        return self._here.gone
+
+    def greet(self) -> None:
+        """Wait until every host answers; they come up all at once."""
+        deadline = time.monotonic() + _GREETING
+        for spawner in self._there.values():
+            spawner.greet(deadline - time.monotonic())
+
+    def folder(self, host: str) -> str | None:
+        """Where files for a host's processes are stored; None for this machine."""
+        return self._there[host].folder if host in self._there else None
+
+    def store(self, host: str, path: Path) -> None:
+        """Copy a file to a host's folder, for its owner's eyes only; to no host that is lost."""
+        if self._there[host].gone:
+            return
+        self._there[host].store(path.name, path.read_bytes())
+
+    def start(
+        self,
+        name: str,
+        entry: str,
+        arguments: tuple[Any, ...] = (),
+        *,
+        reports: bool = False,
+        log: Path | None = None,
+    ) -> int:
+        """As `Spawner.start`, on the host where `name` belongs."""
+        spawner = self._there.get(self._places.get(name, ""), self._here)
+        number = next(self._numbers)
+        try:
+            life = 0 if spawner.gone else spawner.start(name, entry, arguments, reports=reports, log=log)
+        except ProcessError as error:
+            self._lose(spawner, error)
+        if spawner.gone:
+            self._own.append(Exited(number, FAULT, 0.0, 0.0, f"{self._name(spawner)} is lost"))
+            return number
+        self._lives[number] = spawner, life
+        self._numbers_of[spawner, life] = number
+        return number
+
+    def signal(self, life: int, number: int) -> None:
+        """As `Spawner.signal`."""
+        if life not in self._lives:
+            return
+        spawner, own = self._lives[life]
+        try:
+            spawner.signal(own, number)
+        except ProcessError as error:
+            self._lose(spawner, error)
+
+    def news(self, timeout: float) -> Iterator[News]:
+        """As `Spawner.news`, of all hosts."""
+        spawners = {each.fileno(): each for each in self._all() if not each.gone}
+        # Nobody waits here for longer than launchers may be silent.
+        ready = wait(list(spawners), 0.0 if self._own else min(timeout, BEAT))
+        del ready  # whoever has news says so below
+        for spawner in spawners.values():
+            try:
+                for news in spawner.news(0.0):
+                    yield self._renumbered(spawner, news)
+            except ProcessError as error:
+                self._lose(spawner, error)
+        while self._own:
+            yield self._own.popleft()
+
+    def close(self) -> None:
+        """End every fork server, and with them every process, on all hosts that can be reached."""
+        for spawner in self._all():
+            spawner.hang_up()
+        for spawner in self._all():
+            spawner.close()
+
+    def _all(self) -> list[Spawner]:
+        return [self._here, *self._there.values()]
+
+    def _renumbered(self, spawner: Spawner, news: News) -> News:
+        number = self._numbers_of.get((spawner, news.life))
+        if number is None:
+            raise ProcessError(f"{self._name(spawner)} tells of a process that it was not asked for")
+        if isinstance(news, Exited):
+            del self._numbers_of[spawner, news.life], self._lives[number]
+        return type(news)(number, *(getattr(news, name) for name in news.__struct_fields__[1:]))
+
+    def _name(self, spawner: Spawner) -> str:
+        return next((f"host {name}" for name, each in self._there.items() if each is spawner), "this host")
+
+    def _lose(self, spawner: Spawner, error: ProcessError) -> None:
+        """All processes of a lost host have ended, as far as this launcher can know."""
+        if spawner is self._here:
+            raise error
+        print(f"disknav: {error}", file=sys.stderr)
+        spawner.gone = True
+        spawner.hang_up()
+        for number, (of, own) in list(self._lives.items()):
+            if of is not spawner:
+                continue
+            del self._numbers_of[of, own], self._lives[number]
+            self._own.append(Exited(number, FAULT, 0.0, 0.0, str(error)))

@@ -1,0 +1,117 @@
+"""One host's fork server at the other end of an ssh connection; OpenSSH's own client makes that."""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+
+import msgspec
+
+from deploy.processes.fork_messages import Beat, News, Store
+from deploy.processes.hosts.remote import GREETING
+from deploy.processes.hosts.table import Host
+from deploy.processes.spawn import Spawner
+from deploy.software.provenance import SOFTWARE, code_digest
+from protocol.errors import ProcessError
+
+BEAT = 1.0  # s between signs of life of this launcher
+_MISSING = 127  # exit status of a shell that does not find a command
+# The first value that ssh is given counts, so a host's own options outrank these.
+_OPTIONS = (
+    "BatchMode=yes",  # nobody is there to be asked for a password
+    "ConnectTimeout=10",
+    "ServerAliveInterval=2",  # a host that is silent this long, three times, is gone
+    "ServerAliveCountMax=3",
+    "ClearAllForwardings=yes",
+    "LogLevel=ERROR",
+)
+
+
+class SshSpawner(Spawner):
+    """The fork server on `host`. Construction does not wait for it; `greet` does.
+
+    Raises:
+        ProcessError: there is no ssh here; or from any method, the host is gone.
+    """
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.folder = ""  # on the host, for files; known once it has greeted
+        self._beat = 0.0
+        super().__init__()
+
+    def greet(self, timeout: float) -> None:
+        """Wait until the host says that it serves.
+
+        Raises:
+            ProcessError: it does not, or is of other code; says which host and why.
+        """
+        deadline = time.monotonic() + timeout
+        while not self.folder:
+            line = self._line(deadline)
+            words = line.split(maxsplit=2)
+            if words[:1] != [GREETING]:
+                print(f"{self.host.name}: {line}", file=sys.stderr)  # what a shell says at login
+            elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
+                raise ProcessError(
+                    f"host {self.host.name}: {self.host.command} there is another version than this one; "
+                    f"a fleet needs the same on every host"
+                )
+            else:
+                self.folder = words[2]
+
+    def store(self, name: str, content: bytes) -> None:
+        """Put a file into the host's folder, for its owner's eyes only; once."""
+        self._send(Store(name, content))
+
+    def news(self, timeout: float) -> Iterator[News]:
+        """As of any fork server; a host that was taken over can say nothing but news."""
+        now = time.monotonic()
+        if now >= self._beat + BEAT:
+            self._beat = now
+            self._send(Beat())
+        try:
+            yield from super().news(timeout)
+        except (OSError, msgspec.DecodeError) as error:
+            raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
+
+    def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
+        del modules  # the host knows them
+        options = [word for option in _OPTIONS for word in ("-o", option)]
+        there = [self.host.ssh, f"{self.host.command} host"]
+        command = ["ssh", "-T", *self.host.options, *options, "--", *there]
+        end = theirs.fileno()
+        try:
+            return subprocess.Popen(command, stdin=end, stdout=end, start_new_session=True)
+        except FileNotFoundError:
+            raise ProcessError("hosts are reached by OpenSSH, and there is no command ssh here") from None
+
+    def _line(self, deadline: float) -> str:
+        """A line of text, byte by byte: what follows the greeting is not text."""
+        descriptor = self._channel.fileno()
+        line = b""
+        while not line.endswith(b"\n"):
+            readable, _, _ = select.select([descriptor], [], [], max(0.0, deadline - time.monotonic()))
+            if not readable:
+                raise ProcessError(f"host {self.host.name} did not answer in time")
+            byte = os.read(descriptor, 1)
+            if not byte:
+                raise self._gone()
+            line += byte
+        return line.decode(errors="replace").rstrip("\n")
+
+    def _gone(self) -> ProcessError:
+        self.gone = True
+        try:
+            status = self._server.wait(5.0)
+        except subprocess.TimeoutExpired:
+            return ProcessError(f"host {self.host.name} closed the connection")
+        if status == _MISSING:
+            return ProcessError(f"host {self.host.name}: the shell there finds no {self.host.command!r}")
+        how = f"with status {status}; what it said stands above" if status >= 0 else f"by signal {-status}"
+        return ProcessError(f"host {self.host.name} is gone: ssh ended {how}")

@@ -1,0 +1,143 @@
+"""The router: a router-mode session in a process of its own, doing what a stock `zenohd` would.
+
+It relays between its clients, and between them and the routers it connects to. Whoever starts it
+learns the endpoint from the router itself, once it listens: so two fleets that start at once on one
+host never take the same port.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from protocol.bus.connection import Connection
+from protocol.bus.drive import Stop, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import CertificateError, EndpointTakenError
+
+if TYPE_CHECKING:
+    from deploy.recording.process import Aboard
+
+HOST = "127.0.0.1"
+PORTS = range(7447, 7547)  # zenoh's own port and those after it
+_LINKING = 8.0  # s
+
+
+def main(
+    connection: Connection,
+    ready: Callable[[str], None] | None = None,
+    *,
+    record: tuple[str, Path] | None = None,
+    links: float = 0.0,
+) -> int:
+    """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
+
+    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
+    name and the file to record it to; nothing published by whoever connects is missed. `links` is for
+    how long (s) links to other routers are waited for; they come up in the background else.
+
+    Raises:
+        UsageError: the file cannot be created.
+        EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
+        CertificateError: another router does not accept this one's certificate, or the reverse.
+        BusError: the endpoint cannot be listened on for another reason.
+    """
+    try:
+        with stop_on_signal():
+            aboard = None if record is None else _begun(*record)
+            bus, endpoint = listening(connection)
+            with closing(bus):
+                _check_links(connection)
+                if links > 0.0:
+                    bus.await_routers(links)
+                if aboard is not None:
+                    aboard.begin(bus)
+                if ready is not None:
+                    ready(endpoint)
+                if aboard is not None:
+                    aboard.follow()
+                while True:
+                    signal.pause()
+    except Stop:
+        return 0
+
+
+def recording(
+    connection: Connection, run: str, path: Path, ready: Callable[[str], None] | None = None
+) -> int:
+    """Route and record; see `main`."""
+    return main(connection, ready, record=(run, path))
+
+
+def _begun(run: str, path: Path) -> Aboard:
+    from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
+
+    return Aboard(run, path)
+
+
+def linked(connection: Connection, ready: Callable[[str], None]) -> int:
+    """As `main`, but `ready` is told once this router has a link to every router that it connects to.
+
+    Raises:
+        BusError: one cannot be reached; else as `main`.
+    """
+    return main(connection, ready, links=_LINKING)
+
+
+def listening(connection: Connection) -> tuple[ZenohBus, str]:
+    """Open a router session; returns it with the endpoint that it listens on."""
+    if connection.listen:
+        return _asked_for(connection), connection.listen[0]
+    protocol = "tcp" if connection.credentials is None else "tls"
+    for port in PORTS:
+        endpoint = f"{protocol}/{HOST}:{port}"
+        try:
+            return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
+        except EndpointTakenError:
+            continue
+    raise EndpointTakenError(
+        f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}: "
+        f"stop another fleet, or name an endpoint to listen on"
+    )
+
+
+def _check_links(connection: Connection) -> None:
+    """Say that a router refuses this one: zenoh would go on trying without a word."""
+    if connection.credentials is None:
+        return
+    from protocol.bus.tls_refusal import refusal  # only where it may be needed
+
+    for endpoint in connection.connect:
+        if (why := refusal(endpoint, connection.credentials)) is not None:
+            raise CertificateError(why)
+
+
+def _asked_for(connection: Connection) -> ZenohBus:
+    try:
+        return ZenohBus(connection)
+    except EndpointTakenError as error:
+        holders = "; ".join(filter(None, map(holder, connection.listen)))
+        raise EndpointTakenError(
+            f"cannot listen on {', '.join(connection.listen)}: taken{holders and f' by {holders}'}; "
+            f"use that router, name another endpoint, or name none and a free port is taken"
+        ) from error
+
+
+def holder(endpoint: str) -> str:
+    """Who listens on the port of a zenoh endpoint, as far as this user may know; empty if not at all."""
+    import psutil  # only for this text: the router itself stays lean
+
+    port = endpoint.partition("#")[0].rpartition(":")[2]
+    try:
+        for socket in psutil.net_connections("inet"):
+            if socket.status == psutil.CONN_LISTEN and str(getattr(socket.laddr, "port", "")) == port:
+                if socket.pid is None:
+                    return "a process of another user"
+                return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"
+    except psutil.Error:  # ended meanwhile, or this user may not look
+        return ""
+    return ""

@@ -1,0 +1,186 @@
+"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Self
+
+from deploy.processes.fork_messages import Exited, News, Report, Started
+from deploy.processes.row import Exit, Life, Usage
+from deploy.processes.spawn import ProcessStarter, Spawner
+from deploy.processes.table import Process
+from protocol.errors import ProcessError
+
+_POLL = 0.05  # s
+_STOPPING = 5.0  # s, how long processes may take over SIGTERM before SIGKILL
+
+
+class Supervisor:
+    """A context manager: leaving it stops everything.
+
+    Raises:
+        ProcessError: the fork server is gone, and all processes with it; or as the methods say.
+    """
+
+    def __init__(self, spawner: ProcessStarter | None = None, log: Path | None = None) -> None:
+        """Use `spawner` (one of its own unless given); `log` takes what the processes print."""
+        self._spawner: ProcessStarter = Spawner() if spawner is None else spawner
+        self._log = log
+        self._lives: dict[str, Life] = {}
+        self._by_number: dict[int, Life] = {}
+        self._exits: list[Exit] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            self.stop()
+        finally:
+            self._spawner.close()
+
+    def start(self, table: Iterable[Process]) -> None:
+        """Start the rows in order, without waiting for any."""
+        for process in table:
+            if process.name in self._lives:
+                raise ProcessError(f"{process.name} is in the table twice; names must be unique")
+            life = self._lives[process.name] = Life(process, 0)
+            self._spawn(life)
+
+    def report(self, name: str, timeout: float) -> str:
+        """The first text that a reporting process sends.
+
+        Raises:
+            ProcessError: it ended without a word, or `timeout` s went by.
+        """
+        life = self._life(name)
+        self._advance(timeout, lambda: life.report is not None or life.exit_code is not None)
+        if life.report is None:
+            state = f"did not answer within {timeout:g} s" if life.exit_code is None else "ended at once"
+            raise ProcessError(f"{name} {state}; what it said stands above")
+        return life.report
+
+    def amend(self, process: Process) -> None:
+        """Replace the row of this name, from its next process on."""
+        self._life(process.name).process = process
+
+    def heard(self, name: str) -> list[str]:
+        """What a reporting process, or one before it, has said since this was last asked."""
+        life = self._life(name)
+        heard, life.unheard = life.unheard, []
+        return heard
+
+    def poll(self, timeout: float = 0.0) -> list[Exit]:
+        """Exits since the last call; waits at most `timeout` s for the first news."""
+        self._read(timeout)
+        exits, self._exits = self._exits, []
+        return exits
+
+    def signal(self, name: str, number: int) -> None:
+        """Send any signal to one process."""
+        self._spawner.signal(self._life(name).number, number)
+
+    def kill(self, name: str) -> None:
+        """SIGKILL, for ever: it is not started again by itself."""
+        life = self._life(name)
+        life.told_to_end, life.again = True, False
+        self.signal(name, signal.SIGKILL)
+
+    def pause(self, name: str) -> None:
+        """SIGSTOP: it freezes where it is."""
+        self.signal(name, signal.SIGSTOP)
+
+    def resume(self, name: str) -> None:
+        """SIGCONT."""
+        self.signal(name, signal.SIGCONT)
+
+    def restart(self, name: str) -> None:
+        """Kill it, if it runs, and start it again as soon as it is gone."""
+        life = self._life(name)
+        if life.exit_code is not None:
+            self._again(life)
+            return
+        before = life.number
+        life.told_to_end = life.again = True
+        self.signal(name, signal.SIGKILL)
+        self._advance(_STOPPING, lambda: life.number != before)
+
+    def running(self) -> list[str]:
+        """Names of the processes that have not ended, as of the last `poll`."""
+        return [name for name, life in self._lives.items() if life.exit_code is None]
+
+    def pids(self) -> dict[str, int]:
+        """Of the processes that have started and not ended, as of the last `poll`."""
+        lives = self._lives.items()
+        return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
+
+    def stop(self, timeout: float = _STOPPING) -> None:
+        """SIGTERM to all, at most `timeout` s of patience, then SIGKILL. Frozen processes are woken first."""
+        for life in self._lives.values():
+            life.told_to_end, life.again = True, False
+        if self._spawner.gone:
+            return
+        self._signal_running(signal.SIGTERM)
+        self._signal_running(signal.SIGCONT)
+        self._advance(timeout, lambda: not self.running())
+        self._signal_running(signal.SIGKILL)
+        self._advance(timeout, lambda: not self.running())
+        if self.running():
+            raise ProcessError(f"not even SIGKILL ended {', '.join(self.running())}")
+
+    def usage(self) -> list[Usage]:
+        """What every row cost so far."""
+        return [life.usage() for life in self._lives.values()]
+
+    def _life(self, name: str) -> Life:
+        if name not in self._lives:
+            raise ProcessError(f"no process {name!r}; there are {', '.join(self._lives)}")
+        return self._lives[name]
+
+    def _spawn(self, life: Life) -> None:
+        process = life.process
+        life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
+        life.number = self._spawner.start(
+            process.name, process.entry, process.arguments, reports=process.reports, log=self._log
+        )
+        self._by_number[life.number] = life
+
+    def _again(self, life: Life) -> None:
+        life.restarts += 1
+        self._spawn(life)
+
+    def _signal_running(self, number: int) -> None:
+        for name in self.running():
+            self.signal(name, number)
+
+    def _advance(self, timeout: float, done: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + timeout
+        while not done() and (remaining := deadline - time.monotonic()) > 0.0:
+            self._read(min(_POLL, remaining))
+
+    def _read(self, timeout: float) -> None:
+        for news in self._spawner.news(timeout):
+            self._take(self._by_number[news.life], news)
+
+    def _take(self, life: Life, news: News) -> None:
+        if isinstance(news, Started):
+            life.pid = news.pid
+        elif isinstance(news, Report):
+            life.report = life.report or news.text
+            life.unheard.append(news.text)
+        elif isinstance(news, Exited):
+            self._ended(life, news)
+
+    def _ended(self, life: Life, exited: Exited) -> None:
+        life.exit_code = exited.code
+        life.cpu_s += exited.cpu_s
+        life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)
+        failed = exited.code != 0 and not life.told_to_end
+        life.failures += failed
+        again = life.again or (failed and life.failures <= life.process.restarts)
+        self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
+        if again:
+            self._again(life)

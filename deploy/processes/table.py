@@ -1,0 +1,89 @@
+"""The processes of a fleet as a table: one row each. `deploy.processes.supervisor` walks it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from protocol.bus.connection import Connection
+from protocol.scenario.model import Scenario
+from world.node import GATHERING
+
+RECORDER = "recorder"
+ROUTER = "router"
+WORLD = "world"
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """One row: what to start, and what its end means."""
+
+    name: str  # unique in a fleet, such as `robot-3`
+    entry: str  # "module:function"; it returns the exit status
+    arguments: tuple[Any, ...] = ()  # picklable
+    vital: bool = False  # the fleet cannot go on without it
+    restarts: int = 0  # how many times it is started again by itself after it failed
+    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
+
+
+def router(connection: Connection, record: tuple[str, Path] | None = None, restarts: int = 0) -> Process:
+    """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
+    entry, arguments = ("main", ()) if record is None else ("recording", record)
+    return Process(
+        ROUTER, f"deploy.processes.router:{entry}", (connection, *arguments), True, restarts, reports=True
+    )
+
+
+def linked_router(connection: Connection, host: str, restarts: int = 0) -> Process:
+    """The router of one of several hosts; it reports once it is linked with those that it connects to."""
+    return Process(
+        router_name(host), "deploy.processes.router:linked", (connection,), True, restarts, reports=True
+    )
+
+
+def world(
+    connection: Connection,
+    run: str,
+    scenarios: Sequence[Scenario],
+    lockstep: bool,
+    gathering: float = GATHERING,
+    speed: float = 0.0,
+    restarts: int = 0,
+    journal: Path | None = None,
+) -> Process:
+    """The world of a run; `restarts` as its robots' rows have it.
+
+    With a `journal` it can be started again as often, too, and reports every report as JSON.
+    """
+    arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts)
+    if journal is None:
+        return Process(WORLD, "world.process:main", arguments, vital=True)
+    return Process(WORLD, "world.process:supervised", (*arguments, journal), True, restarts, reports=True)
+
+
+def robot(connection: Connection, run: str, identity: int, restarts: int = 0) -> Process:
+    """One robot; the fleet goes on without it."""
+    arguments = (connection, run, identity)
+    return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
+
+
+def recorder(connection: Connection, run: str, path: Path, away: float = 0.0) -> Process:
+    """A recorder beside the router; it reports once it cannot miss anything. `away`: see `Recorder`."""
+    return Process(RECORDER, "deploy.recording.process:main", (connection, run, path, away), reports=True)
+
+
+def router_name(host: str) -> str:
+    """Name of the row of a host's router, `router-left`."""
+    return f"{ROUTER}-{host}"
+
+
+def is_router(name: str) -> bool:
+    """Whether this is the name of a router's row."""
+    return name == ROUTER or name.startswith(f"{ROUTER}-")
+
+
+def robot_name(identity: int) -> str:
+    """Name of a robot's row, `robot-3`."""
+    return f"robot-{identity}"

@@ -1,0 +1,89 @@
+"""One scenario from launch to result, on any transport, with what was asked for on top."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from deploy.output import json_output
+from deploy.output.progress import RunProgress
+from deploy.output.target import check_target
+from deploy.plot.draw import check, draw
+from deploy.recording.result import attach
+from deploy.run.fleet import Fleet
+from deploy.run.live_page import live_page
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from deploy.run.result import Result, complete
+from protocol.scenario.model import Scenario
+
+
+@dataclass(frozen=True)
+class Extras:
+    """What `disknav run` does besides running."""
+
+    record: Path | None = None
+    plot: Path | None = None
+    web: bool = False
+    json: Path | None = None
+
+
+def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: bool) -> Result:
+    """Run `scenario` to its verdict.
+
+    Raises:
+        UsageError: the options do not fit together, or an optional library is missing.
+        ProcessError, BusError: the fleet could not be started.
+    """
+    _check(extras)
+    with ExitStack() as stack:
+        recording = _recording_path(extras, stack)
+        with (
+            RunProgress(scenario, quiet) as progress,
+            _fleet(scenario, options, recording, progress) as fleet,
+        ):
+            page = stack.enter_context(live_page(fleet, options)) if extras.web else None
+            reports, processes = fleet.execute(), fleet.processes()
+        result = complete(reports[0], options, processes)
+        json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
+        if recording is not None:
+            attach(recording, result)
+        if extras.plot is not None and recording is not None:
+            draw(recording, extras.plot)
+        if page is not None and sys.stdin.isatty():
+            page.linger()
+    return result
+
+
+def _check(extras: Extras) -> None:
+    """Find out before the run what would fail after it."""
+    json_output.check(extras.json)
+    if extras.record is not None:
+        check_target(extras.record, "record")
+    if extras.plot is not None:
+        check(extras.plot)
+
+
+def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
+    """Where to record: as asked, or somewhere for the picture's sake."""
+    if extras.record is not None or extras.plot is None:
+        return extras.record
+    return Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
+
+
+def _fleet(
+    scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
+) -> Fleet | LocalFleet:
+    if options.transport == "local":
+        return LocalFleet(
+            [scenario],
+            options.run,
+            lockstep=options.lockstep,
+            speed=options.speed,
+            watch=bar.watch,
+            record=recording,
+        )
+    return Fleet([scenario], options, watch=bar.watch, record=recording)

@@ -1,0 +1,303 @@
+"""A fleet of real processes: router, world, robots; started, watched, and stopped whatever happens."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from deploy.processes import table
+from deploy.processes.hosts.spawners import HostSpawners
+from deploy.processes.hosts.topology import MultiHost, places
+from deploy.processes.row import Exit, Usage
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.options import RunOptions
+from deploy.run.reports import Report, Reports
+from deploy.run.topology import Mesh, Routed, Topology
+from deploy.run.unjudged import unjudged
+from deploy.security.membership import Membership
+from protocol.bus.events import Event, Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.errors import MessageError
+from protocol.keys import world_key
+from protocol.messages import Clock, Result
+from protocol.scenario.model import ProcessFault, Scenario
+from world.shell.admission import AWAY
+from world.shell.journal import Journal
+
+Watcher = Callable[[Clock], None]
+_START = 30.0  # s for a process to say that it is ready
+_LAST_WORDS = 5.0  # s for the world to report when it is cut short
+_LEAVING = 2.0  # s for processes to end by themselves after the last run
+_ECHO = 0.5  # s for messages of a process that has ended
+_POLL = 0.02  # s
+INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
+ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
+
+
+class FleetLostError(Exception):
+    """A process that the run needs has ended."""
+
+
+class Fleet:
+    """The processes of one or more runs (same robots, one after another); a context manager.
+
+    Args:
+        scenarios: k already numbers; all with the same robot ids.
+        options: transport, clock, names.
+        watch: is told every Clock that is heard.
+        record: file to record to.
+        on_report: is told every report as soon as its run has ended.
+
+    Attributes:
+        rejected: messages that were no world's, by reason.
+
+    Raises:
+        ProcessError, BusError: a process did not start, or an endpoint is taken.
+    """
+
+    def __init__(
+        self,
+        scenarios: Sequence[Scenario],
+        options: RunOptions,
+        *,
+        watch: Watcher | None = None,
+        record: Path | None = None,
+        on_report: Callable[[Report], None] | None = None,
+    ) -> None:
+        self._scenarios, self._options = scenarios, options
+        self._watch, self._record = watch, record
+        self._schedule = FaultSchedule(scenarios)
+        self._clock: Clock | None = None
+        self._began = time.monotonic()
+        self._reports = Reports(on_report)
+        self._leaving = _LEAVING
+        self._stack = ExitStack()
+        self.rejected: Counter[str] = Counter()
+
+    def __enter__(self) -> Fleet:
+        with ExitStack() as stack:
+            self._hosts = self._host_spawners()
+            self._supervisor = stack.enter_context(Supervisor(self._hosts))
+            self.topology = self._begin(stack)
+            self._start_world(self._journal(stack))
+            self._listen(stack)  # before there are robots: a short run must not be over before it is watched
+            self._supervisor.start(self._robots())
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self._stack.close()
+
+    def _begin(self, stack: ExitStack) -> Topology:
+        options = self._options
+        if options.transport == "mesh":
+            folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
+            return Mesh(Path(folder), self._scenarios[0].ids)
+        membership = Membership(options.secure)
+        membership.run(options.run)  # or the router would turn everybody away
+        if options.router is not None:
+            return Routed(options.router, membership)
+        if options.hosts is not None and self._hosts is not None:
+            return self._link(MultiHost(options.hosts, membership, self._hosts))
+        record = None if self._record is None or options.restarts else (options.run, self._record)
+        router = table.router(membership.router(), record, options.restarts)
+        self._supervisor.start([router])
+        endpoint = self._supervisor.report(table.ROUTER, _START)
+        connection, *others = router.arguments  # whoever comes after it is to be found where it was
+        again = (replace(connection, listen=(endpoint,)), *others)
+        self._supervisor.amend(replace(router, arguments=again))
+        return Routed(endpoint, membership)
+
+    def _host_spawners(self) -> HostSpawners | None:
+        hosts = self._options.hosts
+        return None if hosts is None else HostSpawners(hosts, places(hosts))
+
+    def _link(self, multi_host: MultiHost) -> MultiHost:
+        """A router on every host, each linked with all before it: no message can be lost on a detour."""
+        multi_host.spawners.greet()
+        for host in multi_host.hosts.hosts:
+            self._supervisor.start(
+                [table.linked_router(multi_host.router(host), host.name, self._options.restarts)]
+            )
+            self._supervisor.report(table.router_name(host.name), _START)
+        return multi_host
+
+    def _journal(self, stack: ExitStack) -> Path | None:
+        """Where the world is to keep its journal, if it is to be started again: made here, so that a world
+        that finds none does not begin anew what another one began."""
+        if not self._options.restarts:
+            return None
+        journal = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "journal"
+        Journal.create(journal, self._options.run, self._scenarios)
+        hosts, spawners = self._options.hosts, self._hosts
+        folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
+        if hosts is None or spawners is None or folder is None:
+            return journal
+        spawners.store(hosts.world_host.name, journal)
+        return Path(folder) / journal.name
+
+    def _start_world(self, journal: Path | None) -> None:
+        """The world, and before anything can happen the recorder, unless the router is it."""
+        run, topology = self._options.run, self.topology
+        options, scenarios = self._options, self._scenarios
+        world = table.world(
+            topology.world(),
+            run,
+            scenarios,
+            options.lockstep,
+            speed=options.speed,
+            restarts=options.restarts,
+            journal=journal,
+        )
+        self._supervisor.start([world])
+        own_router = options.transport == "routed" and options.router is None and options.hosts is None
+        # A recording in a router would end with it.
+        if self._record is not None and (options.restarts or not own_router):
+            away = AWAY if options.restarts else 0.0
+            self._supervisor.start([table.recorder(topology.observer(), run, self._record, away)])
+            self._supervisor.report(table.RECORDER, _START)
+
+    def _robots(self) -> list[table.Process]:
+        run, restarts, topology = self._options.run, self._options.restarts, self.topology
+        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in self._scenarios[0].ids]
+
+    def _listen(self, stack: ExitStack) -> None:
+        self._bus = ZenohBus(self.topology.observer())
+        stack.callback(self._bus.close)
+        for stream in ("clock", "result"):
+            self._bus.subscribe(world_key(self._options.run, stream))
+
+    def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
+        """Watch until every scenario has its report, or it is `enough`.
+
+        Ctrl-C and lost processes end the run too, and the last report says so.
+        """
+        try:
+            while not self._complete:
+                if enough():
+                    self._cut("interrupted", ENOUGH)
+                    break
+                self._take(self._bus.receive(_POLL))
+                self._check(self._poll())
+        except KeyboardInterrupt:
+            self._cut("interrupted", INTERRUPTED)
+        except FleetLostError as loss:
+            self._cut("aborted", str(loss))
+        return self._reports.all
+
+    def signal(self, name: str, number: int) -> None:
+        """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
+        self._supervisor.signal(name, number)
+
+    def pids(self) -> dict[str, int]:
+        """The processes that run, by name."""
+        return self._supervisor.pids()
+
+    def processes(self) -> list[dict[str, Any]]:
+        """Let everybody leave, stop whoever does not; what each process cost."""
+        deadline = time.monotonic() + self._leaving
+        while not all(map(table.is_router, self._supervisor.running())) and time.monotonic() < deadline:
+            self._supervisor.poll(_POLL)
+        self._supervisor.stop()
+        hosts = {} if self._options.hosts is None else places(self._options.hosts)
+        return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
+
+    def _take(self, event: Event | None) -> None:
+        if not isinstance(event, Sample):
+            return
+        try:
+            message = decode(event.key, event.payload)
+            if isinstance(message, Result):
+                self._reports.add(message.report)
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
+        if isinstance(message, Clock):
+            self._follow(message)
+
+    def _poll(self) -> list[Exit]:
+        """Who has ended. A world that can be started again has told its reports here, too: what it publishes
+        may be lost with a router."""
+        exits = self._supervisor.poll()
+        for text in self._supervisor.heard(table.WORLD):
+            self._reports.add(text)
+        return exits
+
+    def _follow(self, clock: Clock) -> None:
+        self._clock = clock
+        for fault in self._schedule.due(clock):
+            self._carry_out(fault)
+        if self._watch is not None:
+            self._watch(clock)
+
+    def _carry_out(self, fault: ProcessFault) -> None:
+        name = table.robot_name(fault.robot)
+        actions = {
+            "kill": self._supervisor.kill,
+            "pause": self._supervisor.pause,
+            "resume": self._supervisor.resume,
+            "restart": self._supervisor.restart,
+        }
+        actions[fault.event](name)
+
+    def _check(self, exits: Sequence[Exit]) -> None:
+        """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
+        for exit_ in exits:
+            if exit_.again and not exit_.expected:
+                print(f"disknav: {exit_}; it is started again", file=sys.stderr, flush=True)
+            if exit_.again:
+                continue
+            if exit_.process.vital:
+                self._listen_on()
+            tolerable = exit_.expected or self._has_begun
+            if (exit_.process.vital and not self._complete) or not tolerable:
+                raise FleetLostError(str(exit_))
+
+    @property
+    def _has_begun(self) -> bool:
+        return self._clock is not None and (self._clock.tick > 0 or self._clock.turn > 0)
+
+    @property
+    def _complete(self) -> bool:
+        return len(self._reports.all) == len(self._scenarios)
+
+    def _listen_on(self) -> None:
+        """What a process said before it ended may still be on its way."""
+        deadline = time.monotonic() + _ECHO
+        while not self._complete and time.monotonic() < deadline:
+            self._take(self._bus.receive(_POLL))
+
+    def _cut(self, verdict: str, reason: str) -> None:
+        """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""
+        if self._options.restarts:
+            self._leaving = 0.0  # robots wait for a world that will not be back
+        reports = self._reports.all
+        if table.WORLD in self._supervisor.running():
+            self._supervisor.signal(table.WORLD, signal.SIGTERM)
+            deadline = time.monotonic() + _LAST_WORDS
+            already = len(reports)
+            while len(reports) == already and time.monotonic() < deadline:
+                self._take(self._bus.receive(_POLL))
+                self._poll()
+        if not reports:
+            reports.append(self._unjudged())
+        if reports[-1]["verdict"] != "collision":
+            reports[-1].update(verdict=verdict, reason=reason)
+
+    def _unjudged(self) -> Report:
+        return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)
+
+
+def _row(usage: Usage, host: str | None) -> dict[str, Any]:
+    """A process's row of the result; of a fleet on several hosts, it says on which."""
+    return usage._asdict() if host is None else {**usage._asdict(), "host": host}

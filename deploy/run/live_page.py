@@ -1,0 +1,58 @@
+"""The live page beside a run: as the fleet goes, and as its viewer steers it."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from deploy.monitor.attachment import Attachment
+from deploy.monitor.watcher import Watcher
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from protocol.bus.zenoh import ZenohBus
+
+
+class Page:
+    """A page that is being served at `address`."""
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+
+    def linger(self) -> None:
+        """Stay after the run until Ctrl-C, so that its end can be looked at."""
+        print(f"{self.address} stays until Ctrl-C", file=sys.stderr, flush=True)
+        try:
+            signal.pause()
+        except KeyboardInterrupt:
+            return
+
+
+@contextmanager
+def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
+    """Serve a page that shows `fleet`; its address is printed to standard error.
+
+    Raises:
+        UsageError: the libraries of the extra `web` are not installed.
+    """
+    from deploy.monitor.web.server import serve_in_thread
+
+    source = _watch(fleet, options.run)
+    server = serve_in_thread(source)
+    print(f"live page: {server.address}", file=sys.stderr, flush=True)
+    try:
+        yield Page(server.address)
+    finally:
+        server.close()
+        if isinstance(source, Attachment):
+            source.close()
+
+
+def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
+    if isinstance(fleet, Fleet):
+        return Attachment(ZenohBus(fleet.topology.observer()), run)
+    bus = fleet.network.connect()
+    watcher = bus.node = Watcher(bus, run)
+    return watcher

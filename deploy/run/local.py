@@ -1,0 +1,165 @@
+"""A whole run in this process: the same nodes as on zenoh, on the in-process bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from agents.node import RobotNode
+from deploy.recording.recorder import Recorder
+from deploy.recording.writer_process import WriterProcess
+from deploy.run.fault_schedule import FaultSchedule
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Sample
+from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.codec import decode
+from protocol.keys import everything, world_key
+from protocol.messages import Clock
+from protocol.scenario.model import ProcessFault, Scenario
+from world.node import WorldNode
+from world.shell.journal import Journal
+from world.shell.replay import Resumed, resume
+
+Watcher = Callable[[Clock], None]
+
+
+class LocalFleet:
+    """World and robots of one or more runs (same robots) in one thread: `deploy.run.fleet.Fleet` in small.
+
+    Args:
+        scenarios: k already numbers; all with the same robot ids.
+        run: name of the run.
+        lockstep: whether the world waits for every robot.
+        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
+        watch: is told every Clock.
+        record: file to record to.
+        joining: robot ids in the order in which they join; increasing unless given.
+        journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
+    """
+
+    def __init__(
+        self,
+        scenarios: Sequence[Scenario],
+        run: str = "local",
+        *,
+        lockstep: bool = True,
+        speed: float = 0.0,
+        watch: Watcher | None = None,
+        record: Path | None = None,
+        joining: Sequence[int] | None = None,
+        journal: Path | None = None,
+    ) -> None:
+        self.network = LocalNetwork()
+        self.run = run
+        self._scenarios, self._lockstep, self._speed = scenarios, lockstep, speed
+        self._path = journal
+        self._reports: list[dict[str, Any]] = []
+        self.start_world()
+        self._recorder = None if record is None else self._record(record)
+        self.robots: dict[int, LocalBus] = {}
+        for robot in joining or scenarios[0].ids:
+            self.start(robot)
+        operator = self.network.connect()
+        operator.subscribe(world_key(run, "clock"))
+        operator.node = Operator(self, FaultSchedule(scenarios), watch)
+
+    def start_world(self) -> None:
+        """Start the world's node, where the journal says that it was."""
+        self._past: Resumed | None = None
+        if self._path is not None:
+            self._past = resume(Journal(self._path, self.run, self._scenarios), self._scenarios)
+        self.world_bus = self.network.connect()
+        self.world = self.world_bus.node = self._world(self.world_bus)
+
+    def _world(self, bus: Bus) -> WorldNode:
+        return WorldNode(
+            bus,
+            self.run,
+            self._scenarios,
+            self._lockstep,
+            speed=self._speed,
+            past=self._past,
+            tell=self._reports.append,
+        )
+
+    def kill_world(self) -> None:
+        """End the world's node at once; its token goes, and nothing is left of it but its journal."""
+        self.world_bus.close()
+        if self._past is not None:
+            self._past.journal.close()
+
+    def start(self, robot: int) -> None:
+        """Start a robot's node."""
+        bus = self.robots[robot] = self.network.connect()
+        bus.node = RobotNode(bus, self.run, robot)
+
+    def kill(self, robot: int) -> None:
+        """End a robot's node at once; its token goes."""
+        self.robots[robot].close()
+
+    def __enter__(self) -> LocalFleet:
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        """Nothing outlives the thread."""
+
+    def processes(self) -> list[dict[str, Any]]:
+        """There are none of its own."""
+        return []
+
+    def _record(self, path: Path) -> Recorder:
+        bus = self.network.connect()
+        bus.subscribe(everything(self.run))
+        recorder = bus.node = Recorder(bus, self.run, WriterProcess(path))
+        return recorder
+
+    def execute(self) -> list[dict[str, Any]]:
+        """Run to the end; one report a scenario. Ctrl-C ends the run as interrupted, with its report."""
+        try:
+            self.network.run(lambda: self.world.finished)
+        except KeyboardInterrupt:
+            self.world.interrupt("interrupted", "stopped by the user")
+        if self._recorder is not None:
+            self._recorder.close()
+        return self._reports
+
+
+class Operator:
+    """Carries out the scheduled process faults, as a supervisor does with real processes."""
+
+    def __init__(self, fleet: LocalFleet, schedule: FaultSchedule, watch: Watcher | None) -> None:
+        self.finished = False
+        self.deadline = float("inf")
+        self._fleet = fleet
+        self._schedule = schedule
+        self._watch = watch
+        self._paused: dict[int, RobotNode] = {}
+
+    def handle(self, event: Event) -> None:
+        if not isinstance(event, Sample):
+            return
+        message = decode(event.key, event.payload)
+        if isinstance(message, Clock):
+            for fault in self._schedule.due(message):
+                self._carry_out(fault)
+            if self._watch is not None:
+                self._watch(message)
+
+    def wake(self, now: float) -> None:
+        """Nothing is due by the wall clock."""
+
+    def _carry_out(self, fault: ProcessFault) -> None:
+        fleet, robot = self._fleet, fault.robot
+        bus = fleet.robots[robot]
+        if fault.event == "kill":
+            fleet.kill(robot)
+        elif fault.event == "restart":
+            fleet.kill(robot)
+            fleet.start(robot)
+        elif fault.event == "pause" and isinstance(bus.node, RobotNode):
+            self._paused[robot] = bus.node
+            bus.node = None
+        elif fault.event == "resume" and robot in self._paused:
+            bus.node = self._paused.pop(robot)
+            fleet.network.notify(bus)

@@ -1,0 +1,63 @@
+"""How a scenario is run: everything that is not part of the scenario itself."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from deploy.processes.hosts.table import HostsTable
+from protocol.errors import UsageError
+
+Transport = Literal["routed", "mesh", "local"]
+Mode = Literal["lockstep", "realtime"]
+RESTARTS = 3  # of a process that is started again on failure, unless the policy says how many
+_POLICY = re.compile(r"never|on-failure(?::([1-9][0-9]{0,3}))?")
+
+
+def fresh_run_name() -> str:
+    """A run name that no other fleet on this network has."""
+    return f"run-{os.urandom(4).hex()}"
+
+
+def restarts(policy: str) -> int:
+    """How many times a process is started again by the policy `never` or `on-failure[:N]`.
+
+    Raises:
+        UsageError: it is neither.
+    """
+    found = _POLICY.fullmatch(policy)
+    if found is None:
+        raise UsageError(f"--restart {policy}: give never, on-failure, or on-failure:N with N from 1 on")
+    if policy == "never":
+        return 0
+    return int(found[1]) if found[1] else RESTARTS
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Transport, clock and names of a run."""
+
+    transport: Transport = "routed"
+    mode: Mode = "lockstep"
+    router: str | None = None  # endpoint of a router that is already there
+    run: str = field(default_factory=fresh_run_name)
+    secure: Path | None = None  # directory of keys; every link is TLS with certificates then
+    hosts: HostsTable | None = None  # where processes run; all here unless given
+    speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
+    restarts: int = 0  # how many times a process that fails is started again: robot, world or router
+
+    def __post_init__(self) -> None:
+        if self.secure is not None and self.transport != "routed":
+            raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+        if self.restarts and self.transport == "local":
+            raise UsageError("--restart needs processes to start again; --transport local has one for all")
+        if self.hosts is not None and (self.transport != "routed" or self.router is not None):
+            raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether the world waits for every robot."""
+        return self.mode == "lockstep"

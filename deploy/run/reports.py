@@ -1,0 +1,55 @@
+"""The reports of a fleet's runs, as they come in: over the network, and from the world's own process."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from protocol.errors import MessageError
+from world.judge.verdict import VERDICTS
+
+Report = dict[str, Any]
+# What the launcher and its tables rely on in a report.
+_PROMISED = {
+    *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
+    *("path_lengths", "excursions", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
+    *("turn", "ticks", "sim_time", "wall_time", "messages", "missed_commands"),
+}
+
+
+class Reports:
+    """One a turn, in their order, whatever arrives twice.
+
+    Attributes:
+        all: those there are; the list stays the same.
+    """
+
+    def __init__(self, on_report: Callable[[Report], None] | None = None) -> None:
+        """`on_report` is told each as soon as it is there."""
+        self.all: list[Report] = []
+        self._on_report = on_report
+
+    def add(self, text: str) -> None:
+        """Take one, a JSON object, unless its turn has one: a world may tell it, and a later life again.
+
+        Raises:
+            MessageError: it is not JSON, or not what a world reports.
+        """
+        report = _read(text)
+        if any(report["turn"] == other["turn"] for other in self.all):
+            return
+        self.all.append(report)
+        self.all.sort(key=lambda each: int(each["turn"]))
+        if self._on_report is not None:
+            self._on_report(report)
+
+
+def _read(text: str) -> Report:
+    try:
+        report = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise MessageError("shape", f"result: the report is not JSON ({error})") from None
+    if not isinstance(report, dict) or not report.keys() >= _PROMISED or report["verdict"] not in VERDICTS:
+        raise MessageError("shape", f"result: the report lacks one of {', '.join(sorted(_PROMISED))}")
+    return report

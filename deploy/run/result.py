@@ -1,0 +1,112 @@
+"""The result of a run: the world's report joined with what only the launcher knows, and its table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.processes.table import is_router
+from deploy.run.options import RunOptions
+
+Result = dict[str, Any]
+
+_STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
+
+
+def complete(report: Mapping[str, Any], options: RunOptions, processes: list[dict[str, Any]]) -> Result:
+    """The promised result object: report, options, processes and rates."""
+    result = dict(report)
+    wall = float(result.get("wall_time", 0.0))
+    ticks = int(result.get("ticks", 0))
+    result.update(
+        run=options.run,
+        mode=options.mode,
+        transport=options.transport,
+        ticks_per_second=ticks / wall if wall > 0.0 else 0.0,
+        processes=processes,
+    )
+    return result
+
+
+def exit_status(result: Mapping[str, Any]) -> int:
+    """0 arrived, 130 interrupted, 1 any other verdict."""
+    verdict = result["verdict"]
+    if verdict == "arrived":
+        return EXIT_ARRIVED
+    return EXIT_INTERRUPTED if verdict == "interrupted" else EXIT_OTHERWISE
+
+
+def table(result: Mapping[str, Any]) -> RenderableType:
+    """What a person wants to know of a run; aside: how far a robot was from its straight way."""
+    verdict = result["verdict"]
+    headline = Text.assemble(
+        (f"{result['scenario']}: ", "bold"),
+        (verdict, _STYLES.get(verdict, "bold yellow")),
+        f"  {result.get('reason') or ''}",
+    )
+    return Group(headline, _figures(result), _robots(result))
+
+
+def _figures(result: Mapping[str, Any]) -> Table:
+    grid = Table.grid(padding=(0, 3))
+    phi, messages = result["phi"], result["messages"]
+    rejected = sum(messages["rejected"].values())
+    rows = [
+        ("time", f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real"),
+        ("ticks", f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, {result['transport']}"),
+        ("path", f"nrl {_number(result['nrl'], 3)}, tight {_number(result['tight'])}"),
+        ("clearance", f"{_number(result['min_clearance'], 5)} m smallest, {result['collisions']} collisions"),
+        ("phi", f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases"),
+        ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
+        (
+            "messages",
+            f"{messages['published']} published, {messages['received']} received, {rejected} rejected",
+        ),
+        ("missed", f"{result['missed_commands']} commands"),
+        ("trajectory", result["trajectory_sha256"] or "-"),
+    ]
+    for name, value in rows:
+        grid.add_row(Text(name, style="dim"), value)
+    return grid
+
+
+def _robots(result: Mapping[str, Any]) -> Table:
+    listing = Table(box=None, padding=(0, 1), header_style="dim")
+    for column in (
+        "robot",
+        "arrived",
+        "path, m",
+        "aside, m",
+        "pid",
+        "restarts",
+        "cpu, s",
+        "memory, MB",
+        "exit",
+    ):
+        listing.add_column(column, justify="right", no_wrap=True)
+    processes = {process["name"]: process for process in result["processes"]}
+    for robot in result["robots"]:
+        row = processes.get(f"robot-{robot}", {})
+        arrived = "yes" if robot in result["arrived"] else "no"
+        ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "excursions")]
+        listing.add_row(str(robot), arrived, *ways, *_process_cells(row))
+    for name, row in processes.items():
+        if name == "world" or is_router(name):
+            listing.add_row(name, "", "", "", *_process_cells(row))
+    return listing
+
+
+def _process_cells(row: Mapping[str, Any]) -> list[str]:
+    if not row:
+        return ["-"] * 5
+    cells = (row["pid"], row["restarts"], f"{row['cpu_s']:.2f}", f"{row['max_rss_mb']:.0f}", row["exit_code"])
+    return ["" if cell is None else str(cell) for cell in cells]
+
+
+def _number(value: float | None, digits: int = 2) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

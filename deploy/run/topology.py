@@ -1,0 +1,66 @@
+"""Who connects to whom: everybody to one router, or everybody to everybody."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from deploy.processes.hosts.topology import MultiHost
+from deploy.security.membership import Membership
+from deploy.security.roster import MONITOR, WORLD, robot_role
+from protocol.bus.connection import Connection
+
+
+@dataclass(frozen=True)
+class Routed:
+    """All are clients of the router at `endpoint`, each with what proves its role."""
+
+    endpoint: str
+    membership: Membership = field(default_factory=Membership)
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return self.membership.client(WORLD, (self.endpoint,))
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection."""
+        return self.membership.client(robot_role(robot), (self.endpoint,))
+
+    def observer(self) -> Connection:
+        """Connection of somebody who only watches."""
+        return self.membership.client(MONITOR, (self.endpoint,))
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """All are peers with a link of their own to each other, over Unix sockets in `folder`.
+
+    Sockets are files named after who listens, so no two fleets and no other program can take one.
+    Each listens, and connects to those before it: the world, then robots by id.
+    """
+
+    folder: Path
+    robots: tuple[int, ...]
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return Connection("peer", listen=(self._endpoint("world"),))
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection."""
+        before = ["world", *(str(other) for other in self.robots if other < robot)]
+        return Connection("peer", connect=self._endpoints(before), listen=(self._endpoint(str(robot)),))
+
+    def observer(self) -> Connection:
+        """Connection of somebody who only watches: to everybody, and nobody connects to it."""
+        return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
+
+    def _endpoints(self, names: Iterable[str]) -> tuple[str, ...]:
+        return tuple(self._endpoint(name) for name in names)
+
+    def _endpoint(self, name: str) -> str:
+        return f"unixsock-stream/{self.folder / name}"
+
+
+Topology = Routed | Mesh | MultiHost

@@ -1,0 +1,117 @@
+"""One run within this process, watched: its report, and where everybody was."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from agents.node import RobotNode
+from deploy.run.local import LocalFleet
+from deploy.studies.falsify.runs.exposure import Sides
+from deploy.studies.falsify.runs.skipped_waits import skipped_waits
+from deploy.studies.falsify.runs.violation import Violation, raised, violations
+from protocol.bus.events import Event, Sample
+from protocol.codec import decode
+from protocol.keys import robot_key, world_key
+from protocol.messages import Clock, Command, Truth
+from protocol.scenario.model import Scenario
+
+PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner
+_CUT = "interrupted"  # verdict of a run that is not waited for
+_GRACE = 0.01  # s after the verdict for those to report who can
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What came of a run; no report if an exception ended it."""
+
+    report: dict[str, Any] | None
+    truths: list[Truth]
+    sides: list[Sides]
+    violations: list[Violation]
+
+    @property
+    def trajectory(self) -> str:
+        """Digest of the trajectory, empty if there is none."""
+        return "" if self.report is None else str(self.report["trajectory_sha256"])
+
+
+class Watch:
+    """Hears the truth, looks at the lines that robots keep to, and ends a run once it is judged.
+
+    A world waits some seconds for the last reports of robots that the scenario has stopped; nobody
+    needs them here.
+    """
+
+    def __init__(self) -> None:
+        self.finished = False
+        self.truths: list[Truth] = []
+        self.sides: list[Sides] = []
+        self.deadline = inf
+        self._judged = False
+
+    def begin(self, fleet: LocalFleet) -> None:
+        """The run of this fleet begins now."""
+        self._fleet = fleet
+        bus = self._bus = fleet.network.connect()
+        run = fleet.run
+        bus.subscribe(world_key(run, "truth"), world_key(run, "clock"))
+        bus.subscribe(*[robot_key(run, robot, "command") for robot in fleet.robots])
+        bus.node = self
+        self.deadline = time.monotonic() + PATIENCE
+
+    def handle(self, event: Event) -> None:
+        if not isinstance(event, Sample):
+            return
+        message = decode(event.key, event.payload)
+        if isinstance(message, Truth):
+            self.truths.append(message)
+        elif isinstance(message, Command):
+            self._look(message)
+        elif isinstance(message, Clock) and message.verdict and not self._judged:
+            self._judged, self.deadline = True, time.monotonic() + _GRACE
+
+    def _look(self, command: Command) -> None:
+        """Note what the robot that has just commanded keeps to."""
+        node = self._fleet.robots[command.robot].node
+        if isinstance(node, RobotNode) and node.core is not None and node.core.tick == command.tick:
+            self.sides.append((command.tick, command.robot, node.core.health(0, 0, {}).lines))
+
+    def wake(self, now: float) -> None:  # noqa: ARG002
+        self.deadline = inf
+        self.finished = True
+
+    def hear_out(self) -> None:
+        """Take in what was said at the end."""
+        self._bus.drain()
+
+    def enough(self) -> bool:
+        """Whether nobody need wait any longer."""
+        return self.finished or time.monotonic() > self.deadline
+
+
+def observe(scenario: Scenario, joining: Sequence[int] | None = None) -> Observation:
+    """Run a scenario (k a number); `joining` is the order in which robots join, of their ids unless given."""
+    watch = Watch()
+    with skipped_waits():
+        try:
+            report = _run(scenario, joining, watch)
+        except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
+            return Observation(None, watch.truths, watch.sides, [raised(error)])
+    found = violations(report)
+    if report["verdict"] == _CUT:
+        found.append(Violation("endless", report["reason"]))
+    return Observation(report, watch.truths, watch.sides, found)
+
+
+def _run(scenario: Scenario, joining: Sequence[int] | None, watch: Watch) -> dict[str, Any]:
+    fleet = LocalFleet([scenario], joining=joining)
+    watch.begin(fleet)
+    fleet.network.run(lambda: fleet.world.finished or watch.enough())
+    fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
+    watch.hear_out()
+    (report,) = fleet.world.reports
+    return report

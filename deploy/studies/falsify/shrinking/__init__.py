@@ -1,0 +1,1 @@
+"""From a scenario that shows something to the smallest that still does."""

@@ -1,0 +1,127 @@
+"""The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
+
+Run `python -m deploy.studies.paper.auto_k` to measure again and rewrite docs/auto-k.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from deploy.studies.paper.instances import random_instance
+from deploy.theory.exact_flow import integrate
+from deploy.theory.reachability import mirrored_triples
+from protocol.draws import Purpose, generator
+
+ROBOTS = (3, 4, 6, 8, 12, 16, 24, 32)
+DENSITIES = (0.10, 0.20, 0.30, 0.35)
+RATIOS = (1.0, 2.0)
+FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
+MARKER = "<!-- measured -->"
+REPORT = Path(__file__).parents[3] / "docs" / "auto-k.md"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One cell: `runs` instances that are not provably unreachable, how many arrived, mean nrl of those."""
+
+    robots: int
+    density: float
+    ratio: float
+    factor: float
+    k: float
+    runs: int
+    arrived: int
+    nrl: float
+    unreachable: int
+    failed: tuple[int, ...]  # numbers of the instances that did not arrive
+
+
+def auto_k_study(
+    robots: Sequence[int] = ROBOTS,
+    densities: Sequence[float] = DENSITIES,
+    ratios: Sequence[float] = RATIOS,
+    factors: Sequence[float] = FACTORS,
+    *,
+    runs: int = 40,
+    seed: int = 0,
+) -> Iterator[Row]:
+    """Rows of the study, cell by cell; the same arguments give the same instances and rows."""
+    for p, density, ratio, factor in product(robots, densities, ratios, factors):
+        yield _cell(p, density, ratio, factor, range(seed, seed + runs))
+
+
+def _cell(p: int, density: float, ratio: float, factor: float, instances: range) -> Row:
+    nrl, gains, failed, unreachable = [], [], [], 0
+    for number in instances:
+        draw = generator(number, Purpose.STUDY, robot=p)
+        problem, start = random_instance(draw, p, density, ratio)
+        if mirrored_triples(problem, start):
+            unreachable += 1
+            continue
+        gains.append(factor * problem.k)
+        flow = integrate(replace(problem, k=gains[-1]), start)
+        if flow.arrived:
+            nrl.append(flow.nrl)
+        else:
+            failed.append(number)
+    mean = float(np.mean(nrl)) if nrl else float("nan")
+    k = float(np.mean(gains)) if gains else float("nan")
+    return Row(p, density, ratio, factor, k, len(gains), len(nrl), mean, unreachable, tuple(failed))
+
+
+def _entry(rows: Sequence[Row]) -> str:
+    """arrived/runs and mean nrl over several cells."""
+    runs, arrived = sum(row.runs for row in rows), sum(row.arrived for row in rows)
+    lengths = [row.nrl for row in rows if row.arrived]
+    return f"{arrived}/{runs}, {np.mean(lengths):.2f}" if lengths else f"{arrived}/{runs}"
+
+
+def _table(rows: Sequence[Row], axis: str) -> list[str]:
+    """Markdown: one line per value of `axis`, one column per density."""
+    densities = sorted({row.density for row in rows})
+    lines = [f"| {axis} \\ density | " + " | ".join(f"{d:g}" for d in densities) + " |"]
+    lines += ["|---" * (len(densities) + 1) + "|"]
+    for value in sorted({getattr(row, axis) for row in rows}):
+        cells = [[r for r in rows if (getattr(r, axis), r.density) == (value, d)] for d in densities]
+        lines.append(f"| {value:g} | " + " | ".join(map(_entry, cells)) + " |")
+    return [*lines, ""]
+
+
+def summary(rows: Sequence[Row]) -> str:
+    """Markdown: factor by density over all numbers of robots, then robots by density at the rule itself."""
+    rule = [row for row in rows if row.factor == 1.0]
+    skipped = sum(row.unreachable for row in rule)
+    failed = [
+        f"{r.robots} robots, density {r.density:g}, ratio {r.ratio:g}: {r.failed}" for r in rule if r.failed
+    ]
+    lines = ["Arrived / instances, mean nrl; k in multiples (factor) of the rule:", ""]
+    lines += _table(rows, "factor")
+    lines += ["At the rule itself (factor 1):", ""]
+    lines += _table(rule, "robots")
+    lines += [f"At the rule: {_entry(rule)} over all. Provably unreachable, left out: {skipped}."]
+    lines += ["Instances that did not arrive at the rule's k: " + ("; ".join(failed) or "none") + "."]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Measure, and print the tables or put them into docs/auto-k.md below its marker."""
+    parser = argparse.ArgumentParser(prog="python -m deploy.studies.paper.auto_k", description=__doc__)
+    parser.add_argument("--runs", type=int, default=40, help="instances per cell")
+    parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")
+    options = parser.parse_args()
+    tables = summary(list(auto_k_study(runs=options.runs)))
+    if options.write:
+        head = REPORT.read_text().split(MARKER)[0]
+        REPORT.write_text(head + MARKER + "\n\n" + tables)
+    else:
+        print(tables)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+"""The k below which other minima catch the exact flow, for the goal sets of figure 3.
+
+Run `python -m deploy.studies.paper.smallest_k` to print the table of docs/theory.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from deploy.library import figure_3, random_starts, tightness
+from deploy.library.figures import RADIUS, WORKSPACE
+from deploy.theory.exact_flow import integrate
+from deploy.theory.function import Problem
+from deploy.theory.gain.threshold import arrival_threshold
+
+
+@dataclass(frozen=True)
+class Row:
+    """fails: largest k tried at which a start did not arrive; arrives: smallest at which all did."""
+
+    goal_set: str
+    tight: float
+    fails: float
+    arrives: float
+    nrl_mean: float
+    nrl_std: float
+
+
+def smallest_k_study(letters: str = "abcde", runs: int = 30, gain: float = 60.0) -> Iterator[Row]:
+    """One row per goal set: the threshold, and nrl of the same starts at k = `gain`."""
+    starts = [np.array(random_starts([RADIUS] * 6, WORKSPACE, seed)) for seed in range(runs)]
+    for letter in letters:
+        goals = [robot.goal for robot in figure_3(letter).robots]
+        problem = Problem(np.array(goals), np.full(6, RADIUS), WORKSPACE, gain)
+        fails, arrives = arrival_threshold(problem, starts, 1.0, gain)
+        lengths = [integrate(problem, start).nrl for start in starts]
+        mean, deviation = float(np.mean(lengths)), float(np.std(lengths))
+        yield Row(letter, tightness(goals, [RADIUS] * 6), fails, arrives, mean, deviation)
+
+
+def main() -> None:
+    """Print the table as Markdown."""
+    print("| goal set | tight | some start fails at k | all arrive from k | nrl at k = 60 |")
+    print("|---|---|---|---|---|")
+    for row in smallest_k_study():
+        entries = (f"{row.tight:.2f}", f"{row.fails:.1f}", f"{row.arrives:.1f}")
+        print(
+            f"| 3{row.goal_set} | {' | '.join(entries)} | {row.nrl_mean:.2f} ± {row.nrl_std:.2f} |",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

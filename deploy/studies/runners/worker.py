@@ -1,0 +1,109 @@
+"""A worker of a study: a process that is sent batches of runs and sends back their results.
+
+In-process runs follow each other in the worker itself. On real processes a batch is one fleet whose
+processes go from run to run, so that only the first run pays for starting them.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection as Channel
+from typing import Any
+
+import psutil
+
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
+from deploy.run.result import complete
+from deploy.studies.runners.metered import MeteredFleet
+from deploy.studies.study import Build, Run
+from protocol.errors import ProcessError
+
+Result = dict[str, Any]
+Job = tuple[Run, Build]
+Send = Callable[[Run, Result], None]
+Batch = Sequence[tuple[Run, Any]]  # runs, each with what `Perform` needs of it
+Perform = Callable[[Batch, Send], None]
+
+FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result
+# Of a result, which says more than a study needs:
+# fmt: off
+KEPT = (
+    "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
+    "nrl", "tight", "k", "robots", "ticks", "sim_time", "wall_time",
+    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "robots_cpu_s",
+    "max_rss_mb", "processes",
+)
+# fmt: on
+
+
+def work(channel: Channel[Any, Any], perform: Perform) -> None:
+    """Serve batches until the other end is gone. The parent alone decides what a Ctrl-C means."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+    def send(run: Run, result: Result) -> None:
+        channel.send((run, result))
+
+    try:
+        while True:
+            batch: list[Any] = channel.recv()
+            perform(batch, send)
+            channel.send(None)
+    except (EOFError, BrokenPipeError):
+        return
+
+
+def kept(result: Result) -> Result:
+    """What a study needs of a result."""
+    return {name: result[name] for name in KEPT if name in result}
+
+
+def execute(batch: Sequence[Job], send: Send) -> None:
+    """Run a batch: all on one transport, and with the same robot ids unless it is in-process.
+
+    Raises:
+        ProcessError: a fleet ended before its last run.
+    """
+    if batch[0][0].transport == "local":
+        for run, build in batch:
+            send(run, kept(_in_process(run, build)))
+    else:
+        _on_fleet(batch, send)
+
+
+def _in_process(run: Run, build: Build) -> Result:
+    began = time.thread_time()
+    try:
+        fleet = MeteredFleet([build(run.seed)])
+        (report,) = fleet.execute()
+    except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
+        return {"seed": run.seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
+    result = complete(report, RunOptions("local"), [])
+    result["cpu_s"] = time.thread_time() - began
+    result["robots_cpu_s"] = fleet.robots_cpu()
+    result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
+    return result
+
+
+def _on_fleet(batch: Sequence[Job], send: Send) -> None:
+    options = RunOptions(batch[0][0].transport)
+    waiting = iter([run for run, _ in batch])
+    alone = len(batch) == 1  # then what its processes cost belongs to it
+
+    def on_report(report: Result) -> None:
+        if not alone:
+            send(next(waiting), kept(complete(report, options, [])))
+
+    with Fleet([build(run.seed) for run, build in batch], options, on_report=on_report) as fleet:
+        reports = fleet.execute()
+        processes = fleet.processes()
+    if len(reports) < len(batch):
+        done = f"{len(reports)} of {len(batch)} runs"
+        raise ProcessError(f"the fleet ended after {done}: {reports[-1]['reason']}")
+    if alone:
+        send(batch[0][0], kept(complete(reports[0], options, processes)))

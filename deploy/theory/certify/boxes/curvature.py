@@ -1,0 +1,234 @@
+"""The curvature test: one direction in which phi falls at every critical point that a box may hold.
+
+The midpoint's most negative eigenvector v is corrected to v - W z with interval z so that it is exactly
+orthogonal to grad beta_q of every stiff q, whatever b in the box: z solves (A W) z = A v, A the rows
+grad beta_q / 2 over the box. The quadratic form is then bounded from above over box and z.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.theory.certify.boxes.eigen import lowest, solve_into
+from deploy.theory.certify.boxes.intervals import Interval, add, down, middle, mul, square, sub, up
+from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.scene import Box, Derived, Scene
+from deploy.theory.certify.boxes.turning import stiffness
+
+Array = NDArray[np.float64]
+
+# Choices; none bears on what is proven.
+_STIFF = 1e4  # weight of a stiff contact where the direction is sought
+_SOFT = 0.1  # what a contact may add to the form, by its distance's spread, and still be left uncorrected
+
+
+@compiled
+def falls(scene: Scene, box: Box, out: Derived) -> bool:
+    """Whether negative curvature is shown for the whole box."""
+    n, factors = len(scene.goals), len(scene.first)
+    chosen = np.zeros(factors, dtype=np.int64)
+    count = 0
+    for q in range(factors):
+        if stiffness(box, out, n, q) * _width(scene, box, q) ** 2 > _SOFT and count < n - 1:
+            chosen[count] = q
+            count += 1
+    stiff = chosen[:count]
+    v = np.zeros(n)
+    if not _direction(scene, box, out, stiff, v):
+        return False
+    field = np.empty((n, 2))
+    if not corrected(scene, box, out, stiff, v, field):
+        return False
+    return form(scene, box, out, stiff, field) < 0.0
+
+
+@compiled
+def _width(scene: Scene, box: Box, q: int) -> float:
+    i, j = scene.first[q], scene.second[q]
+    width = 0.0
+    for a in range(2):
+        width = max(width, box[2 * i + a, 1] - box[2 * i + a, 0])
+        if j >= 0:
+            width = max(width, box[2 * j + a, 1] - box[2 * j + a, 0])
+    return width
+
+
+@compiled
+def _among(stiff: NDArray[np.int64], q: int) -> bool:
+    found = False
+    for each in stiff:
+        found = found or each == q
+    return found
+
+
+@compiled
+def _weight(box: Box, row: int) -> float:
+    """A likely lambda."""
+    return middle((box[row, 0], box[row, 1])) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
+
+
+@compiled
+def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
+    """grad beta_q / 2 at the midpoint."""
+    i, j = scene.first[q], scene.second[q]
+    row[:] = 0.0
+    for a in range(2):
+        own = middle((box[2 * i + a, 0], box[2 * i + a, 1]))
+        if j < 0:
+            row[2 * i + a] = -own
+        else:
+            other = middle((box[2 * j + a, 0], box[2 * j + a, 1]))
+            row[2 * i + a] = own - other
+            row[2 * j + a] = other - own
+
+
+@compiled
+def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array) -> bool:
+    """The most negative eigenvector of the midpoint's H / 2, stiff contacts made much stiffer."""
+    n, factors = len(scene.goals), len(scene.first)
+    form = np.zeros((n, n))
+    row = np.empty(n)
+    for i in range(n):
+        form[i, i] = 1.0
+    largest = 1.0
+    for q in range(factors):
+        i, j = scene.first[q], scene.second[q]
+        weight = _weight(box, n + q)
+        largest = max(largest, weight)
+        for a in range(2):
+            if j < 0:
+                form[2 * i + a, 2 * i + a] += weight
+            else:
+                form[2 * i + a, 2 * i + a] -= weight
+                form[2 * j + a, 2 * j + a] -= weight
+                form[2 * i + a, 2 * j + a] += weight
+                form[2 * j + a, 2 * i + a] += weight
+    for q in range(factors):
+        _gradient(scene, box, q, row)
+        size = 0.0
+        for a in range(n):
+            size += row[a] * row[a]
+        if size == 0.0:
+            continue
+        most = _STIFF * largest / size
+        bend = 2.0 * _weight(box, n + q) / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
+        bend = most if _among(stiff, q) else min(bend, most)
+        _add_square(form, row, bend)
+    return lowest(form, v) < 0.0
+
+
+@compiled
+def _add_square(form: Array, row: Array, weight: float) -> None:
+    """form + weight row row^T."""
+    for a in range(len(row)):
+        for c in range(len(row)):
+            form[a, c] += weight * row[a] * row[c]
+
+
+@compiled
+def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array, field: Array) -> bool:
+    """Enclose v - W z, W the midpoint's gradients; False when z cannot be enclosed."""
+    n, count = len(scene.goals), len(stiff)
+    for row in range(n):
+        field[row] = v[row], v[row]
+    if count == 0:
+        return True
+    basis, gram = np.empty((count, n)), np.zeros((count, count))
+    for r in range(count):
+        _gradient(scene, box, stiff[r], basis[r])
+        for c in range(r + 1):
+            for row in range(n):
+                gram[r, c] += basis[r, row] * basis[c, row]
+            gram[c, r] = gram[r, c]
+    inverse = np.empty((count, count))
+    if not solve_into(gram, inverse):
+        return False
+    spread = np.empty((count, 2))
+    if not _enclose_solution(scene, out, stiff, v, basis, inverse, spread):
+        return False
+    for row in range(n):
+        value = (v[row], v[row])
+        for r in range(count):
+            value = sub(value, mul((basis[r, row], basis[r, row]), (spread[r, 0], spread[r, 1])))
+        field[row] = value
+    return True
+
+
+@compiled
+def _along(scene: Scene, out: Derived, q: int, v: Array) -> Interval:
+    """(grad beta_q / 2) . v over the box, for a fixed v."""
+    i, j = scene.first[q], scene.second[q]
+    total = (0.0, 0.0)
+    for a in range(2):
+        turn = (v[2 * i + a], v[2 * i + a])
+        if j >= 0:
+            turn = sub(turn, (v[2 * j + a], v[2 * j + a]))
+        total = add(total, mul((out.apart[q, a, 0], out.apart[q, a, 1]), turn))
+    return total if j >= 0 else (-total[1], -total[0])
+
+
+@compiled
+def _enclose_solution(
+    scene: Scene,
+    out: Derived,
+    stiff: NDArray[np.int64],
+    v: Array,
+    basis: Array,
+    inverse: Array,
+    spread: Array,
+) -> bool:
+    """Enclose every z with (A W) z = A v, by C close to (A W)^-1 and |I - C A W| <= e < 1, maximum norm."""
+    count = len(stiff)
+    right = np.empty((count, 2))
+    matrix = np.empty((count, count, 2))
+    for r in range(count):
+        right[r] = _along(scene, out, stiff[r], v)
+        for c in range(count):
+            matrix[r, c] = _along(scene, out, stiff[r], basis[c])
+    excess, reach = 0.0, 0.0
+    for r in range(count):
+        value, off = (0.0, 0.0), 0.0
+        for c in range(count):
+            value = add(value, mul((inverse[r, c], inverse[r, c]), (right[c, 0], right[c, 1])))
+            entry = (-1.0, -1.0) if r == c else (0.0, 0.0)
+            for k in range(count):
+                entry = add(entry, mul((inverse[r, k], inverse[r, k]), (matrix[k, c, 0], matrix[k, c, 1])))
+            off = up(off + max(abs(entry[0]), abs(entry[1])))
+        spread[r] = value
+        excess = max(excess, off)
+        reach = max(reach, abs(value[0]), abs(value[1]))
+    if not excess < 0.9:
+        return False
+    # z = C A v + (I - C A W) z, hence |z| <= reach / (1 - excess) and |z - C A v| <= excess |z|.
+    error = up(excess * up(reach / down(1.0 - excess)))
+    for r in range(count):
+        spread[r, 0] = down(spread[r, 0] - error)
+        spread[r, 1] = up(spread[r, 1] + error)
+    return True
+
+
+@compiled
+def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: Array) -> float:
+    """Upper bound of v^T H v / 2 over the box, for every v in `field` orthogonal to the stiff gradients."""
+    n, factors = len(scene.goals), len(scene.first)
+    total = 0.0
+    for row in range(n):
+        total = up(total + square((field[row, 0], field[row, 1]))[1])
+    for q in range(factors):
+        i, j = scene.first[q], scene.second[q]
+        speed, along = (0.0, 0.0), (0.0, 0.0)
+        for a in range(2):
+            turn = (field[2 * i + a, 0], field[2 * i + a, 1])
+            if j >= 0:
+                turn = sub(turn, (field[2 * j + a, 0], field[2 * j + a, 1]))
+            speed = add(speed, square(turn))
+            along = add(along, mul((out.apart[q, a, 0], out.apart[q, a, 1]), turn))
+        if j < 0:
+            total = up(total + up(box[n + q, 1] * speed[1]))
+        else:
+            total = up(total - down(box[n + q, 0] * max(0.0, speed[0])))
+        bend = square(along)[1]
+        if bend > 0.0 and not _among(stiff, q):
+            total = up(total + up(2.0 * up(stiffness(box, out, n, q) * bend)))
+    return total

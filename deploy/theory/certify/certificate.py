@@ -1,0 +1,249 @@
+"""The certificate and its file: goals, and for each range of k the branching that proves it.
+
+A JSON document. `slabs` go from large k downwards: the first covers every k from its own on, each other
+one those from its own up to the one before. `branching` is base64 of zlib of one byte a node in preorder:
+255 no critical point, 254 descent all over the box, else the row of the box that was halved. `digest`
+guards the file against damage, not against forgery: what it claims is for `deploy.theory.certify.verifier` to
+check.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+import os
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from deploy.theory.certify.frontier import Frontier, Open
+from deploy.theory.function import Problem
+from protocol.errors import DocumentError
+from protocol.errors import Problem as Fault
+from protocol.scenario.model import Scenario
+
+FORMAT = "disknav certificate 1"
+SUFFIX = ".certificate.json"
+
+
+class ProofError(DocumentError):
+    """A certificate is damaged, belongs to other goals, or does not prove what it claims."""
+
+
+class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is certified, in order of robot id; m."""
+
+    goals: tuple[tuple[float, float], ...]
+    radii: tuple[float, ...]
+    workspace: float
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Goals:
+        """The goals of a scenario."""
+        specs = [scenario.spec(robot) for robot in scenario.ids]
+        goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)
+        return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.radius))
+
+    @property
+    def problem(self) -> Problem:
+        """As the mathematics takes it; k does not matter."""
+        return Problem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the goals, radii and workspace, as doubles."""
+        numbers = [*(x for goal in self.goals for x in goal), *self.radii, self.workspace]
+        return hashlib.sha256(np.array(numbers, dtype="<f8").tobytes()).hexdigest()
+
+
+class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Proven: every k from `k` up to the slab before. boxes: nodes of the branching; seconds: it took."""
+
+    k: float
+    boxes: int
+    seconds: float
+    branching: str
+
+    @property
+    def nodes(self) -> bytes:
+        """One byte a node."""
+        return _unpacked(self.branching)
+
+
+class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Finished nodes, or one open box (rows by bounds, little-endian doubles) and its level."""
+
+    branching: str = ""
+    box: str = ""
+    level: int = 0
+
+
+class Unfinished(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A slab that was interrupted."""
+
+    k: float
+    boxes: int
+    seconds: float
+    parts: tuple[Part, ...]
+
+
+class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The file."""
+
+    format: str
+    scenario: str
+    goals: Goals
+    slabs: tuple[Slab, ...]
+    unfinished: Unfinished | None
+    digest: str
+
+
+@dataclass
+class Certificate:
+    """What is proven so far for one set of goals, and what was interrupted."""
+
+    goals: Goals
+    scenario: str = ""
+    slabs: list[Slab] = field(default_factory=list)
+    k: float | None = None  # of the frontier
+    frontier: Frontier | None = None
+    seconds: float = 0.0  # spent on the frontier
+
+    @property
+    def proven(self) -> float | None:
+        """The smallest K proven: for every k >= K the goal is the only minimum. None: nothing is yet."""
+        return self.slabs[-1].k if self.slabs else None
+
+    @property
+    def boxes(self) -> int:
+        """Nodes of all finished slabs."""
+        return sum(slab.boxes for slab in self.slabs)
+
+    @property
+    def time(self) -> float:
+        """Processor seconds that the finished slabs took."""
+        return sum(slab.seconds for slab in self.slabs)
+
+    def begin(self, k: float, frontier: Frontier) -> None:
+        """Open the next slab, down to k."""
+        self.k, self.frontier, self.seconds = k, frontier, 0.0
+
+    def finish(self) -> None:
+        """The frontier has nothing open: its slab is proven."""
+        assert self.frontier is not None
+        assert self.k is not None
+        assert not self.frontier.open
+        branching = self.frontier.branching
+        slab = Slab(self.k, len(branching), round(self.seconds, 3), _packed(branching))
+        self.k, self.frontier, self.seconds = None, None, 0.0  # first: Ctrl-C may then lose it, not double it
+        self.slabs.append(slab)
+
+    def kappa(self, k: float) -> tuple[float, float]:
+        """1/k from the slab before down to k, rounded outward."""
+        before = 0.0 if self.proven is None else math.nextafter(1.0 / self.proven, 0.0)
+        return before, math.nextafter(1.0 / k, math.inf)
+
+
+def path_for(scenario: str) -> Path:
+    """Where the certificate of a scenario file lies (beside it), or of a library name (here)."""
+    path = Path(scenario)
+    return path.with_name(path.stem + SUFFIX) if path.is_file() else Path(scenario + SUFFIX)
+
+
+def stored(name: str, scenario: Scenario) -> Certificate | None:
+    """The certificate of a scenario that goes by `name`, None when there is none.
+
+    Raises:
+        ProofError: it is damaged, or of other goals.
+    """
+    path = path_for(name)
+    return fetch(path, Goals.of(scenario)) if path.exists() else None
+
+
+def store(certificate: Certificate, path: Path) -> None:
+    """Write the file at once or not at all."""
+    document = _document(certificate)
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        scratch.write_bytes(msgspec.json.format(msgspec.json.encode(document), indent=1) + b"\n")
+        scratch.replace(path)
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def fetch(path: Path, goals: Goals | None = None) -> Certificate:
+    """Read a certificate; with `goals`, only one that is theirs.
+
+    Raises:
+        ProofError: it cannot be read, is damaged, or belongs to other goals.
+    """
+    try:
+        document = msgspec.json.decode(path.read_bytes(), type=Document)
+        if document.format != FORMAT:
+            raise _refused(path, "format", f"is {document.format!r}, not {FORMAT!r}")
+        if document.digest != _digest(document):
+            raise _refused(path, "digest", "does not fit the contents: the file is damaged")
+        certificate = _certificate(document)
+    except OSError as error:
+        raise _refused(path, "", f"cannot be read: {error.strerror}") from error
+    except (msgspec.MsgspecError, ValueError, zlib.error) as error:
+        raise _refused(path, "", f"is no certificate: {error}") from error
+    if goals is not None and certificate.goals.digest != goals.digest:
+        raise _refused(path, "goals", "are other goals, radii or workspace than the scenario's")
+    return certificate
+
+
+def _refused(path: Path, where: str, text: str) -> ProofError:
+    return ProofError(str(path), [Fault(where, text)])
+
+
+def _document(certificate: Certificate) -> Document:
+    unfinished = None
+    if certificate.frontier is not None and certificate.k is not None:
+        parts = tuple(_part(part) for part in certificate.frontier.parts)
+        unfinished = Unfinished(certificate.k, certificate.frontier.nodes, certificate.seconds, parts)
+    document = Document(
+        FORMAT, certificate.scenario, certificate.goals, tuple(certificate.slabs), unfinished, ""
+    )
+    return msgspec.structs.replace(document, digest=_digest(document))
+
+
+def _digest(document: Document) -> str:
+    return hashlib.sha256(msgspec.json.encode(msgspec.structs.replace(document, digest=""))).hexdigest()
+
+
+def _part(part: bytes | Open) -> Part:
+    if isinstance(part, bytes):
+        return Part(branching=_packed(part))
+    return Part(box=_packed(part.box.astype("<f8").tobytes()), level=part.level)
+
+
+def _certificate(document: Document) -> Certificate:
+    ks = [slab.k for slab in document.slabs]
+    if any(not 0.0 < after < before for before, after in zip([math.inf, *ks], ks, strict=False)):
+        raise ValueError("the slabs do not go downwards")
+    if not document.goals.goals or len(document.goals.goals) != len(document.goals.radii):
+        raise ValueError("as many radii as goals are needed")
+    certificate = Certificate(document.goals, document.scenario, list(document.slabs))
+    if document.unfinished is not None:
+        held = document.unfinished
+        parts = [_unpacked(part.branching) if not part.box else _open(part) for part in held.parts]
+        frontier = Frontier(certificate.kappa(held.k), list(parts), held.boxes)
+        certificate.k, certificate.frontier, certificate.seconds = held.k, frontier, held.seconds
+    return certificate
+
+
+def _open(part: Part) -> Open:
+    return Open(np.frombuffer(_unpacked(part.box), dtype="<f8").reshape(-1, 2).copy(), part.level)
+
+
+def _packed(data: bytes) -> str:
+    return base64.b64encode(zlib.compress(data, 9)).decode()
+
+
+def _unpacked(text: str) -> bytes:
+    return zlib.decompress(base64.b64decode(text, validate=True))

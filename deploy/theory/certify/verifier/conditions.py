@@ -1,0 +1,265 @@
+"""What every critical point but the goal satisfies, and what a minimum does, asked of a box in Arb.
+
+The equations are those of `deploy.theory.certify.boxes`, written anew from docs/theory.md: the two share
+notation and the order of rows, but no code.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+from flint import arb
+
+from deploy.theory.certify.certificate import Goals
+from deploy.theory.certify.verifier.balls import (
+    INFINITE,
+    ONE,
+    ZERO,
+    Ends,
+    add,
+    exact,
+    mul,
+    narrow,
+    negative,
+    over,
+    rests,
+    scale,
+    square,
+    sub,
+)
+
+Rows = list[list[arb]]
+
+
+class Conditions:
+    """One box: rows of (b, lambda, kappa), narrowed in place."""
+
+    def __init__(self, goals: Goals, rows: Rows) -> None:
+        self.goals, self.rows = goals, rows
+        p = self.p = len(goals.radii)
+        self.n = 2 * p
+        self.factors: list[tuple[int, int]] = [*combinations(range(p), 2), *((i, -1) for i in range(p))]
+        self.contact = [_contact(goals, i, j) for i, j in self.factors]
+        self.g = [arb(x) for goal in goals.goals for x in goal]
+
+    def b(self, row: int) -> Ends:
+        """A coordinate."""
+        low, high = self.rows[row]
+        return low, high
+
+    def weight(self, q: int) -> Ends:
+        """lambda_q."""
+        return self.b(self.n + q)
+
+    def derive(self) -> bool:
+        """y, gamma, s, d, beta from b; lambda from beta and back. False: nothing in the box."""
+        self.y = [sub(self.b(row), (g, g)) for row, g in enumerate(self.g)]
+        gamma = (ZERO, ZERO)
+        for y in self.y:
+            gamma = add(gamma, square(y))
+        self.gamma = gamma
+        self.s = scale(gamma, self.b(len(self.rows) - 1))
+        self.d: list[list[Ends]] = []
+        self.beta: list[Ends] = []
+        return all(self._derive(q, i, j) for q, (i, j) in enumerate(self.factors))
+
+    def _derive(self, q: int, i: int, j: int) -> bool:
+        d = [self.b(2 * i + a) if j < 0 else sub(self.b(2 * i + a), self.b(2 * j + a)) for a in (0, 1)]
+        far = add(square(d[0]), square(d[1]))
+        beta = [*(sub(self.contact[q], far) if j < 0 else sub(far, self.contact[q]))]
+        if not narrow(beta, (ZERO, INFINITE)):
+            return False
+        row = self.rows[self.n + q]
+        if not narrow(row, _quotient(self.s, beta)) or not narrow(beta, _quotient(self.s, row)):
+            return False
+        self.d.append(d)
+        self.beta.append((beta[0], beta[1]))
+        return True
+
+    def distances(self) -> bool:
+        """Narrow b to distances that beta allows."""
+        for q, (i, j) in enumerate(self.factors):
+            far = sub(self.contact[q], self.beta[q]) if j < 0 else add(self.contact[q], self.beta[q])
+            d = self.d[q]
+            for a in (0, 1):
+                rest = sub(far, square(d[1 - a]))
+                if rest[1] < 0:
+                    return False
+                most = rest[1].upper().sqrt()
+                least = rest[0].sqrt() if rest[0] > 0 else ZERO
+                new = [*d[a]]
+                if not narrow(new, (-most, most)):
+                    return False
+                if new[0] > -least and not narrow(new, (least, INFINITE)):
+                    return False
+                if new[1] < least and not narrow(new, (-INFINITE, -least)):
+                    return False
+                d[a] = new[0], new[1]
+                one, two = 2 * i + a, 2 * j + a
+                if j < 0:
+                    narrow(self.rows[one], d[a])
+                else:
+                    narrow(self.rows[one], add(self.b(two), d[a]))
+                    narrow(self.rows[two], sub(self.b(one), d[a]))
+        return not any(low > high for low, high in self.rows)
+
+    def work(self) -> bool:
+        """sum lambda_q w_q = gamma, and sum w_q / beta_q >= 1 / kappa."""
+        work = [self._work(q, i, j) for q, (i, j) in enumerate(self.factors)]
+        k = ZERO
+        for w, beta in zip(work, self.beta, strict=True):
+            if w[1] <= 0:
+                k += w[1] / beta[1] if beta[1] > 0 else ZERO
+            elif beta[0] > 0:
+                k += w[1] / beta[0]
+            else:
+                k = INFINITE
+                break
+        if k * self.rows[-1][1] < 1:
+            return False
+        others = rests([scale(self.weight(q), w) for q, w in enumerate(work)])
+        for q, w in enumerate(work):
+            rest = sub(self.gamma, others[q])
+            if w[0] > 0 or w[1] < 0:
+                if not narrow(self.rows[self.n + q], over(rest, w)):
+                    return False
+            elif not narrow([*scale(self.weight(q), w)], rest):
+                return False
+        return True
+
+    def _work(self, q: int, i: int, j: int) -> Ends:
+        total = (ZERO, ZERO)
+        for a in (0, 1):
+            half = (self.g[2 * i + a] - (self.g[2 * j + a] if j >= 0 else ZERO)) / 2
+            moved = square(sub(self.d[q][a], (half, half)))
+            total = add(total, (moved[0] - half * half, moved[1] - half * half))
+        return total if j >= 0 else negative(total)
+
+    def balance(self, members: frozenset[int]) -> bool:
+        """Force balance of a set of robots, axis by axis."""
+        crossing = self._crossing(members)
+        for a in (0, 1):
+            forces = [self._force(q, a, sign) for q, sign in crossing]
+            rows = [2 * i + a for i in members]
+            pulls = [self.y[row] for row in rows]
+            force = _sum(forces)
+            for row, rest in zip(rows, rests(pulls), strict=True):
+                new = [*self.y[row]]
+                if not narrow(new, sub(force, rest)):
+                    return False
+                self.y[row] = new[0], new[1]
+                if not narrow(self.rows[row], add(self.y[row], (self.g[row], self.g[row]))):
+                    return False
+            pull = _sum([self.y[row] for row in rows])
+            for (q, sign), rest in zip(crossing, rests(forces), strict=True):
+                d = self.d[q][a] if sign > 0 else negative(self.d[q][a])
+                if (d[0] > 0 or d[1] < 0) and not narrow(self.rows[self.n + q], over(sub(pull, rest), d)):
+                    return False
+        return True
+
+    def _crossing(self, members: frozenset[int]) -> list[tuple[int, int]]:
+        found = []
+        for q, (i, j) in enumerate(self.factors):
+            sign = -(i in members) if j < 0 else (i in members) - (j in members)
+            if sign:
+                found.append((q, sign))
+        return found
+
+    def _force(self, q: int, a: int, sign: int) -> Ends:
+        force = scale(self.weight(q), self.d[q][a])
+        return force if sign > 0 else negative(force)
+
+    def torque(self, members: frozenset[int]) -> bool:
+        """sum_C b x g = sum over crossing pairs lambda_ij b_i x b_j."""
+        total = (ZERO, ZERO)
+        for q, sign in self._crossing(members):
+            i, j = self.factors[q]
+            if j >= 0:
+                turn = scale(
+                    self.weight(q),
+                    sub(mul(self.b(2 * i), self.b(2 * j + 1)), mul(self.b(2 * i + 1), self.b(2 * j))),
+                )
+                total = add(total, turn if sign > 0 else negative(turn))
+        rows = [2 * i + a for i in members for a in (0, 1)]
+        arms = [self.g[row + 1] if row % 2 == 0 else -self.g[row - 1] for row in rows]
+        terms = [mul(self.b(row), (arm, arm)) for row, arm in zip(rows, arms, strict=True)]
+        for row, arm, rest in zip(rows, arms, rests(terms), strict=True):
+            left = sub(total, rest)
+            if arm == 0:
+                if left[0] > 0 or left[1] < 0:
+                    return False
+            elif not narrow(self.rows[row], over(left, (arm, arm))):
+                return False
+        return True
+
+    def upright(self) -> bool:
+        """sum b . g >= 0, or turning the whole fleet descends."""
+        tops = [mul(self.b(row), (g, g))[1] for row, g in enumerate(self.g)]
+        others = rests([(top, top) for top in tops])
+        for row, g in enumerate(self.g):
+            rest = -others[row][1]
+            if g > 0 and not narrow(self.rows[row], (rest / g, INFINITE)):
+                return False
+            if g < 0 and not narrow(self.rows[row], (-INFINITE, rest / g)):
+                return False
+        return not _sum([(top, top) for top in tops])[1] < 0
+
+    def stiffness(self, q: int) -> arb:
+        """Upper bound of lambda_q / beta_q; infinite where they may touch."""
+        beta = self.beta[q][0]
+        if not beta > 0:
+            return INFINITE
+        return (self.rows[self.n + q][1] / beta).min(self.s[1] / (beta * beta))
+
+    def circling(self) -> bool:
+        """Whether one robot descends by circling another, or the centre, all over the box."""
+        return any(
+            self._circles(q, robot) for q, pair in enumerate(self.factors) for robot in pair if robot >= 0
+        )
+
+    def _circles(self, q: int, robot: int) -> bool:
+        gain, bend = ONE, ZERO
+        for r, (i, j) in enumerate(self.factors):
+            if robot in (i, j):
+                low, high = self.weight(r)
+                gain = gain - low if j >= 0 else gain + high
+        if not gain < 0:
+            return False
+        for r, pair in enumerate(self.factors):
+            if r != q and robot in pair:
+                (x, y), (u, v) = self.d[q], self.d[r]
+                cross = square(sub(mul(x, v), mul(y, u)))
+                bend += 2 * self.stiffness(r) * cross[1]
+        far = add(square(self.d[q][0]), square(self.d[q][1]))
+        return bool(gain * far[0] + bend < 0)
+
+
+def _contact(goals: Goals, i: int, j: int) -> Ends:
+    other = goals.radii[j] if j >= 0 else None
+    reach = arb(goals.workspace) - arb(goals.radii[i]) if other is None else arb(goals.radii[i]) + arb(other)
+    return square((reach, reach))
+
+
+def _quotient(s: Ends, by: list[arb]) -> Ends:
+    """s / by for s and by >= 0."""
+    low = s[0] / by[1] if by[1] > 0 and by[1] < INFINITE else ZERO
+    high = s[1] / by[0] if by[0] > 0 else INFINITE
+    return low, high
+
+
+def _sum(terms: list[Ends]) -> Ends:
+    total = (ZERO, ZERO)
+    for term in terms:
+        total = add(total, term)
+    return total
+
+
+def whole(goals: Goals, kappa: Ends) -> Rows:
+    """Every free configuration, every lambda, these kappa."""
+    rows: Rows = []
+    for radius in goals.radii:
+        reach = exact(goals.workspace)[0] - arb(radius)
+        rows += [[-reach, reach], [-reach, reach]]
+    p = len(goals.radii)
+    rows += [[ZERO, INFINITE] for _ in range(p * (p + 1) // 2)]
+    return [*rows, [kappa[0], kappa[1]]]

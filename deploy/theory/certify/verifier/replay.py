@@ -1,0 +1,203 @@
+"""Replays a certificate's branching: each node is narrowed, refuted, shown to descend, or halved as it says.
+
+The stored branching only advises which row to halve and where to stop. What is proven is proven here: where
+it stops too early for these bounds, the box is halved further on.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from itertools import combinations
+
+from flint import arb
+
+from deploy.output.bar import bar
+from deploy.theory.certify.certificate import Certificate, Goals
+from deploy.theory.certify.verifier.balls import ZERO
+from deploy.theory.certify.verifier.conditions import Conditions, Rows, whole
+from deploy.theory.certify.verifier.descent import descends, newton
+
+_ROUNDS = 8
+_WORTH = 0.9
+_NEWTON_BELOW = 0.75
+_FURTHER = 500  # boxes into which one stored leaf may be halved before it is given up
+
+
+@dataclass(frozen=True)
+class Replay:
+    """proven: the smallest K verified, None when not even the first slab is. boxes: looked at."""
+
+    scenario: str
+    claimed: float | None
+    proven: float | None
+    boxes: int
+    failed: str | None
+    interrupted: bool
+
+    def enough(self, k: float | None) -> bool:
+        """Whether `k`, or without one all that the file claims, is verified."""
+        wanted = self.claimed if k is None else k
+        return self.proven is not None and wanted is not None and self.proven <= wanted
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {
+            "scenario": self.scenario,
+            "claimed": self.claimed,
+            "verified": self.proven,
+            "boxes": self.boxes,
+            "failed": self.failed,
+            "interrupted": self.interrupted,
+        }
+
+
+def _silent(_: float) -> None:
+    pass
+
+
+class _StoppedError(Exception):
+    """No slab beyond this point is verified; says why."""
+
+
+def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Replay:
+    """Verify slab after slab, from large k downwards, for as long as it takes or `minutes` allow."""
+    until = time.monotonic() + 60.0 * minutes
+    total, boxes = max(1, certificate.boxes), 0
+    proven, failed, interrupted = None, None, False
+    before: arb = ZERO
+
+    with nullcontext(_silent) if quiet else bar("verifying") as tell:
+
+        def look(nodes: int) -> None:
+            tell(min(1.0, (boxes + nodes) / total))
+            if time.monotonic() > until:
+                raise _StoppedError(f"time is up after {minutes:g} minutes")
+
+        try:
+            for slab in certificate.slabs:
+                kappa = 1 / arb(slab.k)
+                walk = Walk(certificate.goals, slab.nodes, look)
+                try:
+                    walk.run(whole(certificate.goals, (before.lower(), kappa.upper())))
+                finally:
+                    boxes += walk.boxes
+                before, proven = kappa, slab.k
+        except _StoppedError as error:
+            failed = str(error)
+        except KeyboardInterrupt:
+            interrupted = True
+    return Replay(certificate.scenario, certificate.proven, proven, boxes, failed, interrupted)
+
+
+@dataclass(frozen=True)
+class _Pending:
+    """A box to look at. stored: the branching has a node for it."""
+
+    rows: Rows
+    stored: bool
+
+
+class Walk:
+    """One slab."""
+
+    def __init__(self, goals: Goals, branching: bytes, look: Callable[[int], None]) -> None:
+        self._goals, self._nodes, self._look = goals, branching, look
+        self._at = 0  # next stored node
+        self._further = 0
+        self.boxes = 0
+        p = len(goals.radii)
+        self._sets = [frozenset(set_) for size in range(1, p + 1) for set_ in combinations(range(p), size)]
+        self._unit = goals.radii[0] + goals.radii[1] if p > 1 else goals.workspace - goals.radii[0]
+
+    def run(self, rows: Rows) -> None:
+        """Raises _StoppedError where a box is neither refuted nor shown to descend."""
+        stack = [_Pending(rows, stored=True)]
+        while stack:
+            stack.extend(reversed(self._node(stack.pop())))
+        if self._at != len(self._nodes):
+            raise _StoppedError("the branching goes on beyond its last node: the certificate is damaged")
+
+    def _node(self, pending: _Pending) -> list[_Pending]:
+        """Nothing if the box is settled, else its halves."""
+        self.boxes += 1
+        if self.boxes % 100 == 0:
+            self._look(self._at)
+        box = Conditions(self._goals, pending.rows)
+        advice = self._next() if pending.stored else None
+        if self.settled(box):
+            if advice is not None:
+                self._skip(advice)
+            return []
+        leaf = advice is None or advice >= self._leaf
+        self._further = 0 if pending.stored else self._further + 1
+        if self._further > _FURTHER:
+            raise _StoppedError("a box could not be verified however often it was halved")
+        row = self._widest(box) if leaf or advice is None else advice
+        middle = arb(_middle(box.rows[row]))
+        left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
+        left[row][1] = right[row][0] = middle
+        return [_Pending(half, stored=not leaf) for half in (left, right)]
+
+    def _next(self) -> int:
+        if self._at >= len(self._nodes):
+            raise _StoppedError("the branching ends before its last node: the certificate is damaged")
+        self._at += 1
+        return self._nodes[self._at - 1]
+
+    def _skip(self, advice: int) -> None:
+        """Pass over the stored nodes below one that is already settled here."""
+        pending = 0 if advice >= self._leaf else 2
+        while pending:
+            pending += -1 if self._next() >= self._leaf else 1
+
+    @property
+    def _leaf(self) -> int:
+        p = len(self._goals.radii)
+        return 2 * p + p * (p + 1) // 2 + 1
+
+    def settled(self, box: Conditions) -> bool:
+        """Narrow a box in place; whether no minimum can be in it."""
+        if not box.upright() or not self.narrowed(box):
+            return True
+        span = max(_width(box, row) for row in range(box.n))
+        if span < _NEWTON_BELOW * self._unit and not (newton(box) and self.narrowed(box)):
+            return True
+        return box.circling() or descends(box)
+
+    def narrowed(self, box: Conditions) -> bool:
+        """Narrow a box to where critical points may be. False: there are none."""
+        for _ in range(_ROUNDS):
+            before = _size(box)
+            if not (box.derive() and box.distances() and box.work()):
+                return False
+            for members in self._sets:
+                if not (box.balance(members) and box.torque(members)):
+                    return False
+            if not _size(box) < _WORTH * before:
+                break
+        return box.derive()
+
+    def _widest(self, box: Conditions) -> int:
+        """A row of b or kappa."""
+        kappa = _width(box, len(box.rows) - 1) / float(box.rows[-1][1].mid()) * 0.1 * self._unit
+        widths = {row: _width(box, row) for row in range(box.n)} | {len(box.rows) - 1: kappa}
+        return max(widths, key=lambda row: widths[row])
+
+
+def _middle(row: list[arb]) -> float:
+    return 0.5 * (float(row[0].mid()) + float(row[1].mid()))
+
+
+def _width(box: Conditions, row: int) -> float:
+    low, high = box.rows[row]
+    return float((high - low).mid())
+
+
+def _size(box: Conditions) -> float:
+    n = box.n
+    side = _width(box, 0)
+    weights = sum(min(_width(box, row), 10.0) for row in range(n, len(box.rows) - 1))
+    return sum(_width(box, row) for row in range(n)) + 0.1 * side * weights

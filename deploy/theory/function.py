@@ -1,0 +1,161 @@
+"""The navigation function phi, its gradient and the reduced gradient D, evaluated in logarithms.
+
+Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of
+magnitude and leave the range of a double, so only their logarithms are ever formed.
+
+Outside free space phi is not defined: every function built on log beta returns nan there. A negative
+beta is never clamped, since that would hide a collision.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """p disks in one disk workspace around the origin.
+
+    goals: (p, 2) m; radii: (p,) m, positive; workspace: radius rho_0, m; k: tuning parameter, positive.
+    """
+
+    goals: Array
+    radii: Array
+    workspace: float
+    k: float
+
+    @property
+    def p(self) -> int:
+        """Number of robots."""
+        return len(self.radii)
+
+    @property
+    def reach(self) -> Array:
+        """Largest allowed distance of each centre from the origin, rho_0i = rho_0 - rho_i, (p,) m."""
+        return self.workspace - self.radii
+
+    @property
+    def contact(self) -> Array:
+        """Contact distances rho_ij = rho_i + rho_j, (p, p) m."""
+        return self.radii[:, None] + self.radii[None, :]
+
+
+def gamma_parts(problem: Problem, b: Array) -> Array:
+    """gamma_i = |b_i - g_i|^2 of each robot, (p,) m^2."""
+    return np.asarray(((b - problem.goals) ** 2).sum(axis=1))
+
+
+def gamma(problem: Problem, b: Array) -> float:
+    """gamma = |b - g|^2, m^2."""
+    return float(gamma_parts(problem, b).sum())
+
+
+def displacements(b: Array) -> Array:
+    """d_ij = b_i - b_j, (p, p, 2) m."""
+    return b[:, None, :] - b[None, :, :]
+
+
+def beta_pairs(problem: Problem, b: Array) -> Array:
+    """beta_ij = |b_i - b_j|^2 - rho_ij^2, (p, p) m^2, symmetric; +inf on the diagonal, so 1/beta_ii = 0."""
+    beta = (displacements(b) ** 2).sum(axis=2) - problem.contact**2
+    np.fill_diagonal(beta, np.inf)
+    return np.asarray(beta)
+
+
+def beta_boundary(problem: Problem, b: Array) -> Array:
+    """beta_0i = rho_0i^2 - |b_i|^2, (p,) m^2; negative for a disk larger than the workspace."""
+    return np.asarray(problem.reach * np.abs(problem.reach) - (b**2).sum(axis=1))
+
+
+def obstacle_functions(problem: Problem, b: Array) -> Array:
+    """All factors of beta, (p + q,) m^2: beta_01..beta_0p, then beta_ij for i < j row by row."""
+    pairs = beta_pairs(problem, b)[np.triu_indices(problem.p, 1)]
+    return np.concatenate([beta_boundary(problem, b), pairs])
+
+
+def in_free_space(problem: Problem, b: Array) -> bool:
+    """Equations (1)-(3): no two disks overlap and none leaves the workspace; contact is allowed."""
+    return bool((obstacle_functions(problem, b) >= 0.0).all())
+
+
+def _log(values: Array) -> Array:
+    """Logarithm with log 0 = -inf, and nan for a negative value."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.log(values))
+
+
+def log_beta(problem: Problem, b: Array) -> float:
+    """log beta, the sum over all pairs; -inf on the boundary of free space, nan outside it."""
+    return float(_log(obstacle_functions(problem, b)).sum())
+
+
+def _log_gamma_k(problem: Problem, b: Array) -> float:
+    """k log gamma; -inf at the goal."""
+    return float(problem.k * _log(np.array(gamma(problem, b))))
+
+
+def log_sum_exp(x: float, y: float) -> float:
+    """log(e^x + e^y); nan as soon as one is nan, without a warning."""
+    with np.errstate(invalid="ignore"):
+        return float(np.logaddexp(x, y))
+
+
+def log_ratio(problem: Problem, b: Array) -> float:
+    """log phi_hat = k log gamma - log beta, equation (5); -inf at the goal, +inf on the boundary."""
+    return _log_gamma_k(problem, b) - log_beta(problem, b)
+
+
+def phi(problem: Problem, b: Array) -> float:
+    """phi = (gamma^k / (gamma^k + beta))^(1/k), equation (9).
+
+    Exactly 0 at the goal, exactly 1 on the boundary of free space, nan outside it.
+    """
+    return float(np.exp(-log_sum_exp(0.0, -log_ratio(problem, b)) / problem.k))
+
+
+def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array) -> Array:
+    """Sum over pairs of w_ij grad beta_ij + w_0i grad beta_0i, (p, 2).
+
+    weights: (p, p) symmetric, zero diagonal; boundary_weights: (p,). With weights 1/beta this is
+    grad log beta.
+    """
+    pull = weights.sum(axis=1)[:, None] * b - weights @ b
+    return np.asarray(2.0 * (pull - boundary_weights[:, None] * b))
+
+
+def reduced_gradient(problem: Problem, b: Array) -> Array:
+    """D = grad gamma - (gamma / k) grad log beta, (p, 2) m; grad phi = c D with c > 0 common to all robots.
+
+    Row i is robot i's slice D_i. Finite for any k and p in the interior of free space; nan on its
+    boundary and outside.
+    """
+    pairs, boundary = beta_pairs(problem, b), beta_boundary(problem, b)
+    if not ((pairs > 0.0).all() and (boundary > 0.0).all()):
+        return np.full_like(b, np.nan)
+    steer = weighted_obstacle_gradient(b, 1.0 / pairs, 1.0 / boundary)
+    return np.asarray(2.0 * (b - problem.goals) - gamma(problem, b) / problem.k * steer)
+
+
+def slice_of(problem: Problem, b: Array, i: int) -> Array:
+    """Robot i's slice of the reduced gradient, D_i, (2,) m; `i` is an index, from 0."""
+    return np.asarray(reduced_gradient(problem, b)[i])
+
+
+def log_scale(problem: Problem, b: Array) -> float:
+    """log c, where grad phi = c D: log beta - (1 + 1/k) log(gamma^k + beta)."""
+    total = log_beta(problem, b)
+    return total - (1.0 + 1.0 / problem.k) * log_sum_exp(_log_gamma_k(problem, b), total)
+
+
+def gradient(problem: Problem, b: Array) -> Array:
+    """grad phi, (p, 2) 1/m, in the interior of free space and at its goal; nan elsewhere.
+
+    Deep in the repulsive layer c underflows and the gradient is a true zero to double precision: use
+    `reduced_gradient` for directions. The limit on the boundary is `deploy.theory.boundary`.
+    """
+    return np.asarray(np.exp(log_scale(problem, b)) * reduced_gradient(problem, b))

@@ -1,0 +1,65 @@
+"""What a process may ask of a network. Two implementations: `zenoh` and `local`.
+
+A bus turns everything that happens into events, taken one at a time by `receive`; nothing runs
+behind the caller's back. A `Node` is whatever handles these events: it can be driven by its own
+process (`serve`) or, in one process with others, by the in-process network.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Protocol
+
+from protocol.bus.events import Event
+from protocol.streams import Stream
+
+Publish = Callable[[bytes], None]
+
+
+class Bus(Protocol):
+    """One participant's connection. Not thread-safe: one thread owns it."""
+
+    def publisher(self, stream: Stream, key: str) -> Publish:
+        """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
+
+    def subscribe(self, *key_expressions: str) -> None:
+        """Ask for samples under key expressions; under plain keys they cost least."""
+
+    def expect(self, keys: Iterable[str]) -> None:
+        """Say which keys will be heard by way of a pattern; under those a sample costs less to hear."""
+
+    def watch(self, key_expression: str) -> None:
+        """Ask for presence of liveliness tokens, those already there included."""
+
+    def serve(self, key: str) -> None:
+        """Become the one who answers requests under `key`."""
+
+    def announce(self, key: str) -> None:
+        """Declare a liveliness token: it lasts until `close`, or until this process dies."""
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        """Request and wait for the reply; raises BusError after `timeout` seconds without one."""
+
+    def receive(self, timeout: float) -> Event | None:
+        """The next event, or None after `timeout` seconds (0: only what is there already)."""
+
+    def close(self) -> None:
+        """Withdraw everything and disconnect; may be called twice."""
+
+
+class Node(Protocol):
+    """A participant, driven by events."""
+
+    def handle(self, event: Event) -> None:
+        """React to one event."""
+
+    def wake(self, now: float) -> None:
+        """React to the passing of time: `now` (s, monotonic) reached `deadline`."""
+
+    @property
+    def deadline(self) -> float:
+        """When `wake` wants to be called next, s, monotonic; infinity for never."""
+
+    @property
+    def finished(self) -> bool:
+        """True when the node has nothing more to do."""

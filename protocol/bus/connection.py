@@ -1,0 +1,116 @@
+"""How a process reaches the network: a plain description, and the zenoh configuration it stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from protocol.bus.credentials import Credentials
+
+MAX_MESSAGE = 8 * 1024 * 1024  # bytes; nothing this protocol sends is half as large
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """One process's place in the network.
+
+    A `client` reaches everybody through one of `connect`; a `router` relays between its clients and
+    the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
+    nothing, so every two peers need a link of their own. Endpoints are zenoh's, such as
+    `tcp/127.0.0.1:7447`. A client needs one of its endpoints, a peer the first: links to the others
+    come up when they do, so that a peer may start while another is down.
+    """
+
+    mode: Literal["client", "router", "peer"] = "client"
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    timeout: float = 20.0  # s, how long opening tries to reach `connect`
+    lease: float = 2.0  # s, silence of this process after which others consider it gone
+    credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
+    access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
+
+    @property
+    def linked(self) -> bool:
+        """Whether, as a router, it may have links to other hosts, which do not reach the loopback."""
+        loopback = ("/127.", "/[::1]", "/localhost:")
+        return bool(self.connect) or not all(any(each in e for each in loopback) for e in self.listen)
+
+
+def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
+    """zenoh's configuration for `connection`: what differs from its defaults, and why.
+
+    `attempt` (s) bounds one attempt to open; the whole of `connection.timeout` unless given.
+    """
+    wait = connection.timeout if attempt is None else attempt
+    access = {} if connection.access is None else {"access_control": connection.access}
+    return {
+        **access,
+        "mode": connection.mode,
+        "connect": {
+            "endpoints": _endpoints(connection),
+            # A client's default is to give up at once when its router is not up yet.
+            "timeout_ms": round(1000 * wait),
+            # What a router or a further peer cannot reach yet, it goes on trying in the background.
+            "exit_on_failure": connection.mode == "client",
+            # A restarted router is found again within 0.1 s (1.5 s by default).
+            "retry": {"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2},
+        },
+        # An endpoint that is taken is an error at once, not something to wait for.
+        "listen": {"endpoints": list(connection.listen), "timeout_ms": 0, "exit_on_failure": True},
+        # Endpoints are explicit: nobody is searched for, and nobody is told about third parties.
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
+        # `get('@/**')` under many declarations can deadlock a router for good.
+        "adminspace": {"enabled": False},
+        # Ticks are in the messages; a router would stamp every sample with the wall clock.
+        "timestamping": {"enabled": {"router": False, "peer": False, "client": False}},
+        "transport": {
+            "unicast": {
+                "accept_pending": 1000,  # a fleet connects all at once (default 100)
+                "open_timeout": 2000,  # closing waits for an attempt to reach a frozen router (default 10 s)
+            },
+            "shared_memory": {"enabled": False},  # messages are far too small to gain by it
+            "link": {
+                **_tls(connection.credentials),
+                "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
+                "tx": {
+                    # Whoever keeps a sample keeps, and lets zenoh clear anew, a buffer of this size (default
+                    # 65535) for the batch that it came in; a tick's batches are some hundred bytes.
+                    "batch_size": 8192,
+                    "lease": round(1000 * connection.lease),
+                    "keep_alive": 4,
+                    # A frozen subscriber holds up a blocking publisher this long, µs (default 5 s).
+                    "queue": {"congestion_control": {"block": {"wait_before_close": 500_000}}},
+                },
+            },
+        },
+    }
+
+
+def _tls(credentials: Credentials | None) -> Mapping[str, Any]:
+    """Both ends show a certificate of the run's authority, and the one that listens is who it was called."""
+    if credentials is None:
+        return {}
+    return {
+        # Whatever the endpoint says, nothing but TLS is ever spoken.
+        "protocols": ["tls"],
+        "tls": {
+            "root_ca_certificate": credentials.authority,
+            "listen_certificate": credentials.certificate,
+            "listen_private_key": credentials.key,
+            "connect_certificate": credentials.certificate,
+            "connect_private_key": credentials.key,
+            "enable_mtls": True,
+            "verify_name_on_connect": True,
+            # A run does not outlive its keys.
+            "close_link_on_expiration": True,
+        },
+    }
+
+
+def _endpoints(connection: Connection) -> list[str]:
+    """The endpoints to connect to, with the first marked as indispensable for a peer."""
+    endpoints = list(connection.connect)
+    if connection.mode == "peer" and endpoints:
+        endpoints[0] += "#exit_on_failure=true"
+    return endpoints

@@ -1,0 +1,180 @@
+"""The in-process bus: all nodes of a run in one thread, in place of a network.
+
+The same nodes, messages and codec as on zenoh; only the carrier differs. Events wait in one inbox
+per participant, and `LocalNetwork.run` lets each participant empty its own in turn.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+
+from protocol.bus.bus import Node, Publish
+from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.errors import BusError
+from protocol.streams import Stream
+
+_LONGEST_SLEEP = 0.1
+
+
+class LocalNetwork:
+    """Where local buses meet."""
+
+    def __init__(self) -> None:
+        self._buses: list[LocalBus] = []
+        self._ready: deque[LocalBus] = deque()
+        self.generation = 0  # grows whenever a subscription changes
+
+    def connect(self) -> LocalBus:
+        """A new participant."""
+        bus = LocalBus(self)
+        self._buses.append(bus)
+        return bus
+
+    def run(self, finished: Callable[[], bool]) -> None:
+        """Deliver events and wake nodes until `finished`; sleeps while nothing is due."""
+        while not finished():
+            if self._ready:
+                self._ready.popleft().drain()
+            else:
+                self._wait()
+
+    def _wait(self) -> None:
+        nodes = [bus.node for bus in self._buses if bus.node is not None and not bus.node.finished]
+        now = time.monotonic()
+        for node in nodes:
+            if node.deadline <= now:
+                node.wake(now)
+        if not self._ready:
+            pause = min((node.deadline for node in nodes), default=now) - time.monotonic()
+            time.sleep(min(max(pause, 0.0), _LONGEST_SLEEP))
+
+    def receivers(self, key: str, sender: LocalBus) -> list[LocalBus]:
+        """Who subscribed to `key`, the sender excluded."""
+        return [bus for bus in self._buses if bus is not sender and bus.hears(key)]
+
+    def notify(self, bus: LocalBus) -> None:
+        """`bus` has something in its inbox."""
+        self._ready.append(bus)
+
+    def tokens(self) -> list[str]:
+        """Keys of all liveliness tokens."""
+        return [key for bus in self._buses for key in bus.tokens]
+
+    def tell_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
+        """A token came or went."""
+        for bus in self._buses:
+            if bus is not sender and bus.watches(key):
+                bus.put(Presence(key, alive))
+
+    def server(self, key: str) -> LocalBus | None:
+        """Who answers requests under `key`."""
+        return next((bus for bus in self._buses if key in bus.served), None)
+
+    def leave(self, bus: LocalBus) -> None:
+        """`bus` is closed: its tokens go, its subscriptions end."""
+        if bus in self._buses:
+            self._buses.remove(bus)
+            self.generation += 1
+            for key in bus.tokens:
+                self.tell_presence(key, False, bus)
+
+
+class LocalBus:
+    """One participant's connection to a LocalNetwork; implements `protocol.bus.bus.Bus`."""
+
+    def __init__(self, network: LocalNetwork) -> None:
+        self.node: Node | None = None
+        self.tokens: list[str] = []
+        self.served: set[str] = set()
+        self._network = network
+        self._inbox: deque[Event] = deque()
+        self._keys: set[str] = set()
+        self._patterns: list[re.Pattern[str]] = []
+        self._watches: list[re.Pattern[str]] = []
+
+    def publisher(self, stream: Stream, key: str) -> Publish:  # noqa: ARG002
+        network = self._network
+        receivers: list[LocalBus] = []
+        generation = -1
+
+        def publish(payload: bytes) -> None:
+            nonlocal receivers, generation
+            if generation != network.generation:
+                receivers, generation = network.receivers(key, self), network.generation
+            sample = Sample(key, payload)
+            for bus in receivers:
+                bus.put(sample)
+
+        return publish
+
+    def subscribe(self, *key_expressions: str) -> None:
+        self._keys.update(each for each in key_expressions if "*" not in each)
+        self._patterns += [_pattern(each) for each in key_expressions if "*" in each]
+        self._network.generation += 1
+
+    def expect(self, keys: Iterable[str]) -> None:
+        pass
+
+    def watch(self, key_expression: str) -> None:
+        pattern = _pattern(key_expression)
+        self._watches.append(pattern)
+        for key in self._network.tokens():
+            if pattern.fullmatch(key):
+                self.put(Presence(key, True))
+
+    def serve(self, key: str) -> None:
+        self.served.add(key)
+
+    def announce(self, key: str) -> None:
+        self.tokens.append(key)
+        self._network.tell_presence(key, True, self)
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:  # noqa: ARG002
+        """In one thread nobody else can act while this waits: the answer comes at once or never."""
+        server = self._network.server(key)
+        if server is None or server.node is None:
+            raise BusError(f"nobody answers under {key}")
+        replies: list[bytes] = []
+        server.node.handle(Request(key, payload, replies.append))
+        if not replies:
+            raise BusError(f"no reply under {key}")
+        return replies[0]
+
+    def receive(self, timeout: float) -> Event | None:  # noqa: ARG002
+        return self._inbox.popleft() if self._inbox else None
+
+    def close(self) -> None:
+        self._network.leave(self)
+        self._inbox.clear()
+        self.node = None
+
+    def hears(self, key: str) -> bool:
+        """Whether a subscription matches `key`."""
+        return key in self._keys or any(pattern.fullmatch(key) for pattern in self._patterns)
+
+    def watches(self, key: str) -> bool:
+        """Whether presence under `key` is asked for."""
+        return any(pattern.fullmatch(key) for pattern in self._watches)
+
+    def put(self, event: Event) -> None:
+        """Something happened that this participant asked for."""
+        if not self._inbox:
+            self._network.notify(self)
+        self._inbox.append(event)
+
+    def drain(self) -> None:
+        """Let the node handle everything that is there now."""
+        node, inbox = self.node, self._inbox
+        while node is not None and inbox:
+            node.handle(inbox.popleft())
+            node = self.node
+
+
+def _pattern(key_expression: str) -> re.Pattern[str]:
+    """A regular expression for a zenoh key expression made of plain chunks, `*` and a final `**`."""
+    chunks = key_expression.split("/")
+    parts = [".*" if chunk == "**" else "[^/]+" if chunk == "*" else re.escape(chunk) for chunk in chunks]
+    return re.compile("/".join(parts))

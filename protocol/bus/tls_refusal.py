@@ -1,0 +1,91 @@
+"""Why a TLS link does not come up: zenoh only ever says that time is up.
+
+A handshake of our own, after zenoh has failed, finds out which end refuses the other's certificate.
+"""
+
+from __future__ import annotations
+
+import socket
+import ssl
+
+from protocol.bus.credentials import Credentials
+
+_PATIENCE = 1.0  # s for a connection, and for the other end's verdict after the handshake
+_ALERTS = {
+    "TLSV1_ALERT_UNKNOWN_CA": "it was not signed by the authority that the router trusts",
+    "TLSV1_ALERT_DECRYPT_ERROR": "it was not signed by the authority that the router trusts",
+    "TLSV13_ALERT_CERTIFICATE_REQUIRED": "the router demands one, and none was shown",
+    "SSLV3_ALERT_CERTIFICATE_EXPIRED": "it has expired",
+    "SSLV3_ALERT_BAD_CERTIFICATE": "the router cannot make sense of it",
+    "SSLV3_ALERT_CERTIFICATE_UNKNOWN": "the router does not accept it",
+    "SSLV3_ALERT_UNSUPPORTED_CERTIFICATE": "it is for another purpose",
+}
+
+
+def refusal(endpoint: str, credentials: Credentials) -> str | None:
+    """What is wrong with the certificates between here and `endpoint`; None if that is not the reason."""
+    address = _address(endpoint, "tls")
+    if address is None:
+        return None
+    try:
+        context = ssl.create_default_context(cafile=credentials.authority)
+        context.load_cert_chain(credentials.certificate, credentials.key)
+    except (OSError, ssl.SSLError) as error:
+        return f"{credentials.certificate} and {credentials.key} cannot be used: {error}"
+    try:
+        _shake_hands(address, context)
+    except ssl.SSLCertVerificationError as error:
+        return (
+            f"the certificate of the router at {endpoint} is not accepted here: {error.verify_message}; "
+            f"{credentials.authority} must be the authority that signed it"
+        )
+    except ssl.SSLError as error:
+        return _alert(endpoint, credentials, error)
+    except OSError:
+        return None  # nobody there, or too slow to tell
+    return None
+
+
+def demands_certificates(endpoint: str) -> bool:
+    """Whether TLS is spoken at an endpoint that was tried without certificates."""
+    address = _address(endpoint, "tcp") or _address(endpoint, "tls")
+    if address is None:
+        return False
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # nothing is said to whom it may be
+    try:
+        _shake_hands(address, context)
+    except ssl.SSLError as error:
+        return "CERTIFICATE" in (error.reason or "")
+    except OSError:
+        return False
+    return True
+
+
+def _shake_hands(address: tuple[str, int], context: ssl.SSLContext) -> None:
+    """A whole handshake: in TLS 1.3 a client learns of its refusal only when it next reads."""
+    with (
+        socket.create_connection(address, _PATIENCE) as plain,
+        context.wrap_socket(plain, server_hostname=address[0]) as link,
+    ):
+        try:
+            link.recv(1)
+        except TimeoutError:
+            return  # silence is consent
+
+
+def _alert(endpoint: str, credentials: Credentials, error: ssl.SSLError) -> str:
+    reason = error.reason or str(error)
+    if reason in _ALERTS or "CERTIFICATE" in reason:
+        text = _ALERTS.get(reason, f"TLS alert {reason}")
+        return f"the router at {endpoint} refuses the certificate {credentials.certificate}: {text}"
+    return f"no TLS with certificates at {endpoint} ({reason}): does the router there run with --secure?"
+
+
+def _address(endpoint: str, protocol: str) -> tuple[str, int] | None:
+    """Host and port of a zenoh endpoint such as `tls/[::1]:7447?metadata#configuration`."""
+    scheme, _, rest = endpoint.partition("/")
+    host, _, port = rest.partition("#")[0].partition("?")[0].rpartition(":")
+    if scheme != protocol or not port.isdecimal():
+        return None
+    return host.strip("[]"), int(port)

@@ -1,0 +1,264 @@
+"""The bus on zenoh. The only module that imports it.
+
+zenoh's threads do the least possible with what arrives: they put it into one queue, and run not a
+line of Python for it, which would halve the rate of a fleet. Everything else happens in `receive`,
+on the thread that owns the bus: a callback that computed would be starved by a busy main thread.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Final
+
+# zenoh reads this once, at the first `open` of a process: four threads instead of seven, and faster.
+os.environ.setdefault(
+    "ZENOH_RUNTIME", "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
+)
+
+import zenoh
+
+from protocol.bus.bus import Publish
+from protocol.bus.connection import Connection, configuration
+from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.open_failure import explained
+from protocol.errors import BusError, CertificateError, EndpointTakenError
+from protocol.streams import Stream
+
+_ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so the first attempts are short
+_ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
+_LONGEST: Final = 3600.0  # s, longest single wait for the queue
+_LINKING = 5.0  # s a peer waits for its links before it announces itself
+# With one thread to receive, a router whose link to another is cut may cease to relay for good.
+_LINKED = "(rx:(worker_threads:4))"
+_ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
+_CAPACITY: Final = 1 << 16
+
+_KEPT: set[int] = set()  # threads of zenoh that Python keeps
+_Arrived = zenoh.Sample | zenoh.Query | Presence
+_ZenohSample: Final = zenoh.Sample
+
+
+class ZenohBus:
+    """One zenoh session behind the `protocol.bus.bus.Bus` interface.
+
+    Args:
+        connection: with whom, and how.
+        capacity: events that may wait; of more, only the newest half of as many are kept.
+
+    Attributes:
+        dropped: events lost to a full queue.
+
+    Raises:
+        EndpointTakenError: another process listens on an endpoint of `connection.listen`.
+        CertificateError: one end does not accept the other's certificate.
+        BusError: nobody could be reached within `connection.timeout`.
+    """
+
+    def __init__(self, connection: Connection, capacity: int = _CAPACITY) -> None:
+        self._queue: SimpleQueue[_Arrived] = SimpleQueue()
+        self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once, called for all
+        self._there = 0  # events that were waiting when it was last asked, without those taken since
+        self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
+        self._connection = connection
+        if connection.mode == "router":
+            _prepare_router(connection)
+        self._session = _open(connection)
+        self._capacity = capacity
+        self.dropped = 0
+
+    def publisher(self, stream: Stream, key: str) -> Publish:
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=(
+                zenoh.CongestionControl.BLOCK if stream.reliable else zenoh.CongestionControl.DROP
+            ),
+            express=False,  # express messages defeat batching, which carries the whole rate
+            allowed_destination=zenoh.Locality.REMOTE,  # nobody hears itself
+        )
+        self._declared.append(publisher)
+        return publisher.put
+
+    def subscribe(self, *key_expressions: str) -> None:
+        # A key that was declared is a number in a sample; of any other the text is sent, and searched for.
+        for each in key_expressions:
+            handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
+            self._declared.append(self._session.declare_subscriber(each, handler))
+
+    def expect(self, keys: Iterable[str]) -> None:
+        # Of a declared key the route is kept; that of any other is searched for again with every sample.
+        self._declared += [self._session.declare_keyexpr(key) for key in keys]
+
+    def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
+        """Subscribe for somebody in no hurry: the function returned gives keys and payloads so far.
+
+        It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
+        costs. Of too many the oldest are dropped.
+        """
+        ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(self._capacity)
+        subscriber = self._session.declare_subscriber(key_expression, ring)
+        self._declared.append(subscriber)
+        return lambda: [
+            (str(arrived.key_expr), arrived.payload.to_bytes()) for arrived in iter(subscriber.try_recv, None)
+        ]
+
+    def watch(self, key_expression: str) -> None:
+        handler = zenoh.handlers.Callback(self._presence, indirect=False)
+        self._declared.append(
+            self._session.liveliness().declare_subscriber(key_expression, handler, history=True)
+        )
+
+    def serve(self, key: str) -> None:
+        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
+        self._declared.append(self._session.declare_queryable(key, handler, complete=True))
+
+    def announce(self, key: str) -> None:
+        # Without a router in between, what is published before a link is up is lost to that peer.
+        if self._connection.mode == "peer":
+            self._await_links()
+        self._declared.append(self._session.liveliness().declare_token(key))
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        deadline = time.monotonic() + timeout
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            for reply in self._session.get(
+                key, payload=payload, timeout=remaining, consolidation=zenoh.ConsolidationMode.NONE
+            ):
+                if reply.ok is not None:
+                    return reply.ok.payload.to_bytes()
+            time.sleep(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+        raise BusError(
+            f"nobody answered under {key} within {timeout:g} s; is the process that serves it running, "
+            f"under the same run name and reachable from the same endpoint?"
+        )
+
+    def receive(self, timeout: float) -> Event | None:
+        if not self._there:
+            self._there = self._count()
+        if self._there:  # the usual case, and the quicker call
+            self._there -= 1
+            arrived = self._take()
+        elif timeout > 0.0:
+            try:
+                arrived = self._queue.get(True, min(timeout, _LONGEST))
+            except Empty:
+                return None
+        else:
+            return None
+        if isinstance(arrived, _ZenohSample):
+            return _sample(arrived)
+        if isinstance(arrived, zenoh.Query):
+            return _request(arrived)
+        return arrived
+
+    def close(self) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
+        self._declared.clear()
+
+    def await_routers(self, timeout: float) -> None:
+        """As a router, wait for a link to every router that this one connects to.
+
+        Raises:
+            BusError: some are not reached within `timeout` s.
+        """
+        wanted, deadline = len(self._connection.connect), time.monotonic() + timeout
+        while (there := len(list(self._session.info.routers_zid()))) < wanted:
+            if time.monotonic() >= deadline:
+                raise BusError(
+                    f"linked with {there} of {wanted} routers within {timeout:g} s; "
+                    f"can all of {', '.join(self._connection.connect)} be reached from this host?"
+                )
+            time.sleep(0.005)
+
+    def _await_links(self) -> None:
+        """Wait for the links to all of `connection.connect`, but not for ever: one may be down for good."""
+        deadline = time.monotonic() + _LINKING
+        wanted = set(self._connection.connect)
+        while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
+            time.sleep(0.005)
+
+    def _count(self) -> int:
+        """How many events wait, after the oldest of too many are dropped: nobody can catch up with those."""
+        waiting = self._queue.qsize()
+        if waiting <= self._capacity:
+            return waiting
+        excess = waiting - self._capacity // 2
+        for _ in range(excess):
+            self._take()
+        self.dropped += excess
+        return waiting - excess
+
+    def _presence(self, sample: zenoh.Sample) -> None:
+        _keep_thread_state()
+        self._queue.put(Presence(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+
+
+def _keep_thread_state() -> None:
+    """Keep what Python knows of this thread of zenoh's: else it is made, and thrown away, for every sample.
+
+    To be called on that thread; it never gives back what it takes once.
+    """
+    thread = threading.get_native_id()
+    if thread not in _KEPT:
+        _KEPT.add(thread)
+        ctypes.pythonapi.PyGILState_Ensure()
+
+
+def _sample(arrived: zenoh.Sample) -> Sample:
+    return Sample(str(arrived.key_expr), arrived.payload.to_bytes())
+
+
+def _request(query: zenoh.Query) -> Request:
+    payload = query.payload
+    return Request(
+        str(query.key_expr), b"" if payload is None else payload.to_bytes(), partial(_reply, query)
+    )
+
+
+def _reply(query: zenoh.Query, payload: bytes) -> None:
+    with query:  # leaving it tells the asker that nothing more will come
+        query.reply(query.key_expr, payload)
+
+
+def _prepare_router(connection: Connection) -> None:
+    """What has to be settled before the first session of a process."""
+    zenoh.init_log_from_env_or(_ROUTER_LOG)
+    if connection.linked:
+        os.environ["ZENOH_RUNTIME"] = _LINKED
+
+
+def _open(connection: Connection) -> zenoh.Session:
+    deadline, patience = time.monotonic() + connection.timeout, _ATTEMPT
+    while True:
+        attempt = min(patience, max(0.1, deadline - time.monotonic()))
+        patience *= 2.0  # a busy machine may need longer
+        config = zenoh.Config.from_json5(json.dumps(configuration(connection, attempt)))
+        try:
+            with _signals_for_this_thread():
+                return zenoh.open(config)
+        except zenoh.ZError as error:
+            failure = explained(connection, str(error))
+            if isinstance(failure, EndpointTakenError | CertificateError) or time.monotonic() >= deadline:
+                raise failure from error
+
+
+@contextmanager
+def _signals_for_this_thread() -> Iterator[None]:
+    """Threads started inside leave signals alone.
+
+    Else a frozen process that is told to end gives SIGTERM to whichever thread wakes first, and
+    Python, which handles signals on the main thread, hears of it only when that has waited enough.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,107 @@
+"""What must hold between the fields of a scenario: disks that do not overlap, ids that exist, times in order.
+
+The checks read the plain document, so that they also speak when other fields are malformed: whatever
+touches a malformed field is passed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from math import hypot
+
+from protocol.scenario.fault_checks import fault_findings
+from protocol.scenario.model import Time, Workspace
+from protocol.scenario.shape import Document, Finding, Steps
+from protocol.scenario.sound import Sound
+
+_NAMED = 3  # overlaps of one disk that are spelled out
+_LONGEST = 10**9  # ticks
+
+
+@dataclass(frozen=True)
+class _Disk:
+    """What is known of one entry of `robots`; None for what is malformed."""
+
+    index: int
+    id: int | None
+    radius: float | None
+    start: list[float] | None
+    goal: list[float] | None
+
+    @property
+    def name(self) -> str:
+        return f"robots[{self.index}]" if self.id is None else f"robot {self.id}"
+
+
+def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
+    """Everything that is wrong between fields; `malformed` names the fields that are wrong in themselves."""
+    sound = Sound(document, malformed)
+    disks = [
+        _Disk(i, *(sound.get("robots", i, key) for key in ("id", "radius", "start", "goal")))
+        for i in range(sound.size("robots"))
+    ]
+    ids = {disk.id for disk in disks if disk.id is not None}
+    known = ids if all(disk.id is not None for disk in disks) else None
+    return [
+        *_ids(disks),
+        *_fit(disks, sound.get("workspace", "radius", default=Workspace().radius)),
+        *_overlaps(disks, "start"),
+        *_overlaps(disks, "goal"),
+        *_times(sound),
+        *fault_findings(sound, known),
+    ]
+
+
+def _ids(disks: list[_Disk]) -> Iterator[Finding]:
+    first: dict[int, int] = {}
+    for disk in disks:
+        if disk.id is not None and first.setdefault(disk.id, disk.index) != disk.index:
+            yield ("robots", disk.index, "id"), f"{disk.id} is the id of robots[{first[disk.id]}] already"
+
+
+def _fit(disks: list[_Disk], workspace: float | None) -> Iterator[Finding]:
+    for disk in disks:
+        if workspace is None or disk.radius is None:
+            continue
+        if disk.radius >= workspace:
+            text = f"a disk of radius {disk.radius:g} m does not fit into the workspace of {workspace:g} m"
+            yield ("robots", disk.index, "radius"), text
+            continue
+        for key, point in (("start", disk.start), ("goal", disk.goal)):
+            if point is not None and (beyond := hypot(*point) + disk.radius - workspace) >= 0.0:
+                text = f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
+                yield ("robots", disk.index, key), text
+
+
+def _overlaps(disks: list[_Disk], key: str) -> Iterator[Finding]:
+    """Each disk against those before it in the file. Contact counts: phi is 1 there, and beta 0."""
+    placed: list[tuple[_Disk, float, float, float]] = []
+    for disk in disks:
+        point = disk.start if key == "start" else disk.goal
+        if point is None or disk.radius is None:
+            continue
+        x, y, radius = point[0], point[1], disk.radius
+        depths = [
+            (other.name, depth)
+            for other, ox, oy, r in placed
+            if abs(x - ox) <= (reach := radius + r) and (depth := reach - hypot(x - ox, y - oy)) >= 0.0
+        ]
+        placed.append((disk, x, y, radius))
+        if depths:
+            texts = [
+                f"overlaps {who} by {by:.3g} m" if by else f"touches {who}" for who, by in depths[:_NAMED]
+            ]
+            more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
+            yield ("robots", disk.index, key), ", ".join(texts) + more
+
+
+def _times(sound: Sound) -> Iterator[Finding]:
+    step = sound.get("time", "step", default=Time().step)
+    limit = sound.get("time", "limit", default=Time().limit)
+    if step is None or limit is None:
+        return
+    if limit < step:
+        yield ("time", "limit"), f"{limit:g} s is less than one step of {step:g} s"
+    elif limit > _LONGEST * step:
+        yield ("time", "limit"), f"{limit:g} s are more than {_LONGEST:g} steps of {step:g} s"

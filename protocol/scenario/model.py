@@ -1,0 +1,196 @@
+"""A scenario: everything that determines a run, besides the transport. SI units, plain data.
+
+Field names are the keys of the TOML file; a trailing underscore avoids a Python keyword (`from_`
+is `from` in the file). Ranges stand in the annotations and are enforced by `protocol.scenario.file`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le, Len
+
+from protocol.errors import Problem, ScenarioError
+
+# The bounds of size keep squares and products of lengths away from the ends of a double's range.
+Positive = Annotated[float, Ge(1e-9), Le(1e6)]
+NonNegative = Annotated[float, Ge(0), Le(1e6)]
+Gain = Annotated[float, Ge(1e-9), Le(1e12)]
+Probability = Annotated[float, Ge(0), Le(1)]
+Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
+Point = tuple[Coordinate, Coordinate]
+Span = NonNegative | tuple[NonNegative, NonNegative]
+RobotId = Annotated[int, Ge(1), Le(999_999_999)]
+
+STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """The disk around the origin that all robots share; `radius` in m."""
+
+    __pydantic_config__ = STRICT
+    radius: Positive = 0.30
+
+
+@dataclass(frozen=True, slots=True)
+class Time:
+    """Control period, limit (s of simulated time), arrival tolerance (m), and what counts as silence (s)."""
+
+    __pydantic_config__ = STRICT
+    step: Positive = 0.05
+    limit: Positive = 60.0
+    tolerance: Positive = 0.005
+    fence: Positive = 1.0  # a robot that is silent this long is announced as down
+    deadlock: Positive = 20.0  # nobody moved for this long: give up
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """The law: what each robot wants, how fast, and what keeps it safe."""
+
+    __pydantic_config__ = STRICT
+    law: Literal["gradient", "orca", "barrier"] = "gradient"
+    k: Gain | Literal["auto", "certified"] = "auto"
+    pace: Literal["common", "own"] = "common"
+    filter: Literal["separating-lines", "none"] = "separating-lines"
+    speed: Positive = 0.10  # m/s
+    escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
+    # Of laws to compare with; each has a value of its own for what is not given.
+    horizon: Positive | None = None  # s, orca: no collision may follow for this long
+    barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
+    symmetry_noise: Probability | None = None  # orca, barrier: random part of the wish, of the speed limit
+    margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
+
+
+@dataclass(frozen=True, slots=True)
+class Sensing:
+    """How a robot's own position is measured: delay (s), noise and bias (m), dropout."""
+
+    __pydantic_config__ = STRICT
+    delay: Span = 0.0
+    noise: NonNegative = 0.0  # standard deviation per axis, truncated at noise_bound
+    noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
+    bias: Point = (0.0, 0.0)
+    dropout: Probability = 0.0
+    robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
+    contradiction: Literal["stand", "newest"] = "stand"
+
+    @property
+    def bound(self) -> float:
+        """Largest error of one measurement, m: truncated noise plus bias."""
+        noise = 3.0 * self.noise if self.noise_bound is None else self.noise_bound
+        return (noise if self.noise > 0.0 else 0.0) + math.hypot(*self.bias)
+
+
+@dataclass(frozen=True, slots=True)
+class Partition:
+    """Between two times (s), States pass only inside each group; a robot in no group hears nobody."""
+
+    __pydantic_config__ = STRICT
+    from_: NonNegative
+    until: Positive
+    groups: tuple[tuple[RobotId, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """How States travel between every two robots. A random delay reorders by itself."""
+
+    __pydantic_config__ = STRICT
+    delay: Span = 0.0
+    jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
+    loss: Probability = 0.0
+    duplicate: Probability = 0.0
+    partition: tuple[Partition, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessFault:
+    """Something that happens to a robot's process at a time (s of simulated time)."""
+
+    __pydantic_config__ = STRICT
+    robot: RobotId
+    at: NonNegative
+    event: Literal["kill", "pause", "resume", "restart"]
+
+
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """Executed velocity = v + |v| w; `noise` is the deviation of w per axis, truncated at three of them."""
+
+    __pydantic_config__ = STRICT
+    noise: Annotated[float, Ge(0), Le(0.3)] = 0.0
+
+    @property
+    def bound(self) -> float:
+        """Largest |w|."""
+        return 3.0 * self.noise
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSpec:
+    """One robot: its disk (m), where it begins and where it shall be."""
+
+    __pydantic_config__ = STRICT
+    id: RobotId
+    radius: Positive
+    start: Point
+    goal: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """Everything that determines a run."""
+
+    __pydantic_config__ = STRICT
+    robots: Annotated[tuple[RobotSpec, ...], Len(1, 1000)]
+    name: str = "scenario"
+    description: str = ""
+    seed: Annotated[int, Ge(0), Le(2**63 - 1)] = 0
+    workspace: Workspace = Workspace()
+    time: Time = Time()
+    control: Control = Control()
+    sensing: tuple[Sensing, ...] = (Sensing(),)  # a later one outranks an earlier one
+    link: Link = Link()
+    process: tuple[ProcessFault, ...] = ()
+    actuation: Actuation = Actuation()
+
+    def ticks(self, seconds: float) -> int:
+        """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
+        return math.ceil(seconds / self.time.step - 1e-9)
+
+    @property
+    def k(self) -> float:
+        """The number k in use; `auto` must have been resolved before (`deploy.library.load`).
+
+        Raises:
+            ScenarioError: k is still "auto" or "certified".
+        """
+        if isinstance(self.control.k, str):
+            raise ScenarioError(
+                self.name, [Problem("control.k", f'is still "{self.control.k}"; resolve it before the run')]
+            )
+        return self.control.k
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """Robot ids in increasing order."""
+        return tuple(sorted(robot.id for robot in self.robots))
+
+    def spec(self, robot: int) -> RobotSpec:
+        """The entry of one robot; raises KeyError for an unknown id."""
+        for spec in self.robots:
+            if spec.id == robot:
+                return spec
+        raise KeyError(robot)
+
+    def sensing_of(self, robot: int) -> Sensing:
+        """How this robot is measured: the last entry that names it, or that names nobody."""
+        for sensing in reversed(self.sensing):
+            if sensing.robots is None or robot in sensing.robots:
+                return sensing
+        return Sensing()

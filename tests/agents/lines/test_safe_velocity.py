@@ -1,0 +1,125 @@
+"""The applied velocity: all constraints to the last bit, nearest by brute force, still if need be."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.lines.boundary import RoundBoundary
+from agents.lines.line import HalfPlane
+from agents.lines.safe_velocity import safe_velocity
+
+PERIOD, SPEED, ROOM = 0.05, 0.1, 0.26
+REACH = PERIOD * SPEED
+
+angles = st.floats(0.0, 2.0 * math.pi)
+slacks = st.one_of(st.just(0.0), st.floats(-0.002, 2.0 * REACH), st.sampled_from([1e-18, 1e-12, 1e-9]))
+velocities = st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2))
+
+
+@st.composite
+def problems(draw: st.DrawFn) -> tuple[tuple[float, float], tuple[float, float], list[HalfPlane]]:
+    """A desired velocity, a position in the workspace, half-planes around it."""
+    angle, share = draw(angles), draw(st.one_of(st.just(1.0), st.floats(0.0, 1.0)))
+    x, y = share * ROOM * math.cos(angle), share * ROOM * math.sin(angle)
+    planes = []
+    for turn, slack in draw(st.lists(st.tuples(angles, slacks), max_size=7)):
+        nx, ny = math.cos(turn), math.sin(turn)
+        planes.append(HalfPlane(nx, ny, nx * x + ny * y + slack))
+    return draw(velocities), (x, y), planes
+
+
+def solved(
+    desired: tuple[float, float], position: tuple[float, float], planes: list[HalfPlane], noise: float = 0.0
+) -> tuple[float, float]:
+    return safe_velocity(
+        desired, position, planes, boundary=RoundBoundary(ROOM), speed=SPEED, period=PERIOD, noise=noise
+    )
+
+
+@given(problems(), st.sampled_from([0.0, 0.01, 0.3, 0.9]), angles)
+def test_every_constraint_holds_whatever_the_execution_noise(problem, noise, turn) -> None:
+    desired, (x, y), planes = problem
+    vx, vy = solved(desired, (x, y), planes, noise)
+    speed = math.hypot(vx, vy)
+    assert speed * PERIOD <= REACH
+    for size in (0.0, noise):
+        dx = (vx + size * speed * math.cos(turn)) * PERIOD
+        dy = (vy + size * speed * math.sin(turn)) * PERIOD
+        for plane in planes:
+            slack = max(0.0, plane.slack(x, y))
+            assert plane.nx * dx + plane.ny * dy <= slack + (1e-16 if size else 0.0)
+        room = max(ROOM, math.hypot(x, y))
+        assert math.hypot(x + dx, y + dy) <= room + (1e-16 if size else 0.0)
+
+
+@given(problems())
+def test_no_feasible_velocity_is_nearer(problem) -> None:
+    desired, position, planes = problem
+    v = solved(desired, position, planes)
+    found = math.dist(v, desired) * PERIOD
+    best = min(math.dist(p, (desired[0] * PERIOD, desired[1] * PERIOD)) for p in candidates(problem))
+    assert found <= best + 1e-7  # m; where rim and lines leave only a sliver, standing still is as good
+
+
+def candidates(problem) -> list[tuple[float, float]]:
+    """All feasible points among which the nearest one must be: projections, and corners of two edges."""
+    desired, (x, y), planes = problem
+    edges = [(plane.nx, plane.ny, max(0.0, plane.slack(x, y))) for plane in planes]
+    circles = [(0.0, 0.0, REACH), (-x, -y, max(ROOM, math.hypot(x, y)))]
+    want = np.array(desired) * PERIOD
+    points = [want, np.zeros(2)]
+    for nx, ny, s in edges:
+        points.append(want - (want @ (nx, ny) - s) * np.array([nx, ny]))
+    for cx, cy, r in circles:
+        away = want - (cx, cy)
+        if np.hypot(*away) > 0.0:
+            points.append(np.array([cx, cy]) + away * r / np.hypot(*away))
+    for (ax, ay, a), (bx, by, b) in itertools.combinations(edges, 2):
+        if abs(ax * by - ay * bx) > 1e-9:
+            points.append(np.linalg.solve([[ax, ay], [bx, by]], [a, b]))
+    for (nx, ny, s), (cx, cy, r) in itertools.product(edges, circles):
+        offset = s - nx * cx - ny * cy
+        if abs(offset) <= r:
+            half = math.sqrt(r * r - offset * offset)
+            foot = np.array([cx + offset * nx, cy + offset * ny])
+            points += [foot + half * np.array([-ny, nx]), foot - half * np.array([-ny, nx])]
+    distance = math.hypot(x, y)
+    (_, _, r), (_, _, big) = circles
+    if abs(big - r) <= distance <= big + r and distance > 0.0:
+        along = (distance**2 + r * r - big * big) / (2.0 * distance)
+        half = math.sqrt(max(0.0, r * r - along * along))
+        towards = np.array([-x, -y]) / distance
+        points += [along * towards + s * half * np.array([-towards[1], towards[0]]) for s in (-1, 1)]
+    tight = 1e-13
+    return [
+        (float(px), float(py))
+        for px, py in points
+        if all(nx * px + ny * py <= s + tight for nx, ny, s in edges)
+        and all(math.hypot(px - cx, py - cy) <= r + tight for cx, cy, r in circles)
+    ]
+
+
+def test_nothing_in_the_way_leaves_the_desired_velocity_alone() -> None:
+    assert solved((0.03, -0.04), (0.1, 0.0), [HalfPlane(1.0, 0.0, 0.2)]) == (0.03, -0.04)
+
+
+def test_a_line_in_front_is_followed_along() -> None:
+    vx, vy = solved((0.05, 0.05), (0.0, 0.0), [HalfPlane(1.0, 0.0, 0.0)])
+    assert vx == pytest.approx(0.0, abs=1e-15)
+    assert vy == pytest.approx(0.05)
+
+
+def test_a_line_already_crossed_is_not_approached_but_can_be_left() -> None:
+    assert solved((0.1, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)]) == (0.0, 0.0)
+    assert solved((-0.05, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)]) == pytest.approx((-0.05, 0.0))
+
+
+def test_noise_keeps_the_apex_in_front_of_a_line() -> None:
+    vx, _ = solved((0.1, 0.0), (0.0, 0.0), [HalfPlane(1.0, 0.0, 0.001)], noise=0.25)
+    assert vx * 1.25 * PERIOD == pytest.approx(0.001)

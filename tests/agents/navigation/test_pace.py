@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from agents.navigation.flow import Flow, desired_velocity
+from agents.navigation.pace import common_pace, max_rate, own_pace
+from agents.navigation.slice import Slice
+
+
+def test_the_fastest_robot_moves_at_the_speed_limit() -> None:
+    assert common_pace(0.4, 0.09, 0.1, 10.0) == pytest.approx(0.25)
+
+
+def test_a_squeezed_robot_does_not_freeze_the_others() -> None:
+    farthest = 0.3
+    scale = common_pace(1e6, farthest**2, 0.1, 10.0)
+    assert scale * 2 * farthest == pytest.approx(0.1)
+
+
+def test_the_gain_is_the_largest_scale() -> None:
+    assert common_pace(1e-9, 1e-18, 0.1, 10.0) == 10.0
+    assert common_pace(0.0, 0.0, 0.1, 10.0) == 10.0
+    assert own_pace(10.0) == 10.0
+
+
+@pytest.mark.parametrize("period", [0.02, 0.05, 0.1, 0.2])
+def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
+    speed, tolerance, x, ticks = 0.1, 0.005, 0.25, 0
+    own = Slice((0.0, 0.0), 0.04, 0.35, 60.0, [])
+    scale = max_rate(speed, period, tolerance)
+    while x > tolerance:
+        step = desired_velocity(Flow(own, scale), (x, 0.0), period=period, speed=speed)[0] * period
+        assert -x < step < 0.0
+        x += step
+        ticks += 1
+    straight = (0.25 - tolerance) / speed
+    assert ticks * period <= straight + 4 * period + 0.2
+    rest = [x]
+    for _ in range(40):
+        rest.append(
+            rest[-1]
+            + period * desired_velocity(Flow(own, scale), (rest[-1], 0.0), period=period, speed=speed)[0]
+        )
+    assert rest == sorted(rest, reverse=True)
+    assert 0.0 <= rest[-1] < 1e-9
+    assert math.isfinite(rest[-1])

@@ -1,0 +1,64 @@
+"""What a robot knows of its peers: newer lives and ticks win, fenced disks stand until a new life speaks."""
+
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
+from protocol.messages import Member, Vector
+
+
+def state(robot: int, incarnation: int, tick: int) -> PeerState:
+    return PeerState(robot, incarnation, tick, True, float(tick), 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
+
+
+def standing(robot: int, place: Vector) -> Member:
+    return Member(robot, 1, "standing", 0.1, place)
+
+
+def test_only_news_is_taken_over() -> None:
+    known = Neighbours({2: 0.1, 3: 0.1})
+    assert known.on_state(state(2, 1, 5))
+    assert not known.on_state(state(2, 1, 4))
+    assert not known.on_state(state(2, 1, 5))
+    assert known.position(2) == (5.0, 0.0)
+    assert known.on_state(state(2, 2, 1))
+    assert known.position(2) == (1.0, 0.0)
+    assert known.position(3) is None
+
+
+def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() -> None:
+    known = Neighbours({2: 0.1})
+    known.on_state(state(2, 1, 5))
+    known.on_member(standing(2, (7.0, 7.0)))
+    known.on_member(Member(2, 2, "live", 0.1))
+    assert known.position(2) == (7.0, 7.0)
+    assert known.on_state(state(2, 2, 6))
+    assert known.position(2) == (6.0, 0.0)
+    known.on_member(standing(2, (7.0, 7.0)))  # an older life than the one that speaks
+    assert known.position(2) == (6.0, 0.0)
+
+
+def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
+    known = Neighbours({2: 0.3, 3: 0.2, 4: 0.1})
+    for each in (4, 3):
+        known.on_state(state(each, 1, each))
+    known.on_member(standing(3, (7.0, 7.0)))
+    known.on_member(standing(2, (8.0, 8.0)))
+    assert [peer.robot for peer in known.moving()] == [4]
+    disks = [(disk.x, disk.y, disk.radius, disk.gamma) for disk in known.disks()]
+    assert disks == [(8.0, 8.0, 0.3, 0.0), (7.0, 7.0, 0.2, 0.0), (4.0, 0.0, 0.1, 1.0)]
+
+
+def test_who_is_lost_is_no_obstacle() -> None:
+    known = Neighbours({2: 0.1})
+    known.on_state(PeerState(2, 1, 5, False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, radius=0.1))
+    assert known.disks() == []
+    assert known.position(2) is None
+
+
+def test_who_is_gone_is_forgotten() -> None:
+    known = Neighbours({2: 0.1, 3: 0.1})
+    known.on_state(state(2, 1, 5))
+    known.on_member(standing(3, (1.0, 1.0)))
+    for robot in (2, 3):
+        known.on_member(Member(robot, 1, "gone", 0.1))
+        assert known.position(robot) is None
+    assert known.disks() == known.moving() == []

@@ -1,0 +1,188 @@
+"""The library: valid, deterministic, and as tight as the paper says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from deploy.commands.scenario import app
+from deploy.library import (
+    GOAL_SETS,
+    build,
+    catalogue,
+    figure_3,
+    head_on,
+    random_instance,
+    random_starts,
+    swap,
+    tightness,
+)
+from deploy.library.generate import generate
+from deploy.library.load import load
+from protocol.errors import ScenarioError, UsageError
+from protocol.scenario.file import parse_toml, validated, write_toml
+from protocol.scenario.model import Scenario
+
+NAMES = [entry.name for entry in catalogue() if not entry.name.endswith("-N")]
+NUMBERED = ["swap-2", "swap-3", "swap-10", "swap-60", "random-1", "random-2", "random-40"]
+
+
+def gap(scenario: Scenario, start: bool) -> float:
+    """Smallest clearance of starts or goals, m."""
+    disks = [(robot.start if start else robot.goal, robot.radius) for robot in scenario.robots]
+    wall = min(scenario.workspace.radius - r - math.hypot(*p) for p, r in disks)
+    pairs = [math.dist(p, q) - r - s for n, (p, r) in enumerate(disks) for q, s in disks[:n]]
+    return min([wall, *pairs])
+
+
+@pytest.mark.parametrize("name", NAMES + NUMBERED)
+def test_every_name_is_valid_and_survives_a_file(name: str) -> None:
+    scenario = build(name)
+    assert scenario.name == name
+    assert parse_toml(write_toml(scenario)) == validated(scenario) == scenario
+    assert min(gap(scenario, True), gap(scenario, False)) > 0.003
+
+
+@pytest.mark.parametrize(
+    ("letter", "tight"), [("a", 2.44), ("b", 2.63), ("c", 2.87), ("d", 3.30), ("e", 3.45)]
+)
+def test_goal_sets_have_the_papers_tightness(letter: str, tight: float) -> None:
+    assert tightness(GOAL_SETS[letter], [0.04] * 6) == pytest.approx(tight, abs=0.02)
+    scenario = figure_3(letter)
+    assert scenario.workspace.radius == 0.30
+    assert [robot.goal for robot in scenario.robots] == list(GOAL_SETS[letter])
+
+
+def test_tightness_is_what_the_definition_says() -> None:
+    """Two robots 20 cm apart with a contact distance of 8 cm: 100 / log10(400 - 64)."""
+    assert tightness([(0.0, 0.0), (0.20, 0.0)], [0.04, 0.04]) == pytest.approx(100 / math.log10(336))
+
+
+def test_seeds_determine_starts() -> None:
+    assert figure_3("d", 4) == figure_3("d", 4)
+    assert figure_3("d", 4).robots != figure_3("d", 5).robots
+    assert len({random_starts([0.04] * 6, 0.3, seed)[0] for seed in range(40)}) == 40
+
+
+def test_figure_1_leaves_no_room_to_pass_without_a_nudge() -> None:
+    """Both gates are narrower than robot 1, and lie across the straight way to its goal."""
+    spec = {robot.id: robot for robot in build("figure-1").robots}
+    for one, other in ((2, 3), (4, 5)):
+        for at in ("start", "goal"):
+            a, b = getattr(spec[one], at), getattr(spec[other], at)
+            assert math.dist(a, b) - 0.08 < 0.08
+            assert a[1] > 0 > b[1]
+            assert spec[1].start[0] < a[0] < spec[1].goal[0]
+
+
+@pytest.mark.parametrize("count", [2, 3, 6, 10, 40])
+def test_an_unjittered_swap_is_symmetric(count: int) -> None:
+    scenario = swap(count)
+    for robot in scenario.robots:
+        assert robot.goal == (-robot.start[0], -robot.start[1])
+        assert math.hypot(*robot.start) == pytest.approx(max(0.40, 0.05 / math.sin(math.pi / count)))
+    if count % 2 == 0:
+        starts = {robot.start for robot in scenario.robots}
+        assert {robot.goal for robot in scenario.robots} == starts
+
+
+def test_jitter_moves_each_start_by_no_more() -> None:
+    exact, moved = swap(10), swap(10, 0.01, 3)
+    shifts = [math.dist(a.start, b.start) for a, b in zip(exact.robots, moved.robots, strict=True)]
+    assert 0.0 < min(shifts) < max(shifts) <= 0.01
+    assert [robot.goal for robot in exact.robots] == [robot.goal for robot in moved.robots]
+
+
+def test_head_on_is_exactly_symmetric() -> None:
+    one, other = head_on().robots
+    assert (one.start, one.goal) == (other.goal, other.start)
+    assert one.start == (-other.start[0], other.start[1])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(1, 40), st.integers(0, 2**63 - 1), st.floats(0.01, 0.35), st.floats(0.0, 0.5))
+def test_random_instances_always_exist(count: int, seed: int, density: float, unequal: float) -> None:
+    scenario = random_instance(count, seed, density=density, unequal=unequal)
+    radii = [robot.radius for robot in scenario.robots]
+    assert len(radii) == count
+    assert min(gap(scenario, True), gap(scenario, False)) > 0.04 * min(radii)
+    filled = sum(r * r for r in radii) / scenario.workspace.radius**2
+    assert filled <= density + 1e-9
+    if count > 3:
+        assert filled == pytest.approx(density, rel=1e-4)
+    assert max(radii) - min(radii) <= 0.08 * unequal + 1e-4
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: random_instance(0, 1),
+        lambda: random_instance(1001, 1),
+        lambda: random_instance(5, 1, density=0.36),
+        lambda: random_instance(5, 1, density=0.0),
+        lambda: random_instance(5, 1, unequal=0.6),
+        lambda: random_starts([0.04] * 30, 0.2, 1),
+        lambda: random_starts([0.3], 0.3, 1),
+        lambda: swap(1),
+        lambda: swap(5, 0.02),
+        lambda: swap(5, -0.1),
+        lambda: figure_3("f"),
+        lambda: build("swap-1"),
+        lambda: build("random-0"),
+        lambda: generate("swap", 0, {"density": 0.1}),
+        lambda: generate("figure-1", 0, {"count": 3}),
+    ],
+)
+def test_what_cannot_be_made_is_refused(call: Callable[[], object]) -> None:
+    with pytest.raises(UsageError):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("figure1", "figure-1"), ("figure-3f", "figure-3"), ("headon", "head-on"), ("?", "swap-N")],
+)
+def test_an_unknown_name_is_answered_with_near_ones(name: str, near: str) -> None:
+    with pytest.raises(UsageError, match=near):
+        load(name)
+
+
+def test_load_resolves_k_and_applies_settings() -> None:
+    scenario = load("swap-12", ["time.limit=5", "robots[0].radius=0.02"])
+    assert isinstance(scenario.control.k, float)
+    assert scenario.time.limit == 5.0
+    assert scenario.robots[0].radius == 0.02
+    assert load("swap-12", ["control.k=80"]).k == 80.0
+
+
+def test_load_reads_files_and_lays_the_seed_over_them(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(write_toml(figure_3("a", 3)))
+    assert load(str(path)) == figure_3("a", 3)
+    assert load(str(path), seed=9).seed == 9
+    assert load(str(path), seed=9).robots == figure_3("a", 3).robots
+    assert load("figure-3a", seed=9) == figure_3("a", 9)
+    with pytest.raises(UsageError, match="no scenario file"):
+        load(str(tmp_path / "other.toml"))
+
+
+def test_commands_print_what_can_be_read_back(tmp_path: Path) -> None:
+    runner = CliRunner()
+    listed = runner.invoke(app, ["list"]).stdout
+    assert all(name in listed for name in [*NAMES, "swap-N", "random-N"])
+    assert parse_toml(runner.invoke(app, ["show", "figure-3d", "--seed", "4"]).stdout) == figure_3("d", 4)
+    target = tmp_path / "new.toml"
+    made = runner.invoke(
+        app, ["new", "swap", "-n", "7", "--jitter", "0.01", "--seed", "2", "-o", str(target)]
+    )
+    assert made.exit_code == 0
+    assert parse_toml(target.read_text()) == swap(7, 0.01, 2)
+    assert '"robots"' in runner.invoke(app, ["schema"]).stdout
+    failed = runner.invoke(app, ["show", "figure-1", "--set", "control.kk=3"])
+    assert isinstance(failed.exception, ScenarioError)

@@ -1,0 +1,56 @@
+"""Fleets in this process for tests of who watches them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from math import cos, pi, sin
+from typing import Any
+
+from deploy.monitor.source import Source
+from deploy.monitor.web.server import Server, serve_in_thread
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
+
+PATIENCE = 30.0
+
+
+def ring(robots: int = 4, limit: float = 60.0, kill: int | None = None, at: float = 0.5) -> Scenario:
+    """Robots on a circle, each to the place after the next; `kill` one of them `at` some time."""
+    places = [(0.2 * cos(2 * pi * i / robots), 0.2 * sin(2 * pi * i / robots)) for i in range(robots)]
+    specs = tuple(RobotSpec(i + 1, 0.03, places[i], places[(i + 2) % robots]) for i in range(robots))
+    faults = () if kill is None else (ProcessFault(kill, at, "kill"),)
+    return Scenario(specs, name="ring", time=Time(limit=limit), control=Control(k=40.0), process=faults)
+
+
+def until(condition: Callable[[], Any], patience: float = PATIENCE) -> Any:
+    """Wait for something to become true; returns it."""
+    deadline = time.monotonic() + patience
+    while not (found := condition()):
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.005)
+    return found
+
+
+@contextmanager
+def running(fleet: LocalFleet) -> Iterator[None]:
+    """A fleet on a thread of its own, stopped at the end whether it has finished or not."""
+    stop = threading.Event()
+    thread = threading.Thread(
+        target=fleet.network.run, args=(lambda: stop.is_set() or fleet.world.finished,), daemon=True
+    )
+    thread.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        thread.join(PATIENCE)
+
+
+@contextmanager
+def served(source: Source) -> Iterator[Server]:
+    """The live page of a source."""
+    with closing(serve_in_thread(source)) as server:
+        yield server

@@ -1,0 +1,162 @@
+"""The web server of the live page."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import socket
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from typing import Any
+from urllib.parse import urljoin
+
+import pytest
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import ClientConnection, connect
+
+from deploy.monitor.source import SharedView
+from deploy.monitor.watcher import watch_local
+from deploy.monitor.web.server import Server, serve_in_thread
+from deploy.monitor.web.stream import FrameStream
+from deploy.run.local import LocalFleet
+from protocol.bus.local import LocalNetwork
+from protocol.errors import UsageError
+from tests.deploy.monitor.watched import PATIENCE, ring, running, served
+
+
+def live(server: Server, **options: Any) -> ClientConnection:
+    return connect(server.address.replace("http", "ws") + "/live", **options)
+
+
+def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
+    """The next message of a kind that fulfils a condition."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        message = json.loads(socket_.recv(timeout=PATIENCE))
+        if message["kind"] == kind and condition(message):
+            return message
+    raise AssertionError(f"no such {kind}")
+
+
+def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=0.5)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        overview = news(viewer, "overview", lambda it: it["scenario"])
+        assert [robot["id"] for robot in overview["robots"]] == [1, 2, 3, 4]
+        first = news(viewer, "frame")
+        began, count = time.monotonic(), 0
+        while time.monotonic() < began + 1.0:
+            last = news(viewer, "frame")
+            count += 1
+        assert count <= 30  # a few may have waited
+        assert last["tick"] > first["tick"]
+        assert last["robots"][0]["distance"] < first["robots"][0]["distance"]
+
+
+def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"pause": true}')
+        held = news(viewer, "frame", lambda it: it["phase"] == "paused")
+        later = [news(viewer, "frame")["tick"] for _ in range(6)][-1]
+        assert later - held["tick"] <= 1
+        viewer.send('{"pause": "perhaps"}')
+        assert "pause" in news(viewer, "refused")["text"]
+        viewer.send('{"pause": false, "speed": 0}')
+        assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
+
+
+def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=0.3)
+    with (
+        running(fleet),
+        served(watcher) as server,
+        live(server, max_queue=1, close_timeout=0.1) as asleep,
+        live(server) as viewer,
+    ):
+        news(asleep, "overview")
+        first = news(viewer, "frame")["tick"]
+        assert news(viewer, "frame", lambda it: it["tick"] > first + 10)["phase"] == "running"
+
+
+def test_a_slow_viewer_gets_the_newest_frame_and_not_those_between() -> None:
+    async def scene() -> tuple[int, int]:
+        stream = FrameStream(SharedView("r"))  # type: ignore[arg-type]  # nobody steers here
+        stream.enter()
+        number, _, _ = await stream.after(0)
+        async with asyncio.timeout(PATIENCE):
+            while stream._number < number + 3:
+                await asyncio.sleep(0.01)
+        following, _, _ = await stream.after(number)
+        stream.leave()
+        return number, following
+
+    number, following = asyncio.run(scene())
+    assert following >= number + 3
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1:1", "null"])
+def test_a_page_of_another_site_cannot_steer(origin: str) -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        with pytest.raises(WebSocketException), live(server, origin=origin) as viewer:
+            viewer.recv(timeout=PATIENCE)
+        with live(server, origin=server.address) as viewer:
+            assert news(viewer, "frame")["phase"] == "searching"
+
+
+def test_only_the_own_host_name_is_answered() -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        request = urllib.request.Request(server.address, headers={"Host": "evil.example"})
+        with pytest.raises(urllib.error.HTTPError, match="400"):
+            urllib.request.urlopen(request, timeout=PATIENCE)
+
+
+def fetch(url: str) -> str:
+    with urllib.request.urlopen(url, timeout=PATIENCE) as response:
+        assert "default-src 'self'" in response.headers["content-security-policy"]
+        return str(response.read().decode())
+
+
+def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        page = fetch(server.address)
+        seen, pending = set(), set(re.findall(r'(?:src|href)="([^"]+)"', page))
+        while pending:
+            name = pending.pop()
+            seen.add(name)
+            text = fetch(f"{server.address}/{name}")
+            assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", text), name
+            scripts = re.findall(r'from "(\.[^"]+)"', text)
+            pending |= {urljoin(name, script) for script in scripts} - seen
+    assert {"main.js", "drawing/workspace.js", "styles/theme.css", "icon.svg"} <= seen
+
+
+def test_a_taken_port_is_named() -> None:
+    source = watch_local(LocalNetwork(), "r")
+    with served(source) as server, pytest.raises(UsageError, match=re.escape(server.address.rsplit(":")[-1])):
+        serve_in_thread(source, int(server.address.rsplit(":")[-1]))
+
+
+def test_a_server_that_is_closed_is_gone() -> None:
+    server = serve_in_thread(watch_local(LocalNetwork(), "r"))
+    with live(server) as viewer:
+        news(viewer, "frame")
+        server.close()
+        server.close()
+        with pytest.raises(WebSocketException):
+            news(viewer, "never")
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.1", int(server.address.rsplit(":")[-1])), PATIENCE)
+
+
+def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
+    with pytest.raises(UsageError, match=r"pip install \"disknav\[web\]\""):
+        serve_in_thread(watch_local(LocalNetwork(), "r"))

@@ -1,0 +1,89 @@
+"""Functions that tests run in processes of their own."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from contextlib import closing
+from typing import NoReturn
+
+from deploy.processes.spawn import Spawner
+from deploy.processes.supervisor import Supervisor
+from deploy.processes.table import Process
+from protocol.bus.connection import Connection
+from protocol.bus.drive import Stop, stop_on_signal
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import BusError
+
+
+def row(name: str, function: Callable[..., object], *arguments: object, **options: object) -> Process:
+    """A row of the process table that runs a function of this module."""
+    return Process(name, f"tests.deploy.processes.children:{function.__name__}", arguments, **options)  # type: ignore[arg-type]
+
+
+def spawner() -> Spawner:
+    """A fork server that has imported this module."""
+    return Spawner(
+        ("numpy", "protocol.bus.zenoh", "deploy.processes.router", "tests.deploy.processes.children")
+    )
+
+
+def announce(connection: Connection, key: str) -> int:
+    """Hold a liveliness token until told to stop."""
+    try:
+        with stop_on_signal(), closing(ZenohBus(connection)) as bus:
+            bus.announce(key)
+            while True:
+                bus.receive(60.0)
+    except Stop:
+        return 0
+
+
+def wait(report: Callable[[str], None] | None = None) -> NoReturn:
+    """Do nothing until a signal ends this process."""
+    if report is not None:
+        report("waiting")
+    while True:
+        signal.pause()
+
+
+def wait_stubbornly(report: Callable[[str], None]) -> NoReturn:
+    """Do nothing, SIGTERM or not."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    wait(report)
+
+
+def give(code: int) -> int:
+    """End with an exit status."""
+    return code
+
+
+def divide_by_zero() -> float:
+    """Fail with a traceback."""
+    return 1 / 0
+
+
+def fail_politely() -> int:
+    """Fail with an error of this software's own."""
+    raise BusError("the cable is unplugged")
+
+
+def print_and_report(report: Callable[[str], None]) -> int:
+    """Print, and report."""
+    print("printed")
+    report("reported")
+    return 0
+
+
+def supervise(path: str, names: list[str]) -> None:
+    """Be a supervisor whose processes wait; write their pids to `path` when all run, then hang."""
+    with Supervisor(spawner()) as supervisor:
+        supervisor.start(row(name, wait, reports=True) for name in names)
+        for name in names:
+            supervisor.report(name, 20.0)
+        pids = " ".join(str(usage.pid) for usage in supervisor.usage())
+        with open(path + ".new", "w") as file:  # noqa: PTH123
+            file.write(pids)
+        os.rename(path + ".new", path)  # noqa: PTH104
+        signal.pause()

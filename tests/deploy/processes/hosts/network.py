@@ -1,0 +1,168 @@
+"""Hosts on one machine: a network namespace each, wired to a switch by links that can be cut, or are bad."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, NamedTuple, Self
+
+import pytest
+
+
+def unable() -> str | None:
+    """Why hosts cannot be made here; None if they can."""
+    if shutil.which("ip") is None:
+        return "iproute2 (the command ip) is not installed"
+    if os.geteuid() != 0:
+        return "network namespaces need root"
+    probe = f"disknav-probe-{os.getpid()}"
+    done = subprocess.run(["ip", "netns", "add", probe], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        return f"no network namespaces here: {done.stderr.strip()}"
+    subprocess.run(["ip", "netns", "del", probe], check=True)
+    if not os.access("/dev/net/tun", os.R_OK | os.W_OK):
+        return "there is no /dev/net/tun for links with delay and loss"
+    return None
+
+
+needs_hosts = pytest.mark.skipif(unable() is not None, reason=unable() or "")
+
+
+class Bad(NamedTuple):
+    """A bad link: what is sent arrives `delay` s later, or with probability `loss` not at all; either way."""
+
+    delay: float
+    loss: float
+
+
+class Hosts:
+    """A context manager: `count` hosts, 10.77.0.1 and so on. Leaving it ends all that runs on them.
+
+    `bad` are the links that are, by host.
+    """
+
+    def __init__(self, count: int, log: Path, bad: Mapping[int, Bad] | None = None) -> None:
+        self._numbers = range(1, count + 1)
+        self._bad = bad or {}
+        self._relays: list[subprocess.Popen[str]] = []
+        self._prefix = f"disknav-{os.getpid()}"
+        self._log = log
+        self._processes: list[subprocess.Popen[str]] = []
+        self._files: list[IO[str]] = []
+
+    def __enter__(self) -> Self:
+        try:
+            self._wire()
+        except BaseException:
+            self._remove()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._processes:
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+        for process in self._processes:
+            try:
+                process.wait(5.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        for file in self._files:
+            file.close()
+        self._remove()
+
+    def address(self, host: int) -> str:
+        """IPv4 address of a host."""
+        return f"10.77.0.{host}"
+
+    def start(self, host: int, command: Sequence[str]) -> subprocess.Popen[str]:
+        """Run a command on a host; what it says to standard error goes to the log."""
+        file = self._log.open("a")
+        self._files.append(file)
+        process = subprocess.Popen(
+            ["ip", "netns", "exec", self._name(host), *command],
+            stdout=subprocess.PIPE,
+            stderr=file,
+            text=True,
+        )
+        self._processes.append(process)
+        return process
+
+    def await_log(self, text: str, seconds: float) -> None:
+        """Wait until a process has said `text`."""
+        deadline = time.monotonic() + seconds
+        while text not in (said := self._log.read_text()):
+            assert time.monotonic() < deadline, f"{text!r} was not said within {seconds} s; but:\n{said}"
+            time.sleep(0.02)
+
+    def cut(self, host: int) -> None:
+        """Unplug a host from the switch: what is sent is lost, and nobody is told."""
+        _ip("-n", self._name(0), "link", "set", f"port{host}", "down")
+
+    def mend(self, host: int) -> None:
+        """Plug it in again."""
+        _ip("-n", self._name(0), "link", "set", f"port{host}", "up")
+
+    def _name(self, host: int) -> str:
+        return f"{self._prefix}-{host}"
+
+    def _wire(self) -> None:
+        switch = self._name(0)
+        _ip("netns", "add", switch)
+        _ip("-n", switch, "link", "add", "switch", "type", "bridge")
+        _ip("-n", switch, "link", "set", "switch", "up")
+        for host in self._numbers:
+            name = self._name(host)
+            _ip("netns", "add", name)
+            _ip("-n", name, "link", "set", "lo", "up")
+            if host in self._bad:
+                self._relay(host, self._bad[host])
+            else:
+                peer = ["peer", "name", f"port{host}", "netns", switch]
+                _ip("-n", name, "link", "add", "eth0", "type", "veth", *peer)
+            _ip("-n", switch, "link", "set", f"port{host}", "master", "switch", "up")
+            _ip("-n", name, "addr", "add", f"{self.address(host)}/24", "dev", "eth0")
+            _ip("-n", name, "link", "set", "eth0", "up")
+        for relay in self._relays:
+            assert relay.stdin is not None
+            relay.stdin.write("go\n")
+            relay.stdin.flush()
+
+    def _relay(self, host: int, link: Bad) -> None:
+        """In place of a cable, two devices with a program between them."""
+        command = [
+            sys.executable,
+            "-m",
+            "tests.deploy.processes.hosts.relay",
+            str(link.delay),
+            str(link.loss),
+        ]
+        relay = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._relays.append(relay)
+        assert relay.stdout is not None
+        ours, theirs = relay.stdout.readline().split()
+        _ip("link", "set", ours, "netns", self._name(host), "name", "eth0")
+        _ip("link", "set", theirs, "netns", self._name(0), "name", f"port{host}")
+
+    def _remove(self) -> None:
+        for relay in self._relays:
+            relay.kill()
+            relay.wait()
+        for host in (0, *self._numbers):
+            left = ["ip", "netns", "pids", self._name(host)]  # whatever its parent did not take along
+            for pid in subprocess.run(left, capture_output=True, text=True, check=False).stdout.split():
+                with suppress(ProcessLookupError):
+                    os.kill(int(pid), signal.SIGKILL)
+            subprocess.run(["ip", "netns", "del", self._name(host)], capture_output=True, check=False)
+
+
+def _ip(*arguments: str) -> None:
+    subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)

@@ -1,0 +1,38 @@
+"""Run on one host of a test: tells that the world answers, then what it publishes, a line of JSON each."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from deploy.security.membership import Membership
+from protocol.bus.events import Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.keys import world_key
+from protocol.messages import Result, Truth
+
+
+def main(endpoint: str, run: str, keys: str) -> None:
+    """Tell every truth, and at last the result."""
+    bus = ZenohBus(Membership(Path(keys)).client("monitor", (endpoint,)))
+    for stream in ("truth", "result"):
+        bus.subscribe(world_key(run, stream))
+    bus.ask(world_key(run, "scenario"), b"", 60.0)
+    print(json.dumps({"world": "answers"}), flush=True)
+    while True:
+        event = bus.receive(60.0)
+        assert isinstance(event, Sample), "the world said nothing for a minute"
+        message = decode(event.key, event.payload)
+        if isinstance(message, Truth):
+            positions = dict(zip(message.robots, message.positions, strict=True))
+            print(json.dumps({"tick": message.tick, "positions": positions}), flush=True)
+        elif isinstance(message, Result):
+            print(json.dumps({"report": json.loads(message.report)}), flush=True)
+            break
+    bus.close()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

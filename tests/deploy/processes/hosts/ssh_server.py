@@ -1,0 +1,118 @@
+"""An OpenSSH server on the loopback, with keys and a configuration of its own."""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[4]
+SEARCHED = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"])
+SSHD = shutil.which("sshd", path=SEARCHED)
+_SEPARATION = Path("/run/sshd")  # an sshd that is root wants it
+_READY = 10.0  # s
+
+
+def unable() -> str | None:
+    """Why there can be no server here; None if there can."""
+    if SSHD is None:
+        return "sshd (openssh-server) is not installed"
+    if shutil.which("ssh") is None:
+        return "ssh (openssh-client) is not installed"
+    return None
+
+
+needs_sshd = pytest.mark.skipif(unable() is not None, reason=unable() or "")
+
+
+@dataclass(frozen=True)
+class Server:
+    """A server that listens; `options` make ssh reach it."""
+
+    port: int
+    pid: int
+    options: tuple[str, ...]
+
+    @property
+    def user(self) -> str:
+        return pwd.getpwuid(os.geteuid()).pw_name
+
+    @property
+    def command(self) -> str:
+        """How a shell there calls this code."""
+        return f"env PYTHONPATH={ROOT} {sys.executable} -m deploy.cli"
+
+
+def free_ports(count: int) -> list[int]:
+    """Ports that nobody listens on now."""
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
+
+
+@contextmanager
+def ssh_server(folder: Path) -> Iterator[Server]:
+    """Serve this user on 127.0.0.1, to whoever has the key in `folder`."""
+    assert SSHD is not None
+    if os.geteuid() == 0:
+        _SEPARATION.mkdir(mode=0o755, exist_ok=True)
+    for name in ("host", "user"):
+        subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / name)], check=True)
+    (port,) = free_ports(1)
+    config = folder / "sshd_config"
+    config.write_text(_config(folder, port))
+    log = (folder / "sshd.log").open("w")
+    process = subprocess.Popen([SSHD, "-D", "-e", "-f", str(config)], stderr=log)
+    known = folder / "known_hosts"
+    known.write_text(f"[127.0.0.1]:{port} {(folder / 'host.pub').read_text()}")
+    options = (
+        *("-F", "none", "-p", str(port), "-i", str(folder / "user")),
+        *("-o", f"UserKnownHostsFile={known}", "-o", "IdentitiesOnly=yes"),
+    )
+    try:
+        _await(port, process)
+        yield Server(port, process.pid, options)
+    finally:
+        process.terminate()
+        process.wait(10.0)
+        log.close()
+
+
+def _config(folder: Path, port: int) -> str:
+    return f"""\
+Port {port}
+ListenAddress 127.0.0.1
+HostKey {folder / "host"}
+AuthorizedKeysFile {folder / "user.pub"}
+PidFile none
+StrictModes no
+UsePAM no
+PasswordAuthentication no
+PermitRootLogin yes
+MaxStartups 100
+"""
+
+
+def _await(port: int, process: subprocess.Popen[bytes]) -> None:
+    deadline = time.monotonic() + _READY
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", port), 1.0).close()
+        except OSError:
+            assert process.poll() is None, "sshd ended at once"
+            assert time.monotonic() < deadline, "sshd does not listen"
+            time.sleep(0.02)
+        else:
+            return

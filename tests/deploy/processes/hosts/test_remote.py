@@ -1,0 +1,121 @@
+"""The far end of a connection: it leaves nothing behind, however the connection ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection as Channel
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from deploy.processes.fork_messages import Exited, News, Report, Start, Started, Store, decode_news
+from deploy.software.provenance import SOFTWARE, code_digest
+from tests.deploy.processes.hosts.ssh_server import ROOT
+from tests.deploy.processes.test_spawn import gone
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
+
+CODE = (
+    "from deploy.processes.hosts.remote import main; main(('tests.deploy.processes.children',), {patience})"
+)
+
+
+class FarEnd(NamedTuple):
+    process: subprocess.Popen[bytes]
+    requests: Channel[Any, Any]
+    answers: Channel[Any, Any]
+    folder: Path
+
+    def news(self) -> News:
+        assert self.answers.poll(20.0)
+        return decode_news(self.answers.recv_bytes())
+
+    def start(self, function: str, *arguments: object) -> int:
+        """Start a process that reports; its pid, once it has."""
+        self.requests.send(
+            Start(1, "one", f"tests.deploy.processes.children:{function}", arguments, True, None)
+        )
+        started, report = self.news(), self.news()
+        assert isinstance(started, Started)
+        assert isinstance(report, Report)
+        return started.pid
+
+
+@contextmanager
+def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
+    process = subprocess.Popen(
+        [sys.executable, "-c", CODE.format(patience=patience)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        bufsize=0,
+    )
+    assert process.stdin is not None
+    assert process.stdout is not None
+    greeting = process.stdout.readline().decode().split()
+    assert greeting[:2] == ["disknav-host", code_digest(SOFTWARE)]
+    requests: Channel[Any, Any] = Channel(os.dup(process.stdin.fileno()), readable=False)
+    answers: Channel[Any, Any] = Channel(os.dup(process.stdout.fileno()), writable=False)
+    process.stdin.close()
+    process.stdout.close()
+    try:
+        yield FarEnd(process, requests, answers, Path(greeting[2]))
+    finally:
+        for channel in (requests, answers):
+            with suppress(OSError):
+                channel.close()
+        process.kill()
+        process.wait()
+
+
+def test_the_end_of_the_connection_ends_everything() -> None:
+    with far_end() as far:
+        pid = far.start("wait_stubbornly")
+        far.requests.close()
+        assert far.process.wait(20.0) == 0
+        assert gone(pid)
+        assert not far.folder.exists()
+
+
+def test_silence_ends_everything() -> None:
+    with far_end(patience=2.0) as far:
+        pid = far.start("wait")
+        assert far.process.wait(20.0) == 0
+        assert gone(pid)
+        assert not far.folder.exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_host_that_goes_down_keeps_no_keys(number: int) -> None:
+    with far_end() as far:
+        far.requests.send(Store("robot-1.key", b"secret"))
+        pid = far.start("wait")
+        assert (far.folder / "robot-1.key").exists()
+        far.process.send_signal(number)
+        assert far.process.wait(20.0) == 0
+        assert gone(pid)
+        assert not far.folder.exists()
+
+
+def test_files_are_their_owners_alone_and_stay_in_the_folder() -> None:
+    with far_end() as far:
+        for name in ("robot-1.key", "../robot-2.key", "robot-1.key"):
+            far.requests.send(Store(name, b"secret"))
+        far.start("wait")
+        modes = {path.name: oct(path.stat().st_mode & 0o777) for path in far.folder.iterdir()}
+        assert modes == {"robot-1.key": "0o600", "robot-2.key": "0o600"}
+        assert far.folder.stat().st_mode & 0o777 == 0o700
+
+
+def test_what_processes_print_does_not_get_among_the_news() -> None:
+    with far_end() as far:
+        far.start("print_and_report")
+        exited = far.news()
+        assert isinstance(exited, Exited)
+        assert exited.code == 0

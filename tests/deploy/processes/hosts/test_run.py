@@ -1,0 +1,204 @@
+"""`disknav run --hosts`: hosts behind an ssh server on the loopback, each with a router port of its own."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from deploy.library.load import load
+from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
+from deploy.processes.hosts.remote import GREETING
+from deploy.run.local import LocalFleet
+from deploy.security.keystore import create
+from deploy.security.roster import Roster
+from deploy.software.provenance import SOFTWARE, code_digest
+from protocol.bus.connection import Connection
+from protocol.bus.events import Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.keys import world_key
+from protocol.messages import Clock
+from protocol.scenario.file import write_toml
+from protocol.scenario.model import ProcessFault
+from tests.deploy.processes.hosts.ssh_server import Server, free_ports, needs_sshd, ssh_server
+from tests.deploy.processes.test_spawn import gone
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
+
+DISKNAV = [sys.executable, "-m", "deploy.cli"]
+HOSTS = {"base": (1, 2), "left": (3, 4), "right": (5, 6)}
+SCENARIO = load("figure-1")
+LONG = ["--mode", "realtime", "--set", "control.speed=0.01", "--set", "time.limit=120"]
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    with ssh_server(tmp_path_factory.mktemp("sshd")) as server:
+        yield server
+
+
+def table(
+    server: Server, folder: Path, over_ssh: Sequence[str] = tuple(HOSTS), **changes: str
+) -> tuple[Path, int]:
+    """A hosts table for six robots, and the port of its world's router; `changes` are to the second host."""
+    text, ports = "", free_ports(3)
+    for (name, robots), port in zip(HOSTS.items(), ports, strict=True):
+        values = {
+            "name": name,
+            "address": "127.0.0.1",
+            "port": port,
+            "robots": robots,
+            "ssh": f"{server.user}@127.0.0.1" if name in over_ssh else "",
+            "options": server.options,
+            "command": server.command,
+            **(changes if name == "left" else {}),
+        }
+        text += "[[hosts]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in values.items())
+    path = folder / "hosts.toml"
+    path.write_text(text)
+    return path, ports[0]
+
+
+def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [*DISKNAV, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=80, check=False)
+
+
+@contextmanager
+def a_long_run(server: Server, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """A launcher whose fleet runs; afterwards nothing of that is left on the hosts, or soon will not be."""
+    hosts, port = table(server, folder, ("base", "left"))
+    command = [*DISKNAV, "run", "figure-1", "--hosts", str(hosts), "--run", "long", *LONG]
+    launcher = subprocess.Popen(
+        [*command, "--quiet", "--json", str(folder / "result.json")], start_new_session=True
+    )
+    try:
+        await_ticks(port)
+        there = [
+            *psutil.Process(server.pid).children(recursive=True),
+            *psutil.Process(launcher.pid).children(recursive=True),
+        ]
+        assert len(there) > 10
+        yield launcher
+        assert all(gone(each.pid) for each in there)
+    finally:
+        launcher.kill()
+        launcher.wait()
+
+
+def await_ticks(port: int) -> None:
+    """Wait until the run that a router at `port` relays has made a few ticks."""
+    bus = ZenohBus(Connection(connect=(f"tcp/127.0.0.1:{port}",), timeout=40.0))
+    with closing(bus):
+        bus.subscribe(world_key("long", "clock"))
+        deadline = time.monotonic() + 40.0
+        while time.monotonic() < deadline:
+            event = bus.receive(1.0)
+            if isinstance(event, Sample):
+                clock = decode(event.key, event.payload)
+                assert isinstance(clock, Clock)
+                if clock.tick > 2:
+                    return
+    raise AssertionError("the fleet did not start")
+
+
+def result(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "result.json").read_text())
+    return found
+
+
+def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
+    server: Server, tmp_path: Path
+) -> None:
+    keys, record = tmp_path / "keys", tmp_path / "run.mcap"
+    create(keys, Roster("yard", SCENARIO.ids))
+    hosts, _ = table(server, tmp_path)
+    done = disknav("run", "figure-1", "--hosts", hosts, "--secure", keys, "--record", record, "--json", "-")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    (alone,) = LocalFleet([SCENARIO]).execute()
+    assert found["trajectory_sha256"] == alone["trajectory_sha256"]
+    where = {row["name"]: row.get("host") for row in found["processes"]}
+    assert where.pop("recorder") is None
+    assert where == {
+        **{f"router-{name}": name for name in HOSTS},
+        "world": "base",
+        **{f"robot-{robot}": name for name, robots in HOSTS.items() for robot in robots},
+    }
+    assert all(row["exit_code"] == 0 and row["cpu_s"] > 0.0 for row in found["processes"])
+    assert psutil.wait_procs(psutil.Process(server.pid).children(recursive=True), timeout=10.0)[1] == []
+    assert record.stat().st_size > 0
+
+
+def test_scheduled_faults_reach_other_hosts(server: Server, tmp_path: Path) -> None:
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text(write_toml(replace(SCENARIO, process=(ProcessFault(3, 0.5, "restart"),))))
+    hosts, _ = table(server, tmp_path, ["left"])
+    done = disknav("run", scenario, "--hosts", hosts, "--json", "-")
+    assert done.returncode == 0, done.stderr
+    restarts = {row["name"]: row["restarts"] for row in json.loads(done.stdout)["processes"]}
+    assert restarts["robot-3"] == 1
+    assert sum(restarts.values()) == 1
+
+
+def test_a_signal_stops_everything_and_leaves_a_result(server: Server, tmp_path: Path) -> None:
+    with a_long_run(server, tmp_path) as launcher:
+        launcher.send_signal(signal.SIGTERM)
+        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+    assert result(tmp_path)["verdict"] == "interrupted"
+    assert result(tmp_path)["ticks"] > 0
+
+
+def test_a_launcher_that_is_killed_leaves_nothing(server: Server, tmp_path: Path) -> None:
+    with a_long_run(server, tmp_path) as launcher:
+        launcher.kill()
+
+
+def test_a_host_that_is_lost_ends_the_run(server: Server, tmp_path: Path) -> None:
+    with a_long_run(server, tmp_path) as launcher:
+        connections = [each for each in psutil.Process(launcher.pid).children() if each.name() == "ssh"]
+        sorted(connections, key=lambda each: each.create_time())[1].kill()  # to the second host
+        assert launcher.wait(20.0) == EXIT_OTHERWISE
+    found = result(tmp_path)
+    assert found["verdict"] == "aborted"
+    assert found["reason"].startswith("router-left: host left is gone: ssh ended by signal 9")
+    assert found["ticks"] > 0
+    assert found["min_clearance"] > 0.0  # the world, on another host, could still report
+
+
+@pytest.mark.parametrize(
+    ("changes", "status", "text"),
+    [
+        (
+            {"command": "/nowhere/disknav"},
+            EXIT_FAULT,
+            "host left: the shell there finds no '/nowhere/disknav'",
+        ),
+        ({"ssh": "nobody-at-all@127.0.0.1"}, EXIT_FAULT, "host left is gone: ssh ended with status 255"),
+        ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "another version"),
+        (
+            {"command": f"echo {GREETING} {code_digest(SOFTWARE)} /tmp; yes #"},
+            EXIT_FAULT,
+            "does not talk as it should",
+        ),
+        ({"name": "base"}, EXIT_INVALID, "hosts[1].name: is the name of hosts[0] already"),
+    ],
+)
+def test_a_host_that_cannot_be_used_is_named(
+    changes: dict[str, str], status: int, text: str, server: Server, tmp_path: Path
+) -> None:
+    hosts, _ = table(server, tmp_path, ["left"], **changes)
+    done = disknav("run", "figure-1", "--hosts", hosts)
+    assert done.returncode == status
+    assert text in done.stderr

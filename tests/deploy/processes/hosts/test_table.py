@@ -1,0 +1,124 @@
+"""The hosts table: whatever is wrong is said at once, with its path."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from deploy.processes.hosts.table import parse_hosts, read_hosts
+from deploy.processes.hosts.topology import places
+from deploy.run.options import RunOptions
+from protocol.errors import HostsError, UsageError
+
+GOOD = """
+world = "left"
+
+[[hosts]]
+name = "base"
+address = "10.0.0.1"
+robots = [1, 3]
+
+[[hosts]]
+name = "left"
+address = "10.0.0.2"
+port = 7448
+listen = "0.0.0.0"
+robots = [2]
+ssh = "robot@10.0.0.2"
+options = ["-p", "2222"]
+command = "/opt/disknav/bin/disknav"
+"""
+
+
+def problems(text: str, robots: tuple[int, ...] = (1, 2, 3)) -> list[str]:
+    with pytest.raises(HostsError) as caught:
+        parse_hosts(tomllib.loads(text), robots)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def test_what_runs_where() -> None:
+    table = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
+    assert table.world_host.name == "left"
+    assert places(table) == {
+        "router-base": "base",
+        "router-left": "left",
+        "world": "left",
+        "robot-1": "base",
+        "robot-3": "base",
+        "robot-2": "left",
+    }
+
+
+def test_the_world_is_on_the_first_host_unless_told() -> None:
+    assert parse_hosts(tomllib.loads(GOOD.replace('world = "left"', "")), (1, 2, 3)).world_host.name == "base"
+
+
+def test_every_problem_at_once() -> None:
+    found = problems(
+        """
+world = "nowhere"
+[[hosts]]
+name = "base"
+address = "10.0.0.1"
+robots = [1, 9]
+prot = 3
+[[hosts]]
+name = "base"
+address = "10.0.0.1"
+robots = [1]
+ssh = "-oProxyCommand=x"
+[[hosts]]
+name = "a b"
+address = "tcp/10.0.0.3"
+port = 70000
+options = "-p 2222"
+command = ""
+"""
+    )
+    assert found == [
+        "hosts: robots 2, 3 of the scenario must be on a host",
+        "hosts[0].prot: unknown key; did you mean `port`?",
+        "hosts[0].robots[1]: the scenario has no robot 9",
+        "hosts[1].name: is the name of hosts[0] already",
+        "hosts[1].port: hosts[0] has its router at 10.0.0.1, port 7447 already",
+        "hosts[1].robots[0]: robot 1 is on hosts[0] already",
+        "hosts[1].ssh: must be a destination such as user@host; options go into `options`",
+        "hosts[2].address: must be a name or an address, without protocol or path",
+        "hosts[2].command: must not be empty",
+        "hosts[2].name: must be of letters, digits and '-', and not begin with '-'",
+        'hosts[2].options: must be an array, not the string "-p 2222"',
+        "hosts[2].port: must be at most 65535, is 70000",
+        "world: there is no host 'nowhere'; there are base",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "hosts: is missing"),
+        ("hosts = []", "hosts: must not be empty"),
+        ("hosts = 3", "hosts: must be an array, not 3"),
+        ("[[hosts]]\nname = 'a'", "hosts[0].address: is missing"),
+        ("[[hosts]]\nname = 'a'\naddress = ''", "hosts[0].address: must not be empty"),
+    ],
+)
+def test_what_is_missing(text: str, problem: str) -> None:
+    assert problem in problems(text)
+
+
+def test_a_file_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(HostsError, match="cannot be read"):
+        read_hosts(tmp_path / "hosts.toml", (1,))
+    (tmp_path / "hosts.toml").write_text("[[hosts]")
+    with pytest.raises(HostsError, match="not TOML"):
+        read_hosts(tmp_path / "hosts.toml", (1,))
+
+
+def test_hosts_have_routers_of_their_own() -> None:
+    table = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
+    with pytest.raises(UsageError, match="leave out"):
+        RunOptions("mesh", hosts=table)
+    with pytest.raises(UsageError, match="leave out"):
+        RunOptions(router="tcp/127.0.0.1:7447", hosts=table)

@@ -1,0 +1,72 @@
+"""The router's process: which port it takes, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+from contextlib import closing
+
+import pytest
+
+from deploy.processes.router import holder, listening, main
+from deploy.processes.supervisor import Supervisor
+from deploy.processes.table import Process, router
+from protocol.bus.connection import Connection
+from protocol.bus.events import Presence
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import EndpointTakenError, ProcessError
+from tests.deploy.processes import children
+
+pytestmark = pytest.mark.timeout(60)
+
+
+@pytest.mark.process
+def test_routers_that_start_at_once_take_different_ports() -> None:
+    names = [f"router-{n}" for n in range(4)]
+    with Supervisor(children.spawner()) as supervisor:
+        entry, arguments = router(Connection("router")).entry, (Connection("router"),)
+        supervisor.start(Process(name, entry, arguments, reports=True) for name in names)
+        endpoints = {supervisor.report(name, 30.0) for name in names}
+        assert len(endpoints) == len(names)
+        for endpoint in endpoints:
+            ZenohBus(Connection(connect=(endpoint,))).close()
+        supervisor.stop()
+        assert {usage.exit_code for usage in supervisor.usage()} == {0}
+
+
+def test_a_port_that_was_asked_for_and_is_taken_names_its_holder() -> None:
+    bus, endpoint = listening(Connection("router"))
+    with closing(bus), pytest.raises(EndpointTakenError, match=rf"{endpoint}: .*process {os.getpid()}\)"):
+        listening(Connection("router", listen=(endpoint,)))
+
+
+@pytest.mark.process
+def test_a_router_without_its_port_ends_at_once() -> None:
+    bus, endpoint = listening(Connection("router"))
+    with closing(bus), Supervisor(children.spawner()) as supervisor:
+        supervisor.start([router(Connection("router", listen=(endpoint,)))])
+        with pytest.raises(ProcessError, match="router ended at once"):
+            supervisor.report("router", 30.0)
+        (exit_,) = supervisor.poll()
+        assert not exit_.expected
+        assert exit_.process.vital
+
+
+def test_nobody_holds_a_free_port() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as probe:  # beyond the ports that routers take
+        endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+        assert str(os.getpid()) in holder(endpoint)
+    assert holder(endpoint) == ""
+
+
+def test_a_signal_ends_the_router_which_worked_till_then() -> None:
+    def ready(endpoint: str) -> None:
+        with closing(ZenohBus(Connection(connect=(endpoint,)))) as one:
+            one.announce("disknav/t/world/alive")
+            with closing(ZenohBus(Connection(connect=(endpoint,)))) as other:
+                other.watch("disknav/t/world/alive")
+                assert other.receive(10.0) == Presence("disknav/t/world/alive", True)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    assert main(Connection("router"), ready) == 0

@@ -1,0 +1,167 @@
+"""The fork server: what becomes of a process, what it says, and that none is left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import psutil
+import pytest
+
+from deploy.processes.fork_messages import Exited, News, Report, Started
+from deploy.processes.forked import FAULT, end_with_pipe
+from deploy.processes.spawn import Spawner
+from protocol.errors import ProcessError
+from tests.deploy.processes import children
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
+
+PATIENCE = 20.0  # s
+
+
+@pytest.fixture
+def spawner() -> Iterator[Spawner]:
+    with closing(children.spawner()) as spawner:
+        yield spawner
+
+
+def until_exit(spawner: Spawner) -> list[News]:
+    """News of the one process, up to its end."""
+    heard: list[News] = []
+    deadline = time.monotonic() + PATIENCE
+    while not any(isinstance(news, Exited) for news in heard):
+        assert time.monotonic() < deadline
+        heard += spawner.news(1.0)
+    return heard
+
+
+def exit_code(spawner: Spawner) -> int:
+    """Exit code of the one process, once it has ended."""
+    last = until_exit(spawner)[-1]
+    assert isinstance(last, Exited)
+    return last.code
+
+
+def gone(pid: int) -> bool:
+    """Wait until a process is no more, or dead and not yet waited for; False if it goes on."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        try:
+            if psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
+                return True
+        except psutil.NoSuchProcess:
+            return True
+        time.sleep(0.005)
+    return False
+
+
+def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
+    life = spawner.start("one", "tests.deploy.processes.children:give", (7,))
+    started, exited = until_exit(spawner)
+    assert isinstance(started, Started)
+    assert isinstance(exited, Exited)
+    assert (started.life, exited.life, exited.code) == (life, life, 7)
+    assert exited.max_rss_mb > 1.0
+
+
+def test_a_failure_leaves_its_traceback(spawner: Spawner, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    spawner.start("calculator", "tests.deploy.processes.children:divide_by_zero", log=log)
+    assert exit_code(spawner) == FAULT
+    assert "calculator failed" in log.read_text()
+    assert "return 1 / 0" in log.read_text()
+
+
+def test_an_error_of_our_own_is_one_line(spawner: Spawner, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    spawner.start("radio", "tests.deploy.processes.children:fail_politely", log=log)
+    assert exit_code(spawner) == FAULT
+    assert log.read_text() == "radio: the cable is unplugged\n"
+
+
+def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner, tmp_path: Path) -> None:
+    spawner.start("nobody", "tests.deploy.processes.children:nothing", log=tmp_path / "log")
+    assert exit_code(spawner) == FAULT
+    spawner.start("one", "tests.deploy.processes.children:give", (0,))
+    assert exit_code(spawner) == 0
+
+
+def test_a_process_reports_and_all_its_output_goes_to_the_log(spawner: Spawner, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    spawner.start("one", "tests.deploy.processes.children:print_and_report", reports=True, log=log)
+    texts = [news.text for news in until_exit(spawner) if isinstance(news, Report)]
+    assert texts == ["reported"]
+    assert log.read_text() == "printed\n"
+
+
+def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
+    life = spawner.start("one", "tests.deploy.processes.children:wait")
+    spawner.signal(life, signal.SIGKILL)
+    assert exit_code(spawner) == -signal.SIGKILL
+    spawner.signal(life, signal.SIGKILL)  # nobody is hit
+
+
+def test_processes_are_out_of_reach_of_the_terminal(spawner: Spawner) -> None:
+    spawner.start("one", "tests.deploy.processes.children:wait")
+    (started,) = spawner.news(PATIENCE)
+    assert isinstance(started, Started)
+    assert os.getsid(started.pid) != os.getsid(0)
+    assert os.getpgid(started.pid) != os.getpgid(0)
+
+
+def test_closing_leaves_nobody(spawner: Spawner) -> None:
+    spawner.start("one", "tests.deploy.processes.children:wait")
+    (started,) = spawner.news(PATIENCE)
+    assert isinstance(started, Started)
+    spawner.close()
+    assert gone(started.pid)
+
+
+def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:
+    with closing(children.spawner()) as spawner:
+        life = spawner.start("one", "tests.deploy.processes.children:wait")
+        (started,) = spawner.news(PATIENCE)
+        assert isinstance(started, Started)
+        os.kill(psutil.Process(started.pid).ppid(), signal.SIGKILL)
+        assert gone(started.pid)
+        with pytest.raises(ProcessError, match="fork server"):
+            list(spawner.news(PATIENCE))
+        with pytest.raises(ProcessError, match="fork server"):
+            spawner.signal(life, signal.SIGTERM)
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+def test_no_orphans_when_the_supervisor_is_killed(tmp_path: Path, frozen: bool) -> None:
+    path = tmp_path / "pids"
+    code = f"from tests.deploy.processes.children import supervise; supervise({str(path)!r}, ['a', 'b', 'c'])"
+    supervisor = subprocess.Popen([sys.executable, "-c", code])
+    deadline = time.monotonic() + PATIENCE
+    while not path.exists():
+        assert time.monotonic() < deadline
+        assert supervisor.poll() is None
+        time.sleep(0.005)
+    pids = [int(pid) for pid in path.read_text().split()]
+    assert len(pids) == 3
+    if frozen:
+        os.kill(pids[0], signal.SIGSTOP)
+    supervisor.kill()
+    supervisor.wait()
+    assert all(map(gone, pids))
+
+
+def test_without_help_of_the_kernel_a_pipe_ends_a_process() -> None:
+    reading, writing = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        os.close(writing)
+        end_with_pipe(reading)
+        children.wait()
+    os.close(reading)
+    os.close(writing)
+    assert os.waitpid(pid, 0)[1] == signal.SIGKILL

@@ -1,0 +1,184 @@
+"""The supervisor: start, watch, signal, restart, stop."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Iterator
+
+import psutil
+import pytest
+
+from deploy.processes.row import Exit
+from deploy.processes.supervisor import Supervisor
+from deploy.processes.table import Process, router
+from protocol.bus.connection import Connection
+from protocol.bus.events import Presence
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import ProcessError
+from tests.deploy.processes.children import (
+    announce,
+    divide_by_zero,
+    give,
+    row,
+    spawner,
+    wait,
+    wait_stubbornly,
+)
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
+
+PATIENCE = 20.0  # s
+
+
+@pytest.fixture
+def supervisor() -> Iterator[Supervisor]:
+    with Supervisor(spawner()) as supervisor:
+        yield supervisor
+
+
+def waiting(name: str) -> Process:
+    return row(name, wait, reports=True)
+
+
+def exits(supervisor: Supervisor, number: int) -> list[Exit]:
+    """Poll until that many have ended."""
+    heard: list[Exit] = []
+    deadline = time.monotonic() + PATIENCE
+    while len(heard) < number:
+        assert time.monotonic() < deadline
+        heard += supervisor.poll(0.1)
+    return heard
+
+
+def test_exits_are_noticed_and_judged(supervisor: Supervisor) -> None:
+    supervisor.start([row("good", give, 0), row("bad", give, 2), waiting("killed"), waiting("lost")])
+    supervisor.report("killed", PATIENCE)
+    supervisor.report("lost", PATIENCE)
+    supervisor.kill("killed")
+    supervisor.signal("lost", signal.SIGKILL)  # not by `kill`: as if by accident
+    seen = {exit_.process.name: (exit_.code, exit_.expected) for exit_ in exits(supervisor, 4)}
+    assert seen == {"good": (0, True), "bad": (2, False), "killed": (-9, True), "lost": (-9, False)}
+    assert supervisor.running() == []
+
+
+def test_an_exit_says_how() -> None:
+    assert str(Exit(Process("robot-1", "m:f"), -9, False)) == "robot-1: killed by SIGKILL"
+    assert str(Exit(Process("robot-1", "m:f"), 3, False)) == "robot-1: exit status 3"
+
+
+def test_a_failing_process_is_restarted_as_often_as_its_row_says(supervisor: Supervisor) -> None:
+    supervisor.start([row("again", give, 1, restarts=2)])
+    assert [exit_.code for exit_ in exits(supervisor, 3)] == [1, 1, 1]
+    assert supervisor.running() == []
+    assert supervisor.usage()[0].restarts == 2
+
+
+def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
+    supervisor.start([waiting("one")])
+    supervisor.report("one", PATIENCE)
+    first = supervisor.usage()[0].pid
+    supervisor.restart("one")
+    assert supervisor.report("one", PATIENCE) == "waiting"
+    (usage,) = supervisor.usage()
+    assert usage.restarts == 1
+    assert usage.pid != first
+    assert usage.exit_code is None
+    supervisor.kill("one")
+    exits(supervisor, 2)
+    supervisor.restart("one")
+    assert supervisor.report("one", PATIENCE) == "waiting"
+
+
+def test_pause_and_resume(supervisor: Supervisor) -> None:
+    supervisor.start([waiting("one")])
+    supervisor.report("one", PATIENCE)
+    process = psutil.Process(supervisor.usage()[0].pid)
+
+    def becomes(stopped: bool) -> bool:
+        deadline = time.monotonic() + PATIENCE
+        while (process.status() == psutil.STATUS_STOPPED) != stopped:
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.002)
+        return True
+
+    supervisor.pause("one")
+    assert becomes(stopped=True)
+    supervisor.resume("one")
+    assert becomes(stopped=False)
+
+
+def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Supervisor) -> None:
+    supervisor.start([waiting("plain"), waiting("frozen"), row("stubborn", wait_stubbornly, reports=True)])
+    for name in ("plain", "frozen", "stubborn"):
+        supervisor.report(name, PATIENCE)
+    supervisor.pause("frozen")
+    begin = time.monotonic()
+    supervisor.stop(2.0)
+    assert time.monotonic() - begin < 8.0
+    codes = {usage.name: usage.exit_code for usage in supervisor.usage()}
+    assert codes == {"plain": -15, "frozen": -15, "stubborn": -9}
+
+
+def test_a_frozen_process_on_the_network_stops_at_once_and_in_order(supervisor: Supervisor) -> None:
+    supervisor.start([router(Connection("router"))])
+    connection = Connection(connect=(supervisor.report("router", PATIENCE),))
+    supervisor.start([row("robot-1", announce, connection, "disknav/t/robot/1/alive")])
+    bus = ZenohBus(connection)
+    bus.watch("disknav/t/robot/*/alive")
+    assert isinstance(bus.receive(PATIENCE), Presence)
+    bus.close()
+    supervisor.pause("robot-1")
+    begin = time.monotonic()
+    supervisor.stop(10.0)
+    assert time.monotonic() - begin < 9.0
+    assert [usage.exit_code for usage in supervisor.usage()] == [0, 0]
+
+
+def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
+    supervisor.start([row("mute", wait), row("broken", divide_by_zero, reports=True)])
+    with pytest.raises(ProcessError, match=r"mute did not answer within 0\.05 s"):
+        supervisor.report("mute", 0.05)
+    with pytest.raises(ProcessError, match="broken ended at once"):
+        supervisor.report("broken", PATIENCE)
+
+
+def test_names_are_unique_and_known(supervisor: Supervisor) -> None:
+    supervisor.start([row("one", give, 0)])
+    with pytest.raises(ProcessError, match="one is in the table twice"):
+        supervisor.start([row("one", give, 0)])
+    with pytest.raises(ProcessError, match="no process 'two'; there are one"):
+        supervisor.pause("two")
+
+
+def test_leaving_stops_everything_even_after_an_error() -> None:
+    supervisor = Supervisor(spawner())
+
+    def fail() -> None:
+        with supervisor:
+            supervisor.start([waiting("one")])
+            supervisor.report("one", PATIENCE)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert not psutil.pid_exists(supervisor.usage()[0].pid)
+
+
+def test_64_processes_are_up_soon(supervisor: Supervisor, capsys: pytest.CaptureFixture[str]) -> None:
+    begin = time.monotonic()
+    supervisor.start([router(Connection("router"))])
+    connection = Connection(connect=(supervisor.report("router", PATIENCE),))
+    keys = [f"disknav/t/robot/{i}/alive" for i in range(1, 65)]
+    supervisor.start(row(f"robot-{i}", announce, connection, key) for i, key in enumerate(keys, 1))
+    bus = ZenohBus(connection)
+    bus.watch("disknav/t/robot/*/alive")
+    up = {event.key for _ in keys if isinstance(event := bus.receive(PATIENCE), Presence)}
+    elapsed = time.monotonic() - begin
+    bus.close()
+    supervisor.poll()
+    with capsys.disabled():
+        print(f"\n64 processes, each with a session of its own, up in {elapsed:.2f} s")
+    assert up == set(keys)
+    assert len(supervisor.running()) == 65

@@ -1,0 +1,113 @@
+"""Robots that are not well, each a process of its own."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from agents.node import RobotNode
+from agents.process import main
+from deploy.processes import table
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
+from protocol import joining
+from protocol.bus.connection import Connection
+from protocol.bus.drive import drive, stop_on_signal
+from protocol.bus.events import Event
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.keys import world_key
+from protocol.messages import State
+from protocol.scenario.model import Scenario
+from protocol.streams import Stream
+
+
+class FleetWithOne(Fleet):
+    """A fleet in which robot `sick` is another function of this module.
+
+    Args:
+        scenario, options: as of any fleet.
+        entry: name of the function; it takes connection, run, robot and `arguments`.
+    """
+
+    def __init__(
+        self, scenario: Scenario, options: RunOptions, sick: int, entry: str, *arguments: object
+    ) -> None:
+        super().__init__([scenario], options)
+        self._sick, self._entry, self._arguments = table.robot_name(sick), entry, arguments
+
+    def _robots(self) -> list[table.Process]:
+        return [self._made_sick(row) if row.name == self._sick else row for row in super()._robots()]
+
+    def _made_sick(self, row: table.Process) -> table.Process:
+        entry = f"tests.deploy.run.sick:{self._entry}"
+        return table.Process(row.name, entry, (*row.arguments, *self._arguments), restarts=row.restarts)
+
+
+def dies_once_admitted(connection: Connection, run: str, robot: int, marker: Path) -> int:
+    """End between admission and liveliness token; be well in the next life."""
+    if marker.exists():
+        return main(connection, run, robot)
+    request = joining.encode_request(joining.Join(robot, "first"))
+    with closing(ZenohBus(connection)) as bus:
+        reply = joining.decode_reply(bus.ask(world_key(run, "scenario"), request, 10.0))
+    assert isinstance(reply, joining.Admission)
+    marker.touch()
+    os._exit(1)
+
+
+class _Hanging:
+    """A node whose interpreter hangs once a tick has come; its session lives, and its token stays."""
+
+    def __init__(self, node: RobotNode, tick: int) -> None:
+        self._node, self._tick = node, tick
+
+    def handle(self, event: Event) -> None:
+        while self._node.core is not None and self._node.core.tick >= self._tick:
+            time.sleep(60.0)  # as long as it takes
+        self._node.handle(event)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._node, name)
+
+
+class _Nonsense:
+    """A bus on which every State from some time on is cut off in the middle."""
+
+    def __init__(self, bus: ZenohBus, tick: int) -> None:
+        self._bus, self._tick = bus, tick
+
+    def publisher(self, stream: Stream, key: str) -> Callable[[bytes], None]:
+        publish = self._bus.publisher(stream, key)
+        if stream.name != "state":
+            return publish
+
+        def say(payload: bytes) -> None:
+            message = decode(key, payload)
+            assert isinstance(message, State)
+            publish(payload if message.tick < self._tick else payload[: len(payload) // 2])
+
+        return say
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._bus, name)
+
+
+def hangs(connection: Connection, run: str, robot: int, tick: int) -> int:
+    """Handle nothing any more from `tick` on."""
+    with stop_on_signal():
+        bus = ZenohBus(connection)
+        drive(_Hanging(RobotNode(bus, run, robot), tick), bus)
+    return 0
+
+
+def talks_nonsense(connection: Connection, run: str, robot: int, tick: int) -> int:
+    """Send States that nobody can read from `tick` on."""
+    with stop_on_signal():
+        bus = ZenohBus(connection)
+        drive(RobotNode(_Nonsense(bus, tick), run, robot), bus)  # type: ignore[arg-type]
+    return 0

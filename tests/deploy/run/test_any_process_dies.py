@@ -1,0 +1,199 @@
+"""kill -9 of world, router and robots, on real processes: the run goes on, and nothing touches."""
+
+from __future__ import annotations
+
+import json
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.hosts.table import parse_hosts
+from deploy.processes.supervisor import Supervisor
+from deploy.recording.reader import read
+from deploy.recording.trajectory import trajectory
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, Transport, fresh_run_name
+from protocol.bus.connection import Connection
+from protocol.messages import Clock
+from protocol.scenario.model import Scenario
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
+
+QUICK = load("swap-6")
+SEVERAL = tuple(load("figure-3a", [], seed) for seed in range(3))
+Rows = dict[str, dict[str, Any]]
+
+
+@cache
+def undisturbed(scenarios: Sequence[Scenario]) -> list[str]:
+    return [report["trajectory_sha256"] for report in LocalFleet(scenarios).execute()]
+
+
+def free_port() -> int:
+    with socket.socket() as asked:
+        asked.bind(("127.0.0.1", 0))
+        return int(asked.getsockname()[1])
+
+
+class Killer:
+    """Kills processes at ticks of the first turn, or as soon after them as can be."""
+
+    def __init__(self, deaths: Sequence[tuple[int, str]], turn: int = 0) -> None:
+        self.due, self.turn = sorted(deaths), turn
+        self._killed: set[int] = set()
+
+    def __call__(self, fleet: Fleet, clock: Clock) -> None:
+        while self.due and (clock.turn, clock.tick) >= (self.turn, self.due[0][0]):
+            pid = fleet.pids().get(self.due[0][1])
+            if pid is None or pid in self._killed:
+                return  # its next life has not begun
+            self._killed.add(pid)
+            fleet.signal(self.due.pop(0)[1], signal.SIGKILL)
+
+
+def run(
+    scenarios: Sequence[Scenario],
+    options: RunOptions,
+    kill: Callable[[Fleet, Clock], None],
+    record: Path | None = None,
+) -> tuple[list[dict[str, Any]], Rows]:
+    fleet: Fleet
+    with Fleet(scenarios, options, watch=lambda clock: kill(fleet, clock), record=record) as fleet:
+        reports = fleet.execute()
+        rows = {row["name"]: row for row in fleet.processes()}
+    return reports, rows
+
+
+def unhurt(reports: Sequence[dict[str, Any]]) -> bool:
+    return all(report["verdict"] == "arrived" and report["collisions"] == 0 for report in reports)
+
+
+@pytest.mark.parametrize(
+    ("transport", "names"),
+    [("routed", [table.WORLD]), ("routed", [table.ROUTER]), ("mesh", [table.WORLD]),
+     ("routed", [table.WORLD, table.ROUTER, table.WORLD])],
+)  # fmt: skip
+def test_lock_step_goes_on_bit_for_bit(transport: Transport, names: list[str]) -> None:
+    killer = Killer([(random.randrange(1, 200), name) for name in names])
+    deaths = list(killer.due)
+    reports, rows = run([QUICK], RunOptions(transport, restarts=3, speed=10.0), killer)
+    assert killer.due == []
+    assert unhurt(reports), (deaths, reports)
+    assert [report["trajectory_sha256"] for report in reports] == undisturbed((QUICK,)), deaths
+    assert all(rows[name]["restarts"] == names.count(name) for name in names)
+    assert all(row["exit_code"] == 0 for row in rows.values())
+
+
+@pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
+def test_one_scenario_after_another(name: str) -> None:
+    killer = Killer([(0, name), (60, name)], turn=1)
+    reports, rows = run(SEVERAL, RunOptions(restarts=3, speed=10.0), killer)
+    assert unhurt(reports)
+    assert [report["trajectory_sha256"] for report in reports] == undisturbed(SEVERAL)
+    assert rows[name]["restarts"] == 2
+
+
+def test_a_robot_and_the_world_at_once() -> None:
+    tick = random.randrange(1, 150)
+    killer = Killer(
+        [(tick, "robot-2"), (tick, table.WORLD), (tick + 30, "robot-5"), (tick + 31, table.ROUTER)]
+    )
+    reports, rows = run([QUICK], RunOptions(restarts=3, speed=10.0), killer)
+    assert killer.due == []
+    assert unhurt(reports), (tick, reports)
+    assert {name: row["restarts"] for name, row in rows.items() if row["restarts"]} == {
+        "robot-2": 1, "robot-5": 1, "world": 1, "router": 1,
+    }  # fmt: skip
+
+
+def test_real_time_goes_on_too() -> None:
+    deaths = [(8, "robot-2"), (14, table.WORLD), (22, table.ROUTER), (30, "robot-1")]
+    options = RunOptions(mode="realtime", restarts=3)
+    reports, rows = run([load("figure-3b", ["control.speed=0.3"], 2)], options, Killer(deaths))
+    assert unhurt(reports)
+    assert all(rows[name]["restarts"] == 1 for _, name in deaths)
+
+
+@pytest.mark.parametrize("name", [table.WORLD, "router-left", "router-right"])
+def test_on_two_hosts(name: str) -> None:
+    hosts = [
+        {"name": "left", "address": "127.0.0.1", "port": free_port(), "robots": [1, 2, 3]},
+        {"name": "right", "address": "127.0.0.1", "port": free_port(), "robots": [4, 5, 6]},
+    ]
+    options = RunOptions(hosts=parse_hosts({"hosts": hosts}, QUICK.ids), restarts=3, speed=10.0)
+    reports, rows = run([QUICK], options, Killer([(60, name)]))
+    assert unhurt(reports)
+    assert [report["trajectory_sha256"] for report in reports] == undisturbed((QUICK,))
+    assert rows[name]["restarts"] == 1
+
+
+@pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
+def test_a_recording_goes_on(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    reports, _ = run([QUICK], RunOptions(restarts=3, speed=10.0), Killer([(60, name)]), path)
+    recording = read(path)
+    assert recording.result is not None
+    assert trajectory(recording).sha256 == reports[0]["trajectory_sha256"] == undisturbed((QUICK,))[0]
+
+
+@pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
+def test_more_deaths_than_the_policy_allows_end_the_run(name: str) -> None:
+    killer = Killer([(10, name), (20, name)])
+    (report,), rows = run([QUICK], RunOptions(restarts=1, speed=1.0), killer)
+    assert report["verdict"] == "aborted"
+    assert name in report["reason"]
+    assert rows[name]["restarts"] == 1
+
+
+def test_a_world_without_its_journal_begins_nothing_anew(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    journals: list[Path] = []
+    row = table.world
+    monkeypatch.setattr(table, "world", lambda *a, **k: journals.append(k["journal"]) or row(*a, **k))
+
+    def act(fleet: Fleet, clock: Clock) -> None:
+        if clock.tick >= 10 and journals[0].exists():
+            journals[0].unlink()
+            fleet.signal(table.WORLD, signal.SIGKILL)
+
+    (report,), _ = run([QUICK], RunOptions(restarts=1, speed=1.0), act)
+    assert report["verdict"] == "aborted"
+    assert f"the journal {journals[0]} is not there" in capfd.readouterr().err
+
+
+def test_a_world_under_another_launcher(tmp_path: Path) -> None:
+    journal, name = tmp_path / "yard.journal", fresh_run_name()
+    with Supervisor() as supervisor:
+        supervisor.start([table.router(Connection("router"))])
+        connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
+        command = [sys.executable, "-m", "deploy.cli", "world", "swap-6", "--run", name]
+        command += ["--router", connection.connect[0], "--journal", str(journal)]
+        with subprocess.Popen(command) as first:
+            supervisor.start([table.robot(connection, name, robot) for robot in QUICK.ids])
+            _grow(journal, 4000)
+            first.kill()
+        again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert "world: goes on at tick" in again.stderr
+    assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed((QUICK,))[0]
+    assert not journal.exists()
+
+
+def _grow(path: Path, size: int) -> None:
+    """Wait until a file has grown to so many bytes."""
+    deadline = time.monotonic() + 30.0
+    while not path.exists() or path.stat().st_size < size:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)

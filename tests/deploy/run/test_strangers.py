@@ -1,0 +1,129 @@
+"""What strangers say under a run's name ends nobody: it is counted and dropped."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import msgspec
+import pytest
+
+from deploy.library.load import load
+from deploy.monitor.watcher import watch_local
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from protocol.bus.connection import Connection
+from protocol.bus.events import Presence, Request, Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
+from protocol.errors import BusError
+from protocol.joining import Refusal, decode_reply
+from protocol.keys import world_key
+from protocol.messages import Clock, Result
+from protocol.scenario.model import Scenario
+from protocol.streams import STREAMS
+
+TOKENS = ("robot/0/alive", "robot/x/alive", "robot/01/alive", "robot/7/alive", "robot/999999999/alive")
+PATTERNS = ("**", "world/*", "world/**", "robot/*/command")
+HUGE = b"\xc1" * (1 << 20)
+SWAP = load("swap-2")
+
+
+def test_tokens_and_requests_are_counted_by_reason() -> None:
+    fleet = LocalFleet([SWAP])
+    rejected, handle = fleet.world._turn.rejected, fleet.world.handle
+    for token in TOKENS:
+        for alive in (True, False):
+            handle(Presence(f"disknav/local/{token}", alive))
+    assert rejected == {"key": 6, "identity": 4}
+    replies: list[bytes] = []
+    for pattern in PATTERNS:
+        handle(Request(f"disknav/local/{pattern}", b"", replies.append))
+    for stream in ("scenario", "control"):
+        handle(Request(world_key("local", stream), HUGE, replies.append))
+    assert rejected == {"key": 10, "identity": 4, "oversize": 2}
+    assert all(isinstance(decode_reply(reply), Refusal) for reply in replies)
+    report = fleet.execute()[0]
+    assert report["trajectory_sha256"] == LocalFleet([SWAP]).execute()[0]["trajectory_sha256"]
+    assert report["messages"]["rejected"] == {"key": 10, "identity": 4, "oversize": 2}
+
+
+def test_a_watcher_counts_strangers() -> None:
+    fleet = LocalFleet([SWAP], speed=8.0)  # slow enough for the watcher to ask for the scenario
+    watcher = watch_local(fleet.network, "local")
+    for token in TOKENS:
+        watcher.handle(Presence(f"disknav/local/{token}", True))
+    watcher.handle(Sample(world_key("local", "clock"), HUGE))
+    assert watcher.rejected == {"key": 3, "oversize": 1}
+    fleet.execute()
+    assert {row["id"] for row in watcher.snapshot()["robots"]} == {1, 2}
+
+
+@pytest.mark.parametrize(
+    "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
+)
+def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
+    launcher = Fleet([SWAP], RunOptions())
+    launcher._take(Sample(world_key("r", "result"), encode(Result(report))))
+    assert launcher.rejected == {"shape": 1}
+    assert not launcher._complete
+
+
+def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:
+    launcher = Fleet([SWAP], RunOptions())
+    clock = Clock(3, 0.15, (1, 2), (), "")
+    launcher._take(Sample(world_key("r", "clock"), encode(msgspec.structs.replace(clock, turn=2**53))))
+    assert launcher._schedule.due(clock) == []
+
+
+class Disturbed(Fleet):
+    """A fleet that a stranger on the same network talks to before and while it runs."""
+
+    def __init__(self, scenario: Scenario, options: RunOptions) -> None:
+        super().__init__([scenario], options, watch=self._disturb)
+        self.replies: list[object] = []
+
+    def _robots(self) -> list[Any]:
+        assert self._options.router is not None
+        stranger = ZenohBus(Connection(connect=(self._options.router,)))
+        self.close = stranger.close
+        prefix = f"disknav/{self._options.run}"
+        for token in (*TOKENS, "robot/1/alive", "robot/2/alive/3/4/5"):
+            stranger.announce(f"{prefix}/{token}")
+        for pattern in PATTERNS[:3]:
+            try:
+                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 2.0)))
+            except BusError as error:
+                self.replies.append(error)
+        keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/measurement", "world/clock")
+        keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
+        self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]
+        return super()._robots()
+
+    def _disturb(self, clock: Clock) -> None:
+        for say in self._say:
+            say(b"\x91\xa7state/2")
+        if clock.tick < 20:
+            self._say[0](HUGE)
+
+
+@pytest.mark.process
+@pytest.mark.timeout(150)
+def test_a_stranger_on_an_open_network_ends_nobody() -> None:
+    scenario = load("swap-4")
+    with Supervisor() as supervisor:
+        supervisor.start([table.router(Connection("router"))])
+        router = supervisor.report("router", 20.0)
+        with Disturbed(scenario, RunOptions(router=router, speed=4.0)) as fleet:
+            report = fleet.execute()[0]
+            fleet.close()
+    assert all(isinstance(reply, Refusal) for reply in fleet.replies), fleet.replies
+    assert report["verdict"] == "arrived"
+    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
+    rejected = report["messages"]["rejected"]
+    assert rejected["identity"] >= 2  # tokens of robots that there are not
+    assert rejected["key"] >= 3  # tokens and requests under no key of the protocol
+    assert rejected["shape"] > 0

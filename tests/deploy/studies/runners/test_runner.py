@@ -1,0 +1,76 @@
+"""Studies executed: the same rows whatever the jobs and the transport, and nothing done twice."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from deploy.studies.adjusted import adjusted
+from deploy.studies.paper.experiments import tightness
+from deploy.studies.runners.run_log import RunLog
+from deploy.studies.runners.runner import execute
+from deploy.studies.study import Study
+
+COARSE = ("time.step=0.05",)  # fewer ticks
+
+
+def _study(runs: int = 1) -> Study:
+    return adjusted(tightness(runs), COARSE)
+
+
+def test_rows_do_not_depend_on_jobs() -> None:
+    one = execute(_study(2), "local", RunLog(None), jobs=1)
+    two = execute(_study(2), "local", RunLog(None), jobs=2)
+    assert one.complete
+    assert one.rows == two.rows
+    assert [row["arrived"] for row in one.rows] == [2] * 5
+
+
+def test_a_second_call_executes_only_what_is_new(tmp_path: Path) -> None:
+    with RunLog(tmp_path / "log") as log:
+        execute(_study(1), "local", log, jobs=2)
+    with RunLog(tmp_path / "log") as log:
+        outcome = execute(_study(2), "local", log, jobs=2)
+    assert (outcome.reused, outcome.executed) == (5, 5)
+    assert outcome.rows == execute(_study(2), "local", RunLog(None), jobs=2).rows
+
+
+def test_other_settings_or_other_code_reuse_nothing() -> None:
+    keys = [run.key for run in _study().runs("local", "code")]
+    assert not set(keys) & {run.key for run in _study().runs("local", "other code")}
+    assert not set(keys) & {run.key for run in tightness(1).runs("local", "code")}
+    assert not set(keys) & {run.key for run in _study().runs("routed", "code")}
+    assert keys == [run.key for run in _study().runs("local", "code")]
+
+
+def test_a_study_that_was_killed_goes_on(tmp_path: Path) -> None:
+    log = tmp_path / "rows.json.runs.jsonl"
+    command = "from deploy.commands.study import study; import typer; typer.run(study)"
+    options = f"tightness --runs 4 --transport local --jobs 1 --quiet --set {COARSE[0]} --json".split()
+    process = subprocess.Popen([sys.executable, "-c", command, *options, str(tmp_path / "rows.json")])
+    try:
+        deadline = time.monotonic() + 60.0
+        while not (log.exists() and log.read_text().count("\n") >= 2) and time.monotonic() < deadline:
+            assert process.poll() is None or log.read_text().count("\n") >= 2
+            time.sleep(0.005)
+    finally:
+        process.kill()
+        process.wait(10.0)
+    with RunLog(log) as kept:
+        outcome = execute(_study(4), "local", kept, jobs=2)
+    assert outcome.reused >= 2
+    assert outcome.reused + outcome.executed == 20
+    assert outcome.rows == execute(_study(4), "local", RunLog(None), jobs=2).rows
+
+
+@pytest.mark.process
+def test_real_processes_give_the_same_rows_and_go_from_run_to_run() -> None:
+    """35 runs on the processes of two fleets: the smoke of figure 4."""
+    routed = execute(_study(7), "routed", RunLog(None), jobs=2)
+    assert routed.executed == 35
+    assert [row["arrived"] for row in routed.rows] == [7] * 5
+    assert routed.rows == execute(_study(7), "local", RunLog(None), jobs=2).rows

@@ -1,0 +1,176 @@
+"""The certificate's file, stopping and going on, and what a second opinion says of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from deploy.library.load import read
+from deploy.theory.certify.boxes.scene import scene_of
+from deploy.theory.certify.campaign import Here, advance, beginning, ladder, prove, widen
+from deploy.theory.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
+from deploy.theory.certify.verifier.replay import replay
+from protocol.errors import UsageError
+from protocol.scenario.model import Scenario
+
+PAIR = Goals(((0.05, 0.0), (-0.045, 0.01)), (0.04, 0.05), 0.3)
+TRIPLE = Goals.of(read("figure-2"))
+
+
+def proven(goals: Goals, k: float) -> Certificate:
+    certificate = Certificate(goals, "test")
+    prove(certificate, k, Here(), lambda _: True)
+    return certificate
+
+
+def test_two_robots_down_to_k_2_and_a_second_opinion(tmp_path: Path) -> None:
+    certificate = proven(PAIR, 2.0)
+    assert certificate.proven == 2.0
+    store(certificate, tmp_path / "pair.json")
+    back = fetch(tmp_path / "pair.json", PAIR)
+    assert back == certificate
+    checked = replay(back, 3.0)
+    assert checked.proven == 2.0
+    assert checked.enough(None)
+    assert checked.enough(3.0)
+    assert not checked.enough(1.5)
+
+
+def test_three_robots_at_large_k_and_a_second_opinion() -> None:
+    certificate = proven(TRIPLE, 1000.0)
+    checked = replay(certificate, 3.0)
+    assert checked.proven == 1000.0
+    assert checked.boxes <= 2 * certificate.boxes
+
+
+def test_interrupted_anywhere_the_branching_is_the_same(tmp_path: Path) -> None:
+    whole = proven(TRIPLE, 300.0)
+    scene, path = scene_of(TRIPLE.problem), tmp_path / "part.json"
+    certificate = Certificate(TRIPLE, "test")
+    for k in (10_000.0, 3000.0, 1000.0, 300.0):
+        certificate.begin(k, beginning(scene, certificate.kappa(k)))
+        while certificate.frontier is not None and certificate.frontier.open:
+            advance(scene, certificate.frontier, 313)
+            widen(scene, certificate.frontier, 3)
+            store(certificate, path)
+            certificate = fetch(path, TRIPLE)
+        certificate.finish()
+    assert [slab.nodes for slab in certificate.slabs] == [slab.nodes for slab in whole.slabs]
+
+
+def test_what_is_told_stops_it_and_it_goes_on() -> None:
+    certificate, told = Certificate(TRIPLE, "test"), []
+
+    def tell(now: Certificate) -> bool:
+        told.append(now.proven)
+        return len(told) < 2
+
+    prove(certificate, 100.0, Here(), tell)
+    assert certificate.proven == 10_000.0
+    prove(certificate, 3000.0, Here(), lambda _: True)
+    assert certificate.proven == 3000.0
+    prove(certificate, 5000.0, Here(), lambda _: True)  # known already
+    assert certificate.proven == 3000.0
+
+
+def test_the_frontier_says_how_far_it_is() -> None:
+    scene = scene_of(TRIPLE.problem)
+    frontier = beginning(scene, (0.0, 0.001))
+    assert frontier.done == 0.0
+    shares = []
+    while frontier.open:
+        advance(scene, frontier, 200)
+        shares.append(frontier.done)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert frontier.nodes == len(frontier.branching)
+
+
+def test_the_ladder_ends_where_it_is_told() -> None:
+    assert list(ladder(None, 100.0)) == [10_000.0, 3000.0, 1000.0, 300.0, 100.0]
+    assert list(ladder(40.0, 17.0)) == [30.0, 20.0, 17.0]
+    assert list(ladder(None, 50_000.0)) == [50_000.0]
+    assert min(ladder(None, None)) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"workspace": 0.3', '"workspace": 0.31', "damaged"),
+        ('"k": 3000.0', '"k": 2999.0', "damaged"),
+        ('"format": "disknav certificate 1"', '"format": "disknav certificate 2"', "format"),
+        ('"radii"', '"radiuses"', "is no certificate"),
+        ("{", "", "is no certificate"),
+    ],
+)
+def test_a_damaged_file_is_refused(old: str, new: str, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "pair.json"
+    store(proven(PAIR, 1000.0), path)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ProofError, match=says):
+        fetch(path)
+
+
+def test_files_that_are_missing_or_of_other_goals_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ProofError, match="cannot be read"):
+        fetch(tmp_path / "nowhere.json")
+    store(proven(PAIR, 10_000.0), tmp_path / "pair.json")
+    with pytest.raises(ProofError, match=r"pair.json.*\n.*other goals"):
+        fetch(tmp_path / "pair.json", TRIPLE)
+
+
+def test_forged_claims_do_not_survive_a_second_opinion() -> None:
+    """A branching that ends too early, goes on too long, or stops below the k at which minima appear."""
+    honest = proven(TRIPLE, 10_000.0)
+    (slab,) = honest.slabs
+    empty = Slab(2.2, 1, 0.0, "eJz7DwABAAEA")  # one node: nothing there
+    assert empty.nodes == b"\xff"
+    forged = replace(honest, slabs=[slab, empty])
+    checked = replay(forged, 3.0)
+    assert checked.proven == 10_000.0
+    assert not checked.enough(None)
+    assert checked.failed is not None
+    assert "could not be verified" in checked.failed
+    for nodes in (slab.nodes[:-1], slab.nodes + b"\xff"):
+        checked = replay(_with(honest, nodes), 3.0)
+        assert checked.proven is None
+        assert checked.failed is not None
+        assert "damaged" in checked.failed
+
+
+def _with(certificate: Certificate, nodes: bytes) -> Certificate:
+    import base64
+    import zlib
+
+    (slab,) = certificate.slabs
+    text = base64.b64encode(zlib.compress(nodes)).decode()
+    return replace(certificate, slabs=[Slab(slab.k, len(nodes), 0.0, text)])
+
+
+def test_goals_that_touch_have_no_certificate() -> None:
+    with pytest.raises(UsageError, match="touch"):
+        prove(Certificate(Goals(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, Here(), lambda _: True)
+
+
+def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
+    (tmp_path / "here.toml").write_text("")
+    assert path_for(str(tmp_path / "here.toml")) == tmp_path / "here.certificate.json"
+    assert path_for("figure-2") == Path("figure-2.certificate.json")
+
+
+def test_goals_are_told_apart_by_what_they_are() -> None:
+    scenario: Scenario = read("figure-2")
+    assert Goals.of(scenario).digest == Goals.of(replace(scenario, name="other", seed=5)).digest
+    assert Goals.of(scenario).digest != PAIR.digest
+
+
+def test_the_file_is_json_for_anybody(tmp_path: Path) -> None:
+    store(proven(PAIR, 1000.0), tmp_path / "pair.json")
+    data = json.loads((tmp_path / "pair.json").read_text())
+    assert [slab["k"] for slab in data["slabs"]] == [10_000.0, 3000.0, 1000.0]
+    assert data["goals"]["radii"] == [0.04, 0.05]

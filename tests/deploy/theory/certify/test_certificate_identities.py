@@ -1,0 +1,129 @@
+"""What the search rests on, at critical points found numerically; and results A to D of docs/theory.md."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from deploy.theory.certify.boxes.scene import scene_of
+from deploy.theory.critical import classify
+from deploy.theory.function import Array, Problem, gamma, obstacle_functions
+from deploy.theory.hessian import reduced_jacobian
+from protocol.draws import Purpose, generator
+from tests.deploy.theory.certify.forms import J, half_form
+from tests.deploy.theory.certify.known import Known, known
+
+POINTS = [found for seed in range(60) for found in known(seed)]
+
+
+def matrix(found: Known) -> Array:
+    """M = I - Laplacian(lambda_ij) + diag(lambda_0i)."""
+    scene, row, p = scene_of(found.problem), found.row, found.problem.p
+    m = np.eye(p)
+    for q, (i, j) in enumerate(zip(scene.first, scene.second, strict=True)):
+        weight = row[2 * p + q]
+        if j < 0:
+            m[i, i] += weight
+        else:
+            m[[i, j], [i, j]] -= weight
+            m[[i, j], [j, i]] += weight
+    return m
+
+
+def at_goals(found: Known) -> float:
+    """sum lambda_q beta_q(g)."""
+    problem, p = found.problem, found.problem.p
+    beta = np.roll(obstacle_functions(problem, problem.goals), -p)
+    return float(found.row[2 * p : -1] @ beta)
+
+
+def test_a_critical_point_solves_a_linear_system_in_its_multipliers() -> None:
+    for found in POINTS:
+        error = matrix(found) @ found.point.b - found.problem.goals
+        assert np.abs(error).max() < 1e-6 * found.problem.workspace
+
+
+def test_the_form_is_that_of_the_hessian() -> None:
+    """2 (half form) - 4 (y . v)^2 / gamma = v^T (dD/db) v, which is gamma kappa Hess(log phi^)."""
+    for number, found in enumerate(POINTS):
+        y = (found.point.b - found.problem.goals).ravel()
+        v = generator(number, Purpose.STUDY).standard_normal(len(y))
+        value = 2.0 * half_form(found, v) - 4.0 * (y @ v) ** 2 / gamma(found.problem, found.point.b)
+        size = float(np.abs(found.point.spectrum).max() * (v @ v))
+        assert value == pytest.approx(
+            float(v @ reduced_jacobian(found.problem, found.point.b) @ v), abs=1e-6 * size
+        )
+
+
+def test_result_a_some_eigenvalue_of_m_is_negative() -> None:
+    for found in POINTS:
+        problem, b, m = found.problem, found.point.b, matrix(found)
+        y = b - problem.goals
+        total, factors = gamma(problem, b), problem.p * (problem.p + 1) / 2
+        value = float(np.einsum("ia,ij,ja->", y, m, y))
+        expected = -(1.0 - factors / problem.k) * total - at_goals(found)
+        assert value == pytest.approx(expected, rel=1e-5, abs=1e-7)
+        if problem.k >= factors:
+            assert np.linalg.eigvalsh(m)[0] <= -(1.0 - factors / problem.k) + 1e-6
+
+
+def test_result_b_turning_the_displacement_or_the_fleet() -> None:
+    for found in POINTS:
+        problem, b, goals = found.problem, found.point.b, found.problem.goals
+        scene, p = scene_of(problem), problem.p
+        total, kappa = gamma(problem, b), 1.0 / problem.k
+        turned = 0.0
+        for i, j in zip(scene.first, scene.second, strict=True):
+            d, g = (b[i], goals[i]) if j < 0 else (b[i] - b[j], goals[i] - goals[j])
+            reach = problem.contact[i, j] if j >= 0 else problem.reach[i]
+            beta = (d @ d - reach**2) * (1.0 if j >= 0 else -1.0)
+            turned += (d[0] * g[1] - d[1] * g[0]) ** 2 / beta**2
+        expected = -(1.0 - p * (p + 1) / 2 * kappa) * total - at_goals(found) + 2.0 * total * kappa * turned
+        value = half_form(found, ((b - goals) @ J.T).ravel())
+        assert value == pytest.approx(expected, rel=1e-5, abs=1e-6)
+        fleet = half_form(found, (b @ J.T).ravel())
+        assert fleet == pytest.approx(float((b * goals).sum()), rel=1e-5, abs=1e-6)
+        if (b * goals).sum() < -1e-9:
+            assert found.point.index > 0
+
+
+@pytest.mark.parametrize("k", [1.05, 1.5, 3.0, 60.0])
+def test_result_c_two_robots_without_a_wall(k: float) -> None:
+    """Along the line through the goals: lambda > 1/2, and turning the pair descends, for every k > 1."""
+    rho, far = 0.08, 0.09
+    wide = Problem(np.array([(far / 2, 0.0), (-far / 2, 0.0)]), np.full(2, rho / 2), 1e6, k)
+    kappa = 1.0 / k
+    # (1 - 2 l) d = far, d^2 (1 - 2 kappa l) = rho^2 with d < 0: one l > 1/2, by bisection.
+    low, high = 0.5 + 1e-12, 0.5 / kappa
+    for _ in range(200):
+        mid = 0.5 * (low + high)
+        distance = far / (1.0 - 2.0 * mid)
+        low, high = (mid, high) if distance**2 * (1.0 - 2.0 * kappa * mid) > rho**2 else (low, mid)
+    b = wide.goals * (distance / far)
+    beta = distance**2 - rho**2
+    assert low > 0.5
+    assert gamma(wide, b) * kappa / beta == pytest.approx(low, rel=1e-6)
+    assert classify(wide, b).index > 0
+
+
+def test_result_d_no_equal_triangle_is_pushed_together_by_free_goals() -> None:
+    """The triangle of contacts: b is a minimum at kappa = 0 only if y is a sum of pushes lambda_ij d_ij, all
+    lambda >= 0, and the triangle's turn does not descend, sum b . g >= 0. No free goals allow both.
+    """
+    rho = 1.0
+    triangle = rho / np.sqrt(3.0) * np.array([(np.cos(t), np.sin(t)) for t in 2 * np.pi * np.arange(3) / 3])
+    draw = generator(0, Purpose.STUDY)
+    free = turned = 0
+    for _ in range(20_000):
+        weights = draw.exponential(0.6, 3)
+        y = np.zeros((3, 2))
+        for weight, (i, j) in zip(weights, ((0, 1), (0, 2), (1, 2)), strict=True):
+            y[i] += weight * (triangle[i] - triangle[j])
+            y[j] -= weight * (triangle[i] - triangle[j])
+        goals = triangle - y
+        apart = [np.linalg.norm(goals[i] - goals[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
+        if min(apart) > rho:
+            free += 1
+            turned += float((triangle * goals).sum()) < 0.0
+    assert free > 1000
+    assert turned == free

@@ -1,0 +1,73 @@
+"""Every operation holds the exact result, in rational arithmetic, and is no wider than it must be."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from deploy.theory.certify.boxes import intervals as i
+from deploy.theory.certify.boxes.intervals import Interval
+
+numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
+ordered = st.tuples(numbers, numbers).map(lambda pair: (min(pair), max(pair)))
+shares = st.fractions(0, 1)
+
+
+def inside(a: Interval, share: Fraction) -> Fraction:
+    return Fraction(a[0]) + share * (Fraction(a[1]) - Fraction(a[0]))
+
+
+def holds(a: Interval, x: Fraction) -> bool:
+    return bool(Fraction(a[0]) <= x <= Fraction(a[1]))
+
+
+@given(numbers)
+def test_down_and_up_reach_beyond_the_neighbours(x: float) -> None:
+    assert i.down(x) <= math.nextafter(x, -math.inf)
+    assert i.up(x) >= math.nextafter(x, math.inf)
+    assert i.up(x) - i.down(x) <= 1e-15 * abs(x) + 1e-299
+    assert i.up(math.inf) == math.inf
+    assert i.down(-math.inf) == -math.inf
+
+
+@given(ordered, ordered, shares, shares)
+@settings(max_examples=400)
+def test_operations_hold_the_exact_result(a: Interval, b: Interval, s: Fraction, t: Fraction) -> None:
+    x, y = inside(a, s), inside(b, t)
+    assert holds(i.add(a, b), x + y)
+    assert holds(i.sub(a, b), x - y)
+    assert holds(i.mul(a, b), x * y)
+    assert holds(i.square(a), x * x)
+    assert a[0] <= i.middle(a) <= a[1]
+    if a[0] >= 0.0:
+        assert holds(i.weigh(a, b), x * y)
+        assert Fraction(i.root_below(a[0])) ** 2 <= Fraction(a[0]) <= Fraction(i.root_above(a[0])) ** 2
+    if not b[0] <= 0.0 <= b[1] and min(abs(b[0]), abs(b[1])) > 1e-6:
+        assert holds(i.divide(a, b), x / y)
+
+
+@given(ordered, shares, st.floats(0.0, 1e6))
+def test_an_unbounded_weight_is_never_nan(b: Interval, share: Fraction, low: float) -> None:
+    found = i.weigh((low, math.inf), b)
+    x = inside(b, share)
+    assert not math.isnan(found[0])
+    assert not math.isnan(found[1])
+    assert found[0] <= float(x * 2 * Fraction(low)) or x >= 0
+    assert (found[1] == math.inf) == (b[1] > 0.0)
+    assert (found[0] == -math.inf) == (b[0] < 0.0)
+
+
+@given(st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_bounds_of_points_are_within_a_few_ulp(x: float, y: float) -> None:
+    assume(x != y)
+    for found, exact in ((i.mul((x, x), (y, y)), x * y), (i.add((x, x), (y, y)), x + y)):
+        assert found[1] - found[0] <= 8 * math.ulp(exact)
+
+
+@pytest.mark.parametrize("x", [0.0, -4.0])
+def test_roots_of_what_is_not_positive_are_zero(x: float) -> None:
+    assert i.root_below(x) == i.root_above(x) == 0.0

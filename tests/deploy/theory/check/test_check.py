@@ -1,0 +1,124 @@
+"""`disknav check`: the named clusters, the bounds, the words, the JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from deploy.library.load import read
+from deploy.theory.check.check import report
+from deploy.theory.check.render import render
+from deploy.theory.check.report import CheckReport, to_json
+from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
+
+
+def words(found: CheckReport) -> str:
+    console = Console(width=200, no_color=True, force_terminal=False)
+    with console.capture() as capture:
+        console.print(render(found))
+    return capture.get()
+
+
+def ring(count: int, circle: float, workspace: float, k: float) -> Scenario:
+    """Robots on a circle that exchange places with their neighbours."""
+    angle = 2 * np.pi * np.arange(count) / count
+    places = [(float(circle * np.cos(a)), float(circle * np.sin(a))) for a in angle]
+    robots = tuple(
+        RobotSpec(i + 1, 0.04, (places[i][0] + 0.03, places[i][1]), places[(i + 1) % count])
+        for i in range(count)
+    )
+    return Scenario(robots, name="ring", workspace=Workspace(workspace), control=Control(k=k))
+
+
+def test_figure_2_names_the_violated_clusters_and_by_how_much() -> None:
+    found = report(read("figure-2"))
+    assert found.assumption_1.status == "violated"
+    everyone = found.assumption_1.shortfalls[-1]
+    assert everyone.robots == (1, 2, 3)
+    robots = read("figure-2").robots
+    spread = sum(float(np.hypot(*np.subtract(a.goal, b.goal))) for a in robots for b in robots if a.id < b.id)
+    d = 2 * robots[0].radius
+    assert everyone.margin == pytest.approx(spread - 12 * d)  # Lambda' of three equal disks: 4 d + 8 d
+    assert "robots 1, 2, 3: violated, short by" in words(found)
+    assert found.bounds is None
+    assert not found.guaranteed
+
+
+def test_an_admissible_scenario_prints_its_bound_and_says_whether_k_reaches_it() -> None:
+    low = report(ring(3, 0.30, 0.90, k=60.0))
+    assert low.assumption_1.status == low.assumption_2.status == "holds"
+    assert low.bounds is not None
+    assert not low.guaranteed
+    assert f"for k > {low.bounds.polar:.4g}" in words(low)
+    high = report(ring(3, 0.30, 0.90, k=1.1 * low.bounds.polar))
+    assert high.guaranteed
+    assert "guaranteed" in words(high)
+
+
+def test_what_is_seen_in_practice_is_reported() -> None:
+    seen = report(ring(3, 0.30, 0.90, k=60.0)).practice
+    assert seen is not None
+    assert seen.arrived
+    assert seen.random_arrived == seen.random_starts == 10
+    assert seen.other_minima == 0
+    assert sum(seen.equilibria.values()) >= 3  # one saddle at least for every pair
+
+
+def test_too_small_a_k_shows_another_minimum() -> None:
+    scenario = read("figure-3e")
+    found = report(replace(scenario, control=Control(k=3.0)))
+    assert found.practice is not None
+    assert found.practice.random_arrived < found.practice.random_starts
+    assert found.practice.other_minima >= 1
+    assert "Raise k" in words(found)
+
+
+def test_a_head_on_start_is_told_apart_from_a_trap() -> None:
+    found = report(read("head-on"))
+    assert found.practice is not None
+    assert found.practice.rest == "saddle of index 1"
+    assert "measure zero" in words(found)
+
+
+def test_an_unreachable_order_is_said_to_be_unreachable() -> None:
+    angle = 2 * np.pi * np.arange(3) / 3
+    places = [(float(0.06 * np.cos(a)), float(0.06 * np.sin(a))) for a in angle]
+    robots = tuple(
+        RobotSpec(i, 0.035, start, goal)
+        for i, start, goal in zip((4, 7, 9), places, places[::-1], strict=True)
+    )
+    found = report(Scenario(robots, workspace=Workspace(0.10), control=Control(k=60.0)))
+    assert found.unreachable == ((4, 7, 9),)
+    assert "UNREACHABLE by any controller: robots 4, 7, 9" in words(found)
+
+
+@pytest.mark.parametrize("name", ["figure-1", "figure-2", "head-on", "random-14"])
+def test_json_is_plain_and_complete(name: str) -> None:
+    found = report(read(name))
+    plain = json.loads(json.dumps(to_json(found), allow_nan=False))
+    assert plain["scenario"] == found.scenario
+    assert plain["assumption_1"]["status"] == found.assumption_1.status
+    assert plain["guaranteed"] is found.guaranteed
+    if found.bounds is not None:
+        assert plain["bounds"]["polar"] == found.bounds.polar
+        assert plain["bounds"]["n2"] is None
+
+
+def test_auto_is_resolved_and_said() -> None:
+    found = report(replace(read("figure-1"), control=Control(k="auto")))
+    assert found.automatic
+    assert found.k == found.automatic_k
+    assert "(auto)" in words(found)
+
+
+def test_one_robot_and_forty_robots_are_checked_too() -> None:
+    one = report(ring(1, 0.05, 0.30, k=60.0))
+    assert one.guaranteed
+    many = report(read("random-40"))
+    assert not many.every_cluster
+    assert many.practice is None
+    assert "not tried" in words(many)

@@ -1,0 +1,121 @@
+"""Assumptions 1 and 2 and the bounds on k."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from deploy.theory.clusters import circulation, clusters
+from deploy.theory.equilibria import equilibria, swapped_pairs
+from deploy.theory.function import Problem, gamma, obstacle_functions, reduced_gradient
+from deploy.theory.gain.assumptions import first_status, largest_eps, margins, second_status
+from deploy.theory.gain.best_bound import best_bounds
+from deploy.theory.gain.bounds import bounds, k1, largest_gamma
+from deploy.theory.gain.families import _bounds, _every, family
+from tests.deploy.theory.problems import SIZES, admissible, crowded, free
+
+CASES = [(p, unequal) for p in SIZES for unequal in (False, True)]
+
+
+@pytest.mark.parametrize(("p", "unequal"), CASES)
+def test_wide_goals_are_admissible_and_bounded(p: int, unequal: bool) -> None:
+    problem = admissible(p, unequal, 60.0)
+    limit = largest_eps(problem)
+    assert limit is not None
+    assert margins(problem, 0.999 * limit).hold
+    assert not margins(problem, 1.001 * limit).hold
+    best = best_bounds(problem)
+    assert best is not None
+    assert 0.0 < best.eps < limit
+    assert best.k1.low <= best.k1.high <= best.polar < np.inf
+    assert best.n1 == p + p * (p - 1) // 2
+    for factor in (0.9, 1.1):
+        other = bounds(problem, min(factor * best.eps, 0.9999 * limit))
+        assert other is not None
+        assert other.polar >= best.polar * (1 - 1e-3)
+
+
+@pytest.mark.parametrize(("p", "unequal"), [(2, False), (2, True), (3, False)])
+def test_above_the_bound_every_equilibrium_is_where_the_proof_says(p: int, unequal: bool) -> None:
+    """Propositions C.3 to C.5 just above K: other critical points lie in F1(eps), and circling descends."""
+    problem = admissible(p, unequal, 60.0)
+    best = best_bounds(problem)
+    assert best is not None
+    problem = replace(problem, k=1.01 * best.polar)
+    points = equilibria(problem, swapped_pairs(problem) + [free(problem, seed) for seed in range(5)])
+    assert len(points) > 1
+    for point in points[1:]:
+        values = obstacle_functions(problem, point.b)
+        assert values[:p].min() > best.eps
+        assert values.min() <= best.eps
+        cell = next(cell for cell in clusters(problem, point.b, best.eps) if len(cell) > 1)
+        v = circulation(point.b, cell)
+        step = 1e-3 * values.min() / np.abs(v).max() / problem.radii.max()
+        turned = point.b + step * v
+        assert float((reduced_gradient(problem, turned) * v).sum()) < 0.0  # phi falls along v
+        assert point.kind == "saddle"
+
+
+@pytest.mark.parametrize("p", SIZES)
+def test_no_critical_point_far_from_obstacles_above_k1(p: int) -> None:
+    """Lemma E.16 at random points of F2(eps): sqrt(gamma) |grad beta| / (2 beta) stays below K1."""
+    problem = admissible(p, True, 60.0)
+    eps = 10.0
+    most = k1(problem, eps).high
+    seen = 0
+    for seed in range(40):
+        b = free(problem, seed)
+        if obstacle_functions(problem, b).min() <= eps:
+            continue
+        seen += 1
+        steer = (2 * (b - problem.goals) - reduced_gradient(problem, b)) * problem.k / gamma(problem, b)
+        assert np.sqrt(gamma(problem, b)) * np.linalg.norm(steer) / 2.0 < most
+        assert gamma(problem, b) <= largest_gamma(problem, eps)
+    assert seen > 5
+
+
+def test_close_goals_violate_assumption_1_by_the_pair() -> None:
+    goals = np.array([[-5.0, 0.0], [5.0, 0.0], [0.0, 20.0]])
+    problem = Problem(goals, np.full(3, 4.0), 60.0, 60.0)
+    found = margins(problem, 0.0)
+    row = next(r for r in range(7) if found.clusters.names(r) == (0, 1))
+    assert found.first[row] == pytest.approx(10.0 - 16.0)  # Lambda' = 2 rho_ij for two
+    assert first_status(problem, found, row, 0.0) == "violated"
+    assert largest_eps(problem) is None
+    assert best_bounds(problem) is None
+
+
+def test_goals_near_the_rim_violate_assumption_2() -> None:
+    problem = Problem(np.array([[-24.0, 0.0], [24.0, 0.0]]), np.full(2, 4.0), 30.0, 60.0)
+    found = margins(problem, 0.0)
+    row = int(np.argmax(found.clusters.sizes))
+    assert found.second[row] == pytest.approx(2 * 26.0 - 8.0 - 48.0)
+    assert second_status(found, row) == "violated"
+
+
+@pytest.mark.parametrize("unequal", [False, True])
+def test_bounding_rows_are_never_more_optimistic_than_all_subsets(unequal: bool) -> None:
+    for problem in (crowded(6, unequal, 60.0), admissible(6, unequal, 60.0)):
+        every, coarse = margins(problem, 1.0, _every(problem)), margins(problem, 1.0, _bounds(problem))
+        for n in range(1, 7):
+            mine = every.clusters.sizes == n
+            for exact, bound in ((every.first, coarse.first), (every.second, coarse.second)):
+                assert bound[n - 1] <= exact[mine].min() + 1e-9
+
+
+def test_many_robots_use_bounding_rows() -> None:
+    problem = crowded(6, False, 60.0)
+    goals = np.vstack([problem.goals, problem.goals + 60, problem.goals - 60])[:14]
+    large = Problem(goals, np.full(14, 4.0), 200.0, 60.0)
+    assert family(problem).enumerated
+    assert not family(large).enumerated
+    assert largest_eps(large) is None
+
+
+def test_a_lone_robot_is_polar_for_every_k_above_one_and_a_half() -> None:
+    best = best_bounds(Problem(np.array([[10.0, 0.0]]), np.array([4.0]), 20.0, 60.0))
+    assert best is not None
+    assert best.polar < 1.5
+    assert best.k2 == best.k3 == 0.0

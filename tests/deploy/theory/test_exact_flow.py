@@ -1,0 +1,116 @@
+"""The reference flow: descent, accuracy, arrival; spurious minima below a threshold; unreachable goals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from deploy.theory.clusters import circulation
+from deploy.theory.critical import classify
+from deploy.theory.equilibria import find_equilibrium
+from deploy.theory.exact_flow import Field, integrate
+from deploy.theory.function import Array, Problem, log_ratio, obstacle_functions, reduced_gradient
+from deploy.theory.gain.tuning import automatic_k
+from deploy.theory.hessian import reduced_jacobian
+from deploy.theory.reachability import mirrored_triples
+from tests.deploy.theory.problems import admissible, crowded, free
+
+
+@pytest.mark.parametrize("pace", ["common", "own"])
+@pytest.mark.parametrize("unequal", [False, True])
+def test_flow_descends_without_contact_and_arrives(pace: Literal["common", "own"], unequal: bool) -> None:
+    problem = crowded(6, unequal, k=60.0)
+    for seed in range(3):
+        flow = integrate(problem, free(problem, seed), pace)
+        assert flow.arrived
+        heights = [log_ratio(problem, b) for b in flow.path]
+        assert (np.diff(heights) <= 1e-6).all()
+        assert min(obstacle_functions(problem, b).min() for b in flow.path) > 0.0
+        assert 1.0 <= flow.nrl < 2.0
+        finer = integrate(problem, free(problem, seed), pace, accuracy=1e-5)
+        assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
+
+
+def test_the_path_ends_where_the_last_robot_arrives() -> None:
+    problem = crowded(6, False, k=60.0)
+    flow = integrate(problem, free(problem, 1), tolerance=0.1)
+    assert np.linalg.norm(flow.path[-1] - problem.goals, axis=1).max() == pytest.approx(0.1, rel=1e-4)
+
+
+def test_own_pace_saturates_each_robot() -> None:
+    problem = crowded(3, False, k=20.0)
+    b = free(problem, 4)
+    lengths = np.linalg.norm(reduced_gradient(problem, b), axis=1)
+    speeds = np.linalg.norm(Field(problem, "own", ease=float(np.median(lengths))).velocity(b), axis=1)
+    assert np.sort(speeds) == pytest.approx([lengths.min() / np.median(lengths), 1.0, 1.0])
+
+
+@pytest.mark.parametrize("ease", [0.01, 4.0, 1000.0])
+@pytest.mark.parametrize("pace", ["common", "own"])
+def test_jacobian_of_the_field(pace: Literal["common", "own"], ease: float) -> None:
+    problem = crowded(3, True, k=20.0)
+    field, b, h = Field(problem, pace, ease), free(problem, 4), 1e-5
+    steps = (h * np.eye(b.size)).reshape(b.size, *b.shape)
+    expected = np.array([(field.velocity(b + s) - field.velocity(b - s)).ravel() / (2 * h) for s in steps]).T
+    np.testing.assert_allclose(field.jacobian(b), expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())
+
+
+def test_flow_is_the_same_in_any_unit_of_length() -> None:
+    problem = crowded(6, False, k=60.0)
+    start = free(problem, 2)
+    small = Problem(problem.goals / 128, problem.radii / 128, problem.workspace / 128, 60.0)
+    assert integrate(small, start / 128).nrl == pytest.approx(integrate(problem, start).nrl, rel=1e-4)
+
+
+def test_the_same_start_gives_the_same_bits() -> None:
+    problem = crowded(6, True, k=60.0)
+    first, second = (integrate(problem, free(problem, 1)).path for _ in range(2))
+    assert first.tobytes() == second.tobytes()
+
+
+def stuck(problem: Problem) -> Array | None:
+    """Where the flow ends other than at the goal, from eight random starts."""
+    for seed in range(8):
+        flow = integrate(problem, free(problem, seed))
+        if not flow.arrived and (b := find_equilibrium(problem, flow.path[-1])) is not None:
+            return b
+    return None
+
+
+def test_small_k_has_other_minima_and_large_k_has_none_on_the_way() -> None:
+    """The paper's remark on figure 5; at such a minimum circling climbs, so C.4 needs its "large enough"."""
+    problem = crowded(6, False, k=3.0)
+    b = stuck(problem)
+    assert b is not None
+    assert classify(problem, b).kind == "minimum"
+    v = circulation(b, (0, 1)).ravel()
+    assert v @ reduced_jacobian(problem, b) @ v > 0.0
+    assert stuck(replace(problem, k=60.0)) is None
+
+
+def test_admissible_goals_are_reached_from_every_random_start_in_practice() -> None:
+    problem = admissible(3, True, 60.0)
+    assert all(integrate(problem, free(problem, seed)).arrived for seed in range(10))
+
+
+def test_three_disks_that_cannot_line_up_keep_their_order() -> None:
+    angle = 2.0 * np.pi * np.arange(3) / 3
+    ring = 6.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    problem = Problem(ring[::-1].copy(), np.full(3, 3.5), 10.0, 200.0)
+    assert mirrored_triples(problem, ring) == [(0, 1, 2)]
+    assert not integrate(problem, ring + 0.01).arrived
+    turned = Problem(np.roll(ring, 1, axis=0), np.full(3, 3.5), 10.0, 200.0)
+    assert mirrored_triples(turned, ring) == []
+    roomy = Problem(problem.goals, np.full(3, 3.3), 10.0, 200.0)
+    assert mirrored_triples(roomy, ring) == []
+
+
+def test_automatic_k_grows_with_robots_and_with_crowding_and_ignores_units() -> None:
+    six = np.full(6, 0.04)
+    assert automatic_k(six, 0.30) == 60.0
+    assert automatic_k(six, 0.22) > 60.0
+    assert automatic_k(np.full(24, 0.04), 1.2) == 960.0
+    assert automatic_k(100 * six, 22.0) == pytest.approx(automatic_k(six, 0.22))

@@ -1,0 +1,96 @@
+"""The in-process bus keeps the promises of the interface: nobody hears itself, presence, requests, order."""
+
+import pytest
+
+from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.errors import BusError
+from protocol.streams import STREAMS
+
+STATE = STREAMS["state"]
+
+
+class Listener:
+    """A node that keeps what it hears, and answers requests."""
+
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+        self.deadline = float("inf")
+        self.finished = False
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Request):
+            event.reply(b"re:" + event.payload)
+        else:
+            self.events.append(event)
+
+    def wake(self, now: float) -> None:
+        raise AssertionError("nothing was due")
+
+
+def everything(bus: LocalBus) -> list[Event]:
+    events = []
+    while (event := bus.receive(0.0)) is not None:
+        events.append(event)
+    return events
+
+
+def test_subscribers_hear_in_order_and_nobody_hears_itself() -> None:
+    network = LocalNetwork()
+    one, two, three = network.connect(), network.connect(), network.connect()
+    for bus in (one, two):
+        bus.subscribe("disknav/r/robot/*/state")
+    three.subscribe("disknav/r/robot/2/state")
+    publish = one.publisher(STATE, "disknav/r/robot/1/state")
+    publish(b"a")
+    publish(b"b")
+    assert everything(two) == [
+        Sample("disknav/r/robot/1/state", b"a"),
+        Sample("disknav/r/robot/1/state", b"b"),
+    ]
+    assert everything(one) == everything(three) == []
+
+
+def test_a_later_subscription_hears_what_comes_later() -> None:
+    network = LocalNetwork()
+    one, two = network.connect(), network.connect()
+    publish = one.publisher(STATE, "disknav/r/robot/1/state")
+    publish(b"early")
+    two.subscribe("disknav/r/**")
+    publish(b"late")
+    assert everything(two) == [Sample("disknav/r/robot/1/state", b"late")]
+
+
+def test_presence_comes_with_history_and_goes_with_close() -> None:
+    network = LocalNetwork()
+    one, two = network.connect(), network.connect()
+    one.announce("disknav/r/robot/1/alive")
+    two.watch("disknav/r/robot/*/alive")
+    one.close()
+    one.close()
+    assert everything(two) == [
+        Presence("disknav/r/robot/1/alive", True),
+        Presence("disknav/r/robot/1/alive", False),
+    ]
+
+
+def test_requests_are_answered_by_the_node_that_serves() -> None:
+    network = LocalNetwork()
+    one, two = network.connect(), network.connect()
+    one.serve("disknav/r/world/scenario")
+    one.node = Listener()
+    assert two.ask("disknav/r/world/scenario", b"x", 1.0) == b"re:x"
+    with pytest.raises(BusError, match="nobody answers"):
+        two.ask("disknav/r/world/control", b"", 1.0)
+
+
+def test_the_network_runs_nodes_until_told() -> None:
+    network = LocalNetwork()
+    one, two = network.connect(), network.connect()
+    listener = two.node = Listener()
+    two.subscribe("disknav/r/**")
+    publish = one.publisher(STATE, "disknav/r/robot/1/state")
+    for _ in range(3):
+        publish(b"")
+    network.run(lambda: len(listener.events) == 3)
+    assert len(listener.events) == 3

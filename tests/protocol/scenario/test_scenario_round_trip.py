@@ -1,0 +1,124 @@
+"""Any valid scenario survives a file, and any junk in one is refused in order."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from protocol.errors import ScenarioError
+from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
+from protocol.scenario.model import (
+    Actuation,
+    Control,
+    Link,
+    Partition,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Sensing,
+    Time,
+    Workspace,
+)
+
+positive = st.floats(1e-9, 1e6)
+nonnegative = st.floats(0, 1e6)
+shares = st.floats(0, 1)
+spans = nonnegative | st.tuples(nonnegative, nonnegative).map(lambda pair: (min(pair), max(pair)))
+points = st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+IDS = (1, 7, 30)
+some_ids = st.lists(st.sampled_from(IDS), min_size=1, unique=True).map(tuple)
+partitions = st.builds(
+    Partition,
+    st.floats(0, 100),
+    st.floats(101, 200),
+    st.sampled_from([(), ((1,),), ((1, 7), (30,)), ((), (30, 1))]),
+)
+
+
+@st.composite
+def scenarios(draw: st.DrawFn) -> Scenario:
+    size = draw(st.floats(1e-3, 1e5))
+    radii = [size * draw(st.floats(0.01, 0.1)) for _ in IDS]
+    places = [(-0.5 * size, 0.3 * size), (0.1 * size, -0.5 * size), (0.5 * size, 0.5 * size)]
+    goals = draw(st.permutations(places))
+    robots = tuple(RobotSpec(*entry) for entry in zip(IDS, radii, places, goals, strict=True))
+    step = draw(st.floats(1e-3, 1.0))
+    laws = st.builds(
+        Control,
+        st.sampled_from(["gradient", "orca", "barrier"]),
+        positive | st.sampled_from(["auto", "certified"]),
+        st.sampled_from(["common", "own"]),
+        st.sampled_from(["separating-lines", "none"]),
+        positive,
+        st.booleans(),
+    )
+    sensing = st.builds(
+        Sensing,
+        spans,
+        nonnegative,
+        st.none() | nonnegative,
+        points,
+        shares,
+        st.none() | some_ids,
+        st.sampled_from(["stand", "newest"]),
+    )
+    faults = st.builds(ProcessFault, st.sampled_from(IDS), nonnegative, st.just("restart"))
+    return Scenario(
+        robots,
+        draw(texts),
+        draw(texts),
+        draw(st.integers(0, 2**63 - 1)),
+        Workspace(size),
+        Time(step, draw(st.floats(1.0, 1e5)), draw(positive), draw(positive), draw(positive)),
+        draw(laws),
+        draw(st.lists(sensing, max_size=3).map(tuple)),
+        draw(
+            st.builds(Link, spans, nonnegative, shares, shares, st.lists(partitions, max_size=2).map(tuple))
+        ),
+        draw(st.lists(faults, max_size=3).map(tuple)),
+        Actuation(draw(st.floats(0, 0.3))),
+    )
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(scenarios())
+def test_round_trip(scenario: Scenario) -> None:
+    text = write_toml(scenario)
+    assert parse_toml(text) == scenario
+    assert write_toml(parse_toml(text)) == text
+
+
+junk = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.dates(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(scenarios(), junk, st.data())
+def test_junk_anywhere_is_a_scenario_error_or_fine(scenario: Scenario, bad: Any, data: st.DataObject) -> None:
+    content = document_of(scenario)
+    holder: Any = content
+    key: Any = data.draw(st.sampled_from(sorted(holder)))
+    while isinstance(holder[key], dict | list) and holder[key] and data.draw(st.booleans()):
+        holder = holder[key]
+        key = data.draw(
+            st.sampled_from(sorted(holder) if isinstance(holder, dict) else list(range(len(holder))))
+        )
+    holder[key] = bad
+    try:
+        accepted = parse_document(content)
+    except ScenarioError as error:
+        assume(error.problems)
+        return
+    assert all(
+        math.isfinite(x) for robot in accepted.robots for x in (*robot.start, *robot.goal, robot.radius)
+    )

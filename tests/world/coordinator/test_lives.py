@@ -1,0 +1,288 @@
+import pytest
+
+from protocol.errors import JoinError
+from protocol.messages import Command, Down, Member
+from protocol.scenario.model import Link, Partition, ProcessFault, Time
+from tests.world.driving import STEP, advance, joined, toward, two
+from world.world import World
+
+FENCE = 4  # ticks
+PATIENT = Time(step=STEP, limit=100.0, fence=FENCE * STEP, deadlock=50.0)
+RIGHT = {1: (0.02, 0.0), 2: (0.02, 0.0)}
+
+
+def faulty(*events: tuple[int, float, str]) -> World:
+    """A world with process faults at times given in ticks, all robots joined."""
+    faults = tuple(ProcessFault(robot, at * STEP, event) for robot, at, event in events)
+    return joined(two(process=faults, time=PATIENT))
+
+
+def advance_to(world: World, tick: int) -> None:
+    while world.tick < tick:
+        advance(world, RIGHT)
+
+
+def place(world: World, robot: int) -> tuple[float, float]:
+    return world.truth.positions[world.truth.robots.index(robot)]
+
+
+def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
+    world = joined(two(time=PATIENT))
+    advance_to(world, 3)
+    world.lost(2)
+    stood = place(world, 2)
+    advance_to(world, 2 + FENCE)
+    assert (world.active, world.down) == ((1,), ())
+    advance_to(world, 3 + FENCE)
+    assert world.down == (Down(2, 1, stood),)
+    told = world.open_tick()
+    assert told[1].roster == told[2].roster  # it may still listen
+    assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood, founding=1)
+    assert told[1].active == told[2].active == (1,)
+    assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
+    advance_to(world, 20)
+    assert place(world, 2) == stood
+    assert world.report()["rejected_commands"] == {"fenced": 1}
+    assert world.report()["faults"]["fenced"] == [{"robot": 2, "incarnation": 1, "tick": 3 + FENCE}]
+
+
+def test_a_lost_robot_that_is_started_again_is_waited_for():
+    world = joined(two(time=PATIENT))
+    advance_to(world, 3)
+    world.expect(2)  # nobody has lost it
+    assert world.awaiting_join == frozenset()
+    world.lost(2)
+    world.expect(2)
+    assert world.awaiting_join == {2}
+    assert world.open_tick().keys() == {2}  # only to learn that it has to join again
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
+    world.lost(1)
+    world.expect(1)
+    world.give_up_waiting(1)
+    assert world.open_tick()[2].active == (2,)
+
+
+def test_whoever_the_scenario_kills_is_not_waited_for():
+    world = faulty((2, 3, "kill"))
+    advance_to(world, 4)
+    world.lost(2)
+    world.expect(2)
+    assert world.awaiting_join == frozenset()
+
+
+def test_losing_a_robot_in_an_open_tick_tells_the_others():
+    world = joined(two(time=PATIENT))
+    before = world.open_tick()
+    world.accept(Command(2, 1, 0, (0.1, 0.0)))
+    world.lost(2)
+    after = world.open_tick()
+    assert (before[1].active, after[1].active) == ((1, 2), (1,))
+    assert after[1].position == before[1].position
+    assert world.waiting == {1}
+    world.close_tick()
+    assert place(world, 2) == (-0.1, -0.1)
+    assert world.report()["missed_commands"] == 2
+
+
+def test_a_live_robot_that_sends_nothing_is_fenced_too():
+    world = joined(two(time=PATIENT))
+    for tick in range(FENCE):
+        assert world.open_tick()[1].active == (1, 2)
+        world.accept(Command(1, 1, tick, (0.0, 0.0)))
+        world.close_tick()
+    assert [down.robot for down in world.down] == [2]
+    assert world.open_tick()[1].active == (1,)
+    assert world.report()["missed_commands"] == FENCE
+
+
+def test_one_command_in_time_keeps_a_robot_from_being_fenced():
+    world = joined(two(time=PATIENT))
+    for tick in range(10 * FENCE):
+        world.open_tick()
+        world.accept(Command(1, 1, tick, (0.0, 0.0)))
+        if tick % FENCE == FENCE - 1:
+            assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
+        world.close_tick()
+    assert world.down == ()
+
+
+def test_a_fenced_robot_joins_again_as_a_new_life():
+    world = joined(two(time=PATIENT))
+    advance_to(world, 2)
+    world.lost(2)
+    advance_to(world, 2 + FENCE)
+    assert world.join(2) == 2
+    assert world.down == ()
+    told = world.open_tick()
+    assert (told[2].incarnation, told[1].active) == (2, (1, 2))
+    assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
+    assert world.accept(Command(2, 2, world.tick, (0.1, 0.0)))
+
+
+def test_joining_in_an_open_tick_takes_part_from_the_next_one():
+    world = joined(two(time=PATIENT))
+    world.lost(2)
+    world.open_tick()
+    assert world.join(2) == 2
+    assert (world.active, world.waiting) == ((1,), {1})
+    assert not world.accept(Command(2, 2, 0, (0.1, 0.0)))
+    world.accept(Command(1, 1, 0, (0.0, 0.0)))
+    world.close_tick()
+    assert world.open_tick().keys() == {1, 2}
+    assert world.active == (1, 2)
+
+
+def test_a_new_life_is_given_its_own_time_before_it_is_fenced():
+    world = joined(two(time=PATIENT))
+    world.lost(2)
+    advance_to(world, 10)
+    world.join(2)
+    for tick in range(10, 10 + FENCE):
+        assert world.down == ()
+        world.open_tick()
+        world.accept(Command(1, 1, tick, (0.0, 0.0)))
+        world.close_tick()
+    assert world.down == (Down(2, 2, (-0.1, -0.1)),)
+
+
+def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
+    world = faulty((2, 5, "kill"))
+    advance_to(world, 5)
+    stood = place(world, 2)
+    assert world.open_tick().keys() == {1}
+    assert world.active == (1,)
+    advance_to(world, 15)
+    assert place(world, 2) == stood
+    assert world.open_tick().keys() == {1}
+    assert [down.robot for down in world.down] == [2]
+    assert world.report()["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
+    assert world.join(2) == 2  # an operator may start it again
+
+
+def test_a_fault_between_two_ticks_happens_at_the_later_one():
+    world = faulty((2, 4.5, "kill"))
+    advance_to(world, 4)
+    assert world.open_tick().keys() == {1, 2}
+    advance_to(world, 5)
+    assert world.open_tick().keys() == {1}
+
+
+def test_a_short_pause_ends_in_the_same_life():
+    world = faulty((2, 3, "pause"), (2, 6, "resume"))
+    advance_to(world, 3)
+    assert world.open_tick().keys() == {1}
+    with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
+        world.join(2)
+    world.lost(2)  # its presence may go while it is stopped
+    advance_to(world, 6)
+    told = world.open_tick()
+    assert world.awaiting_join == frozenset()
+    assert (told[2].incarnation, told[2].active, world.down) == (1, (1, 2), ())
+
+
+def test_a_long_pause_ends_in_a_new_life():
+    world = faulty((2, 3, "pause"), (2, 12, "resume"))
+    advance_to(world, 12)
+    told = world.open_tick()
+    assert world.awaiting_join == {2}
+    assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
+    assert told[2].roster.members[1].position == place(world, 2)
+    assert world.down == (Down(2, 1, place(world, 2)),)
+    assert world.join(2) == 2
+    assert world.open_tick()[1].active == (1, 2)
+
+
+def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
+    world = faulty((2, 3, "restart"), (2, 3, "pause"), (2, 6, "resume"))
+    advance_to(world, 3)
+    assert world.open_tick().keys() == {1}
+    with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
+        world.join(2)
+    advance_to(world, 6)
+    world.open_tick()
+    assert world.awaiting_join == {2}
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
+
+
+def test_restart_waits_for_a_new_life():
+    world = faulty((2, 3, "restart"))
+    advance_to(world, 3)
+    assert world.open_tick() == {}
+    assert world.open_tick() == {}
+    assert world.awaiting_join == {2}
+    with pytest.raises(RuntimeError, match="tick 3 is not open"):
+        world.close_tick()
+    assert world.join(2) == 2
+    assert world.open_tick().keys() == {1, 2}
+    assert len(world.report()["faults"]["process"]) == 1
+
+
+def test_waiting_may_be_given_up_and_the_robot_may_still_come():
+    world = faulty((2, 3, "restart"))
+    advance_to(world, 3)
+    world.open_tick()
+    world.give_up_waiting(2)
+    world.open_tick()
+    assert world.active == (1,)
+    advance_to(world, 10)
+    assert [down.robot for down in world.down] == [2]
+    assert world.join(2) == 2
+    world.open_tick()
+    assert world.active == (1, 2)
+
+
+def test_a_robot_that_never_starts_is_a_disk_that_stands():
+    world = joined(two(time=PATIENT), [1])
+    world.give_up_waiting(2)
+    assert world.open_tick().keys() == {1}
+    advance_to(world, FENCE)
+    assert world.down == (Down(2, 0, (-0.1, -0.1)),)
+
+
+@pytest.mark.parametrize("event", ["kill", "pause", "restart"])
+def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
+    world = World(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
+    world.join(1)
+    assert world.open_tick() == {}
+    assert (world.founded, world.awaiting_join) == (False, {2})
+    world.join(2)
+    told = world.open_tick()
+    assert world.founded
+    if event == "restart":
+        assert (world.awaiting_join, told) == ({2}, {})
+        world.join(2)
+        told = world.open_tick()
+    founding = {member.robot: member.founding for member in told[1].roster.members}
+    assert founding == {1: 1, 2: 1}  # the second life of a tick is none of those that begin it
+    assert world.active == ((1, 2) if event == "restart" else (1,))
+
+
+def test_a_pause_from_the_start_ends_in_the_founding_life():
+    faults = (ProcessFault(2, 0.0, "pause"), ProcessFault(2, 2 * STEP, "resume"))
+    world = joined(two(process=faults, time=PATIENT))
+    advance_to(world, 2)
+    told = world.open_tick()
+    assert (world.active, world.incarnations) == ((1, 2), {1: 1, 2: 1})
+    assert told[2].roster.members[1].founding == 1
+
+
+def test_scheduled_faults_give_the_same_trajectory_again():
+    def run() -> str:
+        faults = (
+            ProcessFault(1, 0.3, "pause"),
+            ProcessFault(2, 0.4, "restart"),
+            ProcessFault(1, 0.9, "resume"),
+        )
+        setting = two(process=faults, link=Link(partition=(Partition(0.0, 1.0, ()),)))
+        world = joined(setting)
+        while not world.verdict:
+            world.open_tick()
+            for robot in world.awaiting_join:
+                world.join(robot)
+            advance(world, toward(world, setting))
+        assert world.verdict == "arrived"
+        return world.report()["trajectory_sha256"]
+
+    assert run() == run()

@@ -1,0 +1,197 @@
+"""Joining: idempotent for each process, one process for each robot, and nobody waits for the dead."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.bus.local import LocalBus
+from protocol.errors import BusError, JoinError
+from protocol.joining import Admission, Join, Refusal, Reply, Wait
+from protocol.messages import Health
+from tests.world.driving import two
+from tests.world.stopwatch import Stopwatch
+from world.shell.admission import RESERVATION, Admissions
+from world.shell.turn import Turn
+
+SWAP = load("swap-4")
+
+
+class Desk:
+    """Admissions of one run of two robots, and what processes ask of it."""
+
+    def __init__(self) -> None:
+        self.clock = Stopwatch()
+        self.admissions = Admissions("r", (1, 2), True, self.clock)
+        self.turn = Turn(0, two(), {})
+
+    def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:
+        health = None if lived is None else Health(robot, lived, 5, 0.0, 0, 0, {}, (), ())
+        join = Join(robot, session, health)
+        return self.admissions.refusal(join, self.turn) or self.admissions.enlist(join, self.turn)
+
+    def admitted(self, session: str, robot: int = 1, lived: int | None = None) -> int:
+        reply = self.ask(session, robot, lived)
+        assert isinstance(reply, Admission), reply
+        assert reply.oldest == {1: 1, 2: 1}
+        return reply.incarnation
+
+
+def test_asking_again_is_asking_once() -> None:
+    desk = Desk()
+    assert [desk.admitted("a") for _ in range(3)] == [1, 1, 1]
+    desk.admissions.arrive(1)
+    assert desk.admitted("a") == 1  # the reply came too late, the token too early: nothing has been lived yet
+    assert desk.turn.world.incarnations == {1: 1, 2: 0}
+
+
+def test_a_life_that_was_lived_is_not_lived_again() -> None:
+    """Its numbers have been used."""
+    desk = Desk()
+    assert desk.admitted("a") == 1
+    desk.admissions.arrive(1)
+    assert desk.admitted("a", lived=1) == 2
+    assert desk.admitted("a", lived=1) == 2  # the reply was lost
+    assert desk.turn.world.goes_on(1, 2)
+    assert not desk.turn.world.goes_on(1, 1)
+
+
+def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
+    desk = Desk()
+    assert desk.admitted("dead") == 1
+    desk.clock.now = 0.9 * RESERVATION
+    assert isinstance(desk.ask("next"), Wait)
+    desk.clock.now = 1.1 * RESERVATION
+    assert desk.admitted("next") == 2
+    assert isinstance(desk.ask("dead"), Wait)  # it was only slow
+    desk.admissions.arrive(1)
+    assert isinstance(desk.ask("dead"), Refusal)
+    assert desk.turn.world.goes_on(1, 2)
+
+
+def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
+    desk = Desk()
+    assert desk.admitted("first") == 1
+    desk.admissions.arrive(1)
+    desk.clock.now = 100.0
+    reply = desk.ask("second")
+    assert isinstance(reply, Refusal)
+    assert "already running" in reply.text
+    assert desk.turn.world.goes_on(1, 1)
+    desk.admissions.leave(1)
+    desk.turn.world.lost(1)
+    assert desk.admitted("second") == 2
+
+
+def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:
+    reply = Desk().ask("a", robot=3)
+    assert isinstance(reply, Refusal)
+    assert "robot 3 is not in scenario" in reply.text
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(("ask", "ask", "lose", "arrive", "leave", "live", "wait")),
+            st.sampled_from("abc"),
+        ),
+        max_size=30,
+    )
+)
+def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) -> None:
+    """Processes a, b, c ask, hear or miss the reply, live, show a token, go, in any order."""
+    desk = Desk()
+    lives: dict[str, int] = {}  # of whom the process has begun and not ended it
+    last: dict[str, int] = {}  # the life that it has ended
+    begun: set[int] = set()
+    token = ""
+    for event, process in events:
+        if event in ("ask", "lose") and process not in lives:
+            reply = desk.ask(process, lived=last.get(process))
+            if isinstance(reply, Admission) and event == "ask":
+                assert reply.incarnation not in begun
+                begun.add(reply.incarnation)
+                lives[process] = reply.incarnation
+        elif event == "arrive" and process in lives and token in ("", process):
+            desk.admissions.arrive(1)
+            token = process
+        elif event == "leave" and token == process:
+            desk.admissions.leave(1)
+            desk.turn.world.lost(1)
+            token = ""
+            lives.pop(process, None)
+            last.pop(process, None)
+        elif event == "live" and process in lives:
+            last[process] = lives.pop(process)  # it says itself that it is over
+        elif event == "wait":
+            desk.clock.now += RESERVATION
+        newest = desk.turn.world.incarnations[1]
+        assert sum(life == newest for life in lives.values()) <= 1
+
+
+class Lossy:
+    """The bus of a robot that misses the first replies."""
+
+    def __init__(self, bus: LocalBus, losses: int) -> None:
+        self._bus, self.losses = bus, losses
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        reply = self._bus.ask(key, payload, timeout)
+        self.losses -= 1
+        if self.losses >= 0:
+            raise BusError("the reply is lost")
+        return reply
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._bus, name)
+
+
+def test_a_lost_reply_costs_nothing() -> None:
+    fleet = LocalFleet([SWAP])
+    lossy = Lossy(fleet.robots[2], 2)
+    fleet.robots[2].node._bus = lossy  # type: ignore[union-attr]
+    report = fleet.execute()[0]
+    assert lossy.losses < 0
+    assert report["trajectory_sha256"] == LocalFleet([SWAP]).execute()[0]["trajectory_sha256"]
+
+
+def test_a_reply_that_never_comes_ends_the_process() -> None:
+    fleet = LocalFleet([SWAP])
+    fleet.robots[2].node._bus = Lossy(fleet.robots[2], 99)  # type: ignore[union-attr]
+    with pytest.raises(BusError, match="no world answers"):
+        fleet.execute()
+
+
+def test_a_twin_does_not_disturb_a_run() -> None:
+    fleet = LocalFleet([SWAP], speed=6.0)  # long enough for the twin to be refused
+    first = fleet.robots[2]
+    fleet.start(2)
+    twin = fleet.robots[2]
+    refused: list[str] = []
+
+    class Excused:
+        """The twin's process: it ends when it is refused."""
+
+        finished = False
+
+        def __init__(self, node: object) -> None:
+            self.node = node
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(self.node, name)
+
+        def wake(self, now: float) -> None:
+            try:
+                self.node.wake(now)  # type: ignore[attr-defined]
+            except JoinError as error:
+                refused.append(str(error))
+                twin.close()
+
+    twin.node = Excused(twin.node)  # type: ignore[assignment]
+    fleet.robots[2] = first
+    report = fleet.execute()[0]
+    assert report["trajectory_sha256"] == LocalFleet([SWAP]).execute()[0]["trajectory_sha256"]
+    assert "already running" in "".join(refused)

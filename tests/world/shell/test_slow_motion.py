@@ -1,0 +1,80 @@
+"""Slow motion: a tick may take as long as a viewer likes. Time is injected."""
+
+from __future__ import annotations
+
+import pytest
+
+from agents.node import RobotNode
+from protocol.bus.local import LocalNetwork
+from tests.world.driving import STEP, two
+from tests.world.stopwatch import Stopwatch
+from world.node import GATHERING, WorldNode
+from world.shell.pacing import BEAT, Pacing
+
+
+class Theatre:
+    """World and robots of one run on the local bus, and their time."""
+
+    def __init__(self, speed: float, restarts: int = 0) -> None:
+        self.clock, self.network = Stopwatch(), LocalNetwork()
+        scenario = two()
+        bus = self.network.connect()
+        self.world = bus.node = WorldNode(
+            bus, "slow", [scenario], speed=speed, restarts=restarts, clock=self.clock
+        )
+        self.robots = {robot: self.network.connect() for robot in scenario.ids}
+        for robot, robots_bus in self.robots.items():
+            robots_bus.node = RobotNode(robots_bus, "slow", robot)
+            robots_bus.node.wake(0.0)
+        self.play(0.0)
+
+    @property
+    def tick(self) -> int:
+        return self.world._turn.world.tick
+
+    def play(self, seconds: float) -> None:
+        """Let time go by, looking whenever the world wants to."""
+        end = self.clock.now + seconds
+        while True:
+            while self.network._ready:
+                self.network._ready.popleft().drain()
+            self.clock.now = min(max(self.world.deadline, self.clock.now), end)
+            if self.clock.now < self.world.deadline:
+                return
+            self.world.wake(self.clock.now)
+
+
+@pytest.mark.parametrize("seconds", [0.5, 5.0, GATHERING, 10.0 * GATHERING, 1e5])
+def test_a_tick_begins_when_its_time_has_come(seconds: float) -> None:
+    """Far beyond the time that robots have to join, too."""
+    clock = Stopwatch()
+    pacing = Pacing(True, STEP / seconds, clock)
+    assert not pacing.holds(0, STEP)
+    pacing.begin(0, STEP)
+    clock.now = 0.999 * seconds
+    assert pacing.holds(1, STEP)
+    assert pacing.deadline == pytest.approx(min(seconds, clock.now + BEAT))
+    clock.now = 1.001 * seconds
+    assert not pacing.holds(1, STEP)
+
+
+@pytest.mark.parametrize("seconds", [1.0, 2.5 * GATHERING])
+def test_slow_motion_goes_on(seconds: float) -> None:
+    theatre = Theatre(STEP / seconds)
+    assert theatre.tick == 1  # the first is over at once; the next is held back
+    for tick in (2, 3, 4):
+        theatre.play(seconds)
+        assert theatre.tick == tick
+
+
+def test_who_goes_while_a_tick_is_held_back_is_waited_for_from_then_on() -> None:
+    theatre = Theatre(STEP / (2.0 * GATHERING), restarts=1)
+    theatre.play(1.5 * GATHERING)
+    theatre.robots[2].close()
+    theatre.play(0.75 * GATHERING)  # the next tick is due after 2
+    assert theatre.world._turn.world.awaiting_join == {2}
+    bus = theatre.robots[2] = theatre.network.connect()
+    bus.node = RobotNode(bus, "slow", 2)
+    bus.node.wake(0.0)
+    theatre.play(0.0)
+    assert theatre.world._turn.world.active == (1, 2)

@@ -1,0 +1,79 @@
+"""The commands of one tick: who owes one, which are taken, and why the others are not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from protocol.messages import Command, Vector
+from world.coordinator.lives import Lives
+
+
+class Commands:
+    """A command counts for the open tick only, from an active life, once.
+
+    Attributes:
+        velocities: taken in this tick, m/s, by robot.
+        waiting: robots that still owe one.
+        lacking: robots whose States are missing to one that cannot command, by robot.
+        missed: commands that never came, over all active robots and ticks.
+        refused: commands that were not taken, by reason: late, early, incarnation (of another
+            life), fenced, inactive, duplicate, unknown.
+    """
+
+    def __init__(self, lives: Lives) -> None:
+        self.velocities: dict[int, Vector] = {}
+        self.lacking: dict[int, tuple[int, ...]] = {}
+        self.waiting: set[int] = set()
+        self.missed = 0
+        self.refused: Counter[str] = Counter()
+        self._lives = lives
+        self._tick = 0
+        self._open = False
+
+    def open(self, tick: int, active: Iterable[int]) -> None:
+        """Begin a tick in which `active` robots owe a command."""
+        self._tick, self._open = tick, True
+        self.velocities, self.lacking, self.waiting = {}, {}, set(active)
+
+    def close(self) -> None:
+        """End the tick: what is outstanding was missed."""
+        self._tick, self._open = self._tick + 1, False
+        self.missed += len(self.waiting)
+        self.waiting = set()
+
+    def drop(self, robot: int) -> None:
+        """A robot takes no part in the open tick any more; what it commanded is forgotten."""
+        if self._open:
+            self.missed += 1
+            self.waiting.discard(robot)
+            self.velocities.pop(robot, None)
+
+    def accept(self, command: Command) -> bool:
+        """Take a command, or count why not; whoever cannot command yet says why."""
+        reason = self._refusal(command)
+        if reason:
+            self.refused[reason] += 1
+            return False
+        if command.awaits:
+            self.lacking[command.robot] = command.awaits
+            return False
+        self.waiting.discard(command.robot)
+        self.velocities[command.robot] = command.velocity
+        self._lives.of[command.robot].heard = self._tick
+        self._lives.acknowledge(command.robot, command.roster)
+        return True
+
+    def _refusal(self, command: Command) -> str:
+        life = self._lives.of.get(command.robot)
+        if life is None:
+            return "unknown"
+        if command.incarnation != life.incarnation:
+            return "incarnation"
+        if life.fenced:
+            return "fenced"
+        if command.tick != self._tick or not self._open:
+            return "late" if command.tick < self._tick else "early"
+        if command.robot not in self.waiting:
+            return "duplicate" if command.robot in self.velocities else "inactive"
+        return ""

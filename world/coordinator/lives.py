@@ -1,0 +1,220 @@
+"""Lives: which process stands for each robot id, what the scenario does to it, and what the roster says.
+
+A robot id may live several times. A life begins by joining and is numbered by its incarnation;
+it may be interrupted by the scenario (pause), be given up on, and ends when it is fenced, killed
+or followed by the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from protocol import messages
+from protocol.errors import JoinError
+from protocol.messages import Down, Vector
+from protocol.scenario.model import ProcessFault, Scenario
+from world.coordinator.roster import Roster
+
+
+class Status(Enum):
+    """What the world takes the process of a robot to be."""
+
+    UP = auto()  # takes part
+    PAUSED = auto()  # stopped by the scenario: hears nothing
+    GONE = auto()  # not there, or ended by the scenario
+    LOST = auto()  # given up on or fenced; may still listen
+
+
+@dataclass(slots=True)
+class Life:
+    """The newest life of one robot id."""
+
+    incarnation: int
+    status: Status = Status.GONE
+    joined: bool = False  # its present process has joined this run
+    awaited: bool = True  # the scenario says that it must be up
+    heard: int = -1  # tick of its newest command; the tick before it joined until there is one
+    fenced: bool = False  # it never moves again
+
+
+class Lives:
+    """The lives of all robots of a scenario.
+
+    Args:
+        scenario: the run.
+        incarnations: newest of every robot in earlier runs, 0 if absent.
+        version: newest of the roster in earlier runs.
+    """
+
+    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0) -> None:
+        self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
+        self.fenced: list[tuple[int, Down]] = []  # tick and who was announced, as it happened
+        self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
+        self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
+        self._roster = Roster(version)
+        self._name = scenario.name
+        self._radii = {spec.id: spec.radius for spec in scenario.robots}
+        self._silence = max(1, scenario.ticks(scenario.time.fence))
+        schedule = [(scenario.ticks(fault.at), fault) for fault in scenario.process]
+        self._schedule = sorted(schedule, key=lambda entry: entry[0])  # stable: as written within a tick
+
+    @property
+    def incarnations(self) -> dict[int, int]:
+        """Newest incarnation of every robot."""
+        return {robot: life.incarnation for robot, life in self.of.items()}
+
+    @property
+    def up(self) -> tuple[int, ...]:
+        """Ids that take part."""
+        return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
+
+    @property
+    def down(self) -> tuple[Down, ...]:
+        """Disks that stand, with the lives that ended there."""
+        return tuple(
+            Down(each.robot, each.incarnation, each.position)
+            for each in self._roster.standing
+            if each.position is not None
+        )
+
+    @property
+    def version(self) -> int:
+        """Newest version of the roster; a following run counts on from there."""
+        return self._roster.version
+
+    @property
+    def founded(self) -> bool:
+        """Whether the first tick has begun: who joins from then on is a newcomer."""
+        return self._roster.founded
+
+    def found(self, places: Mapping[int, Vector]) -> None:
+        """The first tick begins with everybody who has joined; `places` is where all disks are, m."""
+        lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
+        self._roster.found(lives, places, self._radii)
+
+    def roster_for(self, robot: int) -> messages.Roster | None:
+        """What the newest life of `robot` has to be told of the roster; None once it keeps to all of it."""
+        return self._roster.news(robot)
+
+    def acknowledge(self, robot: int, version: int) -> None:
+        """The newest life of a robot keeps to a version of the roster."""
+        self._roster.acknowledge(robot, self.of[robot].incarnation, version)
+
+    @property
+    def awaited(self) -> frozenset[int]:
+        """Ids that must join before the run goes on."""
+        return frozenset(robot for robot, life in self.of.items() if life.awaited)
+
+    def join(self, robot: int, heard: int) -> int:
+        """Begin a new life; `heard` is the last tick in which it has no part. Returns its incarnation.
+
+        Raises:
+            JoinError: unknown id, or an id that runs or is held down by the scenario.
+        """
+        life = self.of.get(robot)
+        if life is None:
+            known = ", ".join(map(str, self.of))
+            raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
+        if life.status is Status.UP:
+            raise JoinError(f"robot {robot} is already running; stop it or use another id")
+        if life.status is Status.PAUSED:
+            raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
+        life.incarnation += 1
+        life.joined, life.awaited, life.heard, life.fenced = True, False, heard, False
+        if self.founded:
+            self._roster.admit(robot, life.incarnation)
+        life.status = Status.UP
+        return life.incarnation
+
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still: it cannot join before it is resumed."""
+        return self.of[robot].status is Status.PAUSED
+
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life has joined and is neither over nor given up on."""
+        life = self.of[robot]
+        alive = life.status in (Status.UP, Status.PAUSED) and life.joined and not life.fenced
+        return alive and life.incarnation == incarnation
+
+    def lose(self, robot: int) -> bool:
+        """The process of a life that was up is gone or given up on; False if it was not up."""
+        life = self.of[robot]
+        if life.status is not Status.UP:
+            return False
+        life.status = Status.LOST
+        return True
+
+    def expect(self, robot: int) -> None:
+        """A life that was lost will be followed by another: it must be there before the run goes on."""
+        life = self.of[robot]
+        if life.status is Status.LOST:
+            life.awaited = True
+
+    def give_up(self, robot: int) -> bool:
+        """Go on without a robot that has not joined in time; it may still come later. False if it was not
+        awaited."""
+        life = self.of[robot]
+        if not life.awaited:
+            return False
+        life.awaited, life.status = False, Status.LOST
+        return True
+
+    def apply_faults(self, tick: int) -> None:
+        """Let everything happen that the scenario has in store up to and including `tick`."""
+        while self._schedule and self._schedule[0][0] <= tick:
+            _, fault = self._schedule.pop(0)
+            self.applied.append((tick, fault))
+            _EVENTS[fault.event](self.of[fault.robot])
+
+    def fence(self, tick: int, robot: int, position: Vector) -> None:
+        """Announce a life as down if it has been silent for long enough at the end of `tick`."""
+        life = self.of[robot]
+        if not life.fenced and tick - life.heard >= self._silence:
+            life.fenced = True
+            if self._roster.is_live(robot):
+                self._roster.fence(robot, position)
+            self.fenced.append((tick + 1, Down(robot, life.incarnation, position)))
+            if life.status is Status.UP:
+                life.status = Status.LOST
+
+    def listeners(self) -> list[tuple[int, Life]]:
+        """Lives whose process may listen: whoever takes part, and whoever should learn of not doing so."""
+        may = (Status.UP, Status.LOST)
+        return [(robot, life) for robot, life in self.of.items() if life.status in may and life.joined]
+
+    def gone_for_good(self, tick: int) -> bool:
+        """Whether nobody who is not up can be expected again.
+
+        A fenced life whose process still runs learns of it and joins again: it is given as long
+        again as the silence that fenced it.
+        """
+        returning = {fault.robot for _, fault in self._schedule if fault.event in ("resume", "restart")}
+        return all(
+            life.fenced and tick - life.heard >= 2 * self._silence and robot not in returning
+            for robot, life in self.of.items()
+            if life.status is not Status.UP
+        )
+
+
+def _kill(life: Life) -> None:
+    life.status, life.awaited, life.joined = Status.GONE, False, False
+
+
+def _pause(life: Life) -> None:
+    if life.awaited or life.status in (Status.UP, Status.LOST):
+        life.status, life.awaited = Status.PAUSED, False
+
+
+def _resume(life: Life) -> None:
+    if life.status is Status.PAUSED:
+        goes_on = life.joined and not life.fenced
+        life.status, life.awaited = (Status.UP, False) if goes_on else (Status.LOST, True)
+
+
+def _restart(life: Life) -> None:
+    life.status, life.awaited, life.joined = Status.GONE, True, False
+
+
+_EVENTS = {"kill": _kill, "pause": _pause, "resume": _resume, "restart": _restart}

@@ -1,0 +1,178 @@
+"""The roster: every id that ever was in the run, whether its disk may move, will appear, stands or is gone.
+
+Everything about lives is decided here, and robots only follow its versions, which only grow:
+
+1. Founding lives are those admitted before the first tick; they alone know the initial lines. Whoever is
+   not there by then stands, and its later life is a newcomer.
+2. A disk appears only after every live robot has acknowledged the version that announces its place, and
+   while no disk stands there. To be admitted with that version is no acknowledgement.
+3. A disk is gone only after it was fenced, and taken away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from msgspec.structs import replace
+
+from protocol import messages
+from protocol.errors import RosterError
+from protocol.messages import Member, Vector
+
+
+class Roster:
+    """The coordinator's roster.
+
+    Args:
+        version: newest version of an earlier roster of the same run, 0 for none.
+
+    Attributes:
+        version: of the present one; 0 before the run is founded.
+    """
+
+    def __init__(self, version: int = 0) -> None:
+        self.version = version
+        self._members: dict[int, Member] = {}
+        self._kept: dict[int, tuple[int, int]] = {}  # life and version that it keeps to, by robot
+
+    @property
+    def founded(self) -> bool:
+        """Whether the first tick has begun."""
+        return bool(self._members)
+
+    @property
+    def standing(self) -> tuple[Member, ...]:
+        """The disks that never move again in their present life."""
+        return tuple(each for each in self._members.values() if each.status == "standing")
+
+    def is_live(self, robot: int) -> bool:
+        """Whether the disk of a robot may move."""
+        return robot in self._members and self._members[robot].status == "live"
+
+    def found(
+        self, lives: Mapping[int, int], places: Mapping[int, Vector], radii: Mapping[int, float]
+    ) -> None:
+        """Begin the run (rule 1).
+
+        Args:
+            lives: incarnation of every robot that is there.
+            places: where the disk of every robot of the scenario is, m.
+            radii: of every robot, m.
+        """
+        for robot in sorted(radii):
+            life = lives.get(robot, 0)
+            self._members[robot] = (
+                Member(robot, life, "live", radii[robot], founding=life)
+                if life
+                else Member(robot, 0, "standing", radii[robot], places[robot])
+            )
+        self.version += 1
+
+    def admit(self, robot: int, incarnation: int) -> None:
+        """A later life of a robot takes part from now on; it must get a line with everybody before it moves.
+
+        Raises:
+            RosterError: its disk is not in the workspace, or the life is not a new one.
+        """
+        member = self._member(robot)
+        if member.status not in ("live", "standing"):
+            raise RosterError(f"robot {robot} cannot be admitted: its disk is {member.status}")
+        if incarnation <= member.incarnation:
+            raise RosterError(f"robot {robot}: life {incarnation} is not newer than {member.incarnation}")
+        self._put(replace(member, incarnation=incarnation, status="live", position=None, bound=0.0))
+
+    def fence(self, robot: int, position: Vector, bound: float = 0.0) -> None:
+        """The present life of a live robot is over, its disk stands within `bound` of `position`, m."""
+        member = self._member(robot)
+        if member.status != "live":
+            raise RosterError(f"robot {robot} cannot be fenced: its disk is {member.status}")
+        self._put(replace(member, status="standing", position=position, bound=bound))
+
+    def announce(self, robot: int, radius: float, position: Vector, bound: float = 0.0) -> None:
+        """A disk is to appear; nothing is there until `settle` says so (rule 2).
+
+        Raises:
+            RosterError: the robot is in the workspace already.
+        """
+        known = self._members.get(robot)
+        if known is not None and known.status != "gone":
+            raise RosterError(f"robot {robot} cannot appear: its disk is {known.status}")
+        life = 0 if known is None else known.incarnation
+        self._put(Member(robot, life, "appearing", radius, position, bound))
+
+    def withdraw(self, robot: int) -> None:
+        """What was announced does not appear."""
+        if self._member(robot).status != "appearing":
+            raise RosterError(f"robot {robot} was not announced")
+        self._put(replace(self._members[robot], status="gone", position=None, bound=0.0))
+
+    def remove(self, robot: int) -> None:
+        """A standing disk was taken out of the workspace (rule 3).
+
+        Raises:
+            RosterError: it was not fenced.
+        """
+        member = self._member(robot)
+        if member.status != "standing":
+            raise RosterError(f"robot {robot} cannot be removed: its disk is {member.status}; fence it first")
+        self._put(replace(member, status="gone", position=None, bound=0.0, founding=0))
+
+    def acknowledge(self, robot: int, incarnation: int, version: int) -> None:
+        """A life keeps to `version` from now on."""
+        life, known = self._kept.get(robot, (0, 0))
+        if (incarnation, version) > (life, known) and version <= self.version:
+            self._kept[robot] = (incarnation, version)
+
+    def settle(self) -> list[int]:
+        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on."""
+        settled = []
+        for member in tuple(self._members.values()):
+            if member.status == "appearing" and self._all_keep_clear() and self._is_free(member):
+                self._put(replace(member, status="standing"))
+                settled.append(member.robot)
+        return settled
+
+    def news(self, robot: int) -> messages.Roster | None:
+        """The roster, if the newest life of `robot` has not acknowledged it."""
+        member = self._members.get(robot)
+        if member is not None and self._kept.get(robot) == (member.incarnation, self.version):
+            return None
+        return self.message
+
+    @property
+    def message(self) -> messages.Roster:
+        """The present version."""
+        return messages.Roster(self.version, tuple(self._members[robot] for robot in sorted(self._members)))
+
+    def _all_keep_clear(self) -> bool:
+        """Whether everybody live has acknowledged the present version."""
+        return all(
+            self._kept.get(each.robot) == (each.incarnation, self.version)
+            for each in self._members.values()
+            if each.status == "live"
+        )
+
+    def _is_free(self, member: Member) -> bool:
+        """Whether no standing disk is in the way."""
+        return all(_apart(member, other) for other in self.standing)
+
+    def _member(self, robot: int) -> Member:
+        if robot not in self._members:
+            raise RosterError(f"no robot {robot} in the roster; there are {_names(self._members)}")
+        return self._members[robot]
+
+    def _put(self, member: Member) -> None:
+        self._members[member.robot] = member
+        self.version += 1
+
+
+def _apart(one: Member, other: Member) -> bool:
+    if one.position is None or other.position is None:
+        return False
+    contact = one.radius + other.radius + one.bound + other.bound
+    return math.dist(one.position, other.position) >= contact
+
+
+def _names(robots: Iterable[int]) -> str:
+    return ", ".join(map(str, sorted(robots))) or "none"

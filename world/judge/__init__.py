@@ -1,0 +1,1 @@
+"""What is measured of the truth: clearance, contacts, phi, deviation, trajectory, verdict."""

@@ -1,0 +1,81 @@
+"""Contacts: when, and how deeply, two disks or a disk and the boundary overlapped.
+
+A contact is a gap below `-TOUCH`: rounding at an exact touch is none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from world.judge.clearance import Disks, Plane, Reals
+
+_STILL = 1e-280  # m^2, a motion too short for its square to be exact: none
+TOUCH = 1e-9  # m
+_SAME = 1e-6  # ticks; an interval that ends at a tick and one that begins there are one
+
+Interval = tuple[float, float]
+
+
+@dataclass
+class Contact:
+    """One uninterrupted overlap of `pair` (0: the boundary); times in ticks, `deepest` in m, negative."""
+
+    pair: tuple[int, int]
+    begin: float
+    end: float
+    deepest: float
+
+
+class Contacts:
+    """All contacts of a run, in the order in which they began."""
+
+    def __init__(self, disks: Disks) -> None:
+        self.all: list[Contact] = []
+        self._disks = disks
+        self._latest: dict[int, Contact] = {}
+
+    def add(self, tick: int, gaps: Reals, before: Plane, after: Plane) -> None:
+        """Note the contacts of one tick, given its gaps (`clearance.gaps`) and its motion."""
+        if gaps.min() >= -TOUCH:
+            return
+        for index in (gaps < -TOUCH).nonzero()[0].tolist():
+            for begin, end in self._intervals(index, before, after):
+                self._note(index, tick + begin, tick + end, float(gaps[index]))
+
+    def _note(self, index: int, begin: float, end: float, gap: float) -> None:
+        latest = self._latest.get(index)
+        if latest is not None and begin <= latest.end + _SAME:
+            latest.end = end
+            latest.deepest = min(latest.deepest, gap)
+            return
+        self._latest[index] = Contact(self._disks.names(index), begin, end, gap)
+        self.all.append(self._latest[index])
+
+    def _intervals(self, index: int, before: Plane, after: Plane) -> list[Interval]:
+        disks, pairs = self._disks, len(self._disks.contact)
+        if index < pairs:
+            i, j = disks.first[index], disks.second[index]
+            inside = within(before[i] - before[j], after[i] - after[j], disks.contact[index] - TOUCH)
+            return [] if inside is None else [inside]
+        robot = index - pairs
+        inside = within(before[robot], after[robot], disks.wall[robot] + TOUCH)
+        if inside is None:
+            return [(0.0, 1.0)]
+        return [part for part in ((0.0, inside[0]), (inside[1], 1.0)) if part[0] < part[1]]
+
+
+def within(start: complex, end: complex, radius: float) -> Interval | None:
+    """The part of [0, 1] in which start + t (end - start) is within `radius` of the origin."""
+    motion = end - start
+    squared = abs(motion) ** 2
+    excess = abs(start) ** 2 - radius**2
+    along = (start.conjugate() * motion).real
+    if squared < _STILL:
+        return (0.0, 1.0) if excess <= 0.0 else None
+    discriminant = along**2 - squared * excess
+    if discriminant < 0.0:
+        return None
+    root = math.sqrt(discriminant)
+    first, last = max((-along - root) / squared, 0.0), min((-along + root) / squared, 1.0)
+    return (float(first), float(last)) if first <= last else None

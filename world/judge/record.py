@@ -1,0 +1,119 @@
+"""The record of a run: everything that is measured of the truth, tick by tick.
+
+What happened is put aside and measured some ticks at a time: one pass of numpy over thirty ticks
+costs little more than over one, and nobody has to wait for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from protocol.messages import Truth, Vector
+from protocol.scenario.model import Scenario
+from world.judge.clearance import Disks, Plane, gaps
+from world.judge.contacts import Contacts
+from world.judge.deviation import LateralDeviation
+from world.judge.phi import NavigationFunction
+from world.judge.trajectory import TrajectoryDigest
+
+_RISE = 1e-12  # an increase of phi below this is rounding
+_BATCH = 32  # ticks put aside at most
+_LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
+
+
+class Record:
+    """Clearance, contacts, phi and digest of a trajectory."""
+
+    def __init__(self, scenario: Scenario, positions: Sequence[Vector]) -> None:
+        disks = self._disks = Disks(scenario)
+        self._phi = NavigationFunction(scenario, disks)
+        self._digest = TrajectoryDigest(disks.ids)
+        self._contacts = Contacts(disks)
+        self._deviation = LateralDeviation(scenario)
+        self._aside: list[tuple[Vector, ...]] = []
+        self._batch = max(1, min(_BATCH, _LARGEST // (len(disks.contact) + len(disks.wall))))
+        self._tick = 0  # of the newest configuration that is measured
+        self._plane = as_plane([positions])
+        self._increases = 0
+        clearance, phi = float(gaps(disks, self._plane, self._plane).min()), self._phi(self._plane)[0]
+        self._clearance, self.first_phi = clearance, phi
+        self._digest.add([0], [positions])
+        self._truth = Truth(0, disks.ids, tuple(positions), clearance, phi)
+        self._news = [self._truth]
+
+    def add(self, positions: Sequence[Vector]) -> None:
+        """The configuration one tick later, reached by straight motion since the one before."""
+        self._aside.append(tuple(positions))
+        if len(self._aside) >= self._batch:
+            self._measure()
+
+    @property
+    def truth(self) -> Truth:
+        """The newest configuration."""
+        self._measure()
+        return self._truth
+
+    @property
+    def contacts(self) -> Contacts:
+        """Overlaps so far."""
+        self._measure()
+        return self._contacts
+
+    @property
+    def clearance(self) -> float:
+        """Smallest gap so far, over continuous time, m."""
+        self._measure()
+        return self._clearance
+
+    @property
+    def increases(self) -> int:
+        """Number of ticks in which phi rose."""
+        self._measure()
+        return self._increases
+
+    @property
+    def deviation(self) -> list[float]:
+        """Largest distance of each robot from its straight way so far, in the order of ids, m."""
+        self._measure()
+        return self._deviation()
+
+    def sha256(self) -> str:
+        """Digest of the trajectory so far."""
+        self._measure()
+        return self._digest.hexdigest()
+
+    def news(self) -> list[Truth]:
+        """Every configuration, in order, that was not handed out yet; for once."""
+        self._measure()
+        news, self._news = self._news, []
+        return news
+
+    def _measure(self) -> None:
+        """Measure what was put aside."""
+        aside, self._aside = self._aside, []
+        if not aside:
+            return
+        plane = as_plane(aside)
+        before = np.concatenate((self._plane, plane[:-1]))
+        during = gaps(self._disks, before, plane)
+        smallest = during.min(axis=1).tolist()
+        for row, (positions, clearance, phi) in enumerate(
+            zip(aside, smallest, self._phi(plane), strict=True)
+        ):
+            self._contacts.add(self._tick + row, during[row], before[row], plane[row])
+            self._increases += phi > self._truth.phi + _RISE
+            self._truth = Truth(self._tick + row + 1, self._disks.ids, positions, clearance, phi)
+            self._news.append(self._truth)
+        self._digest.add(range(self._tick + 1, self._tick + 1 + len(aside)), aside)
+        self._deviation.add(plane)
+        self._clearance = min(self._clearance, *smallest)
+        self._tick += len(aside)
+        self._plane = plane[-1:]
+
+
+def as_plane(positions: Sequence[Sequence[Vector]]) -> Plane:
+    """Configurations as complex numbers x + iy, shape (n, p)."""
+    plane: Plane = np.array(positions).view(np.complex128)[..., 0]
+    return plane

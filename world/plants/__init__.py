@@ -1,0 +1,1 @@
+"""What commands do to disks: integrators with imperfect actuation."""

@@ -1,0 +1,170 @@
+"""Admission: which process stands for which robot, as the world sees it.
+
+A process asks to join as often as it likes: asking again is asking once, until it says that the life it
+was given is over. One that does not show its liveliness token within a while after it was admitted makes
+room for another, and its life is over. Of two processes with one id the second is refused, and so is
+one that had to be given up again and again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from math import inf
+
+from protocol import joining
+from protocol.errors import JoinError
+from protocol.messages import Health
+from world.shell.journal import Journal, Seated
+from world.shell.turn import Turn
+
+AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
+RESERVATION = 2.0  # s between admission and liveliness token
+CHANCES = 2  # how often a process that lives may be given up: after that its robot stays down
+_RETRY = 0.2  # s, while another process is joining under the same id
+
+
+@dataclass
+class Slot:
+    """One robot id: the process (session) that was admitted, and whether its token is there."""
+
+    session: str = ""
+    present: bool = False
+    since: float = 0.0  # s, by the clock: when it was admitted
+    missing: float = inf  # s, by the clock: since when the token of a process that may be alive is not there
+    granted: int = 0  # incarnation that it was given
+    health: Health | None = None  # what its process reported at the end of the run
+    notified: bool = False  # it knows that there is nothing more to do
+    blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
+
+    @property
+    def occupied(self) -> bool:
+        """Whether there is a process, or may be."""
+        return self.present or self.missing < inf
+
+
+class Admissions:
+    """All slots of a fleet, and who is given one.
+
+    Args:
+        run: its name.
+        ids: of the robots.
+        lockstep: what those who are admitted are told.
+        clock: tells the time, s.
+        journal: where the world notes who was admitted; robots wait for a world that has one to come back.
+    """
+
+    def __init__(
+        self,
+        run: str,
+        ids: Iterable[int],
+        lockstep: bool,
+        clock: Callable[[], float] = time.monotonic,
+        journal: Journal | None = None,
+    ) -> None:
+        self.slots = {robot: Slot() for robot in ids}
+        self._run, self._lockstep, self._clock = run, lockstep, clock
+        self._journal = journal
+
+    # -- who asks
+
+    def refusal(self, join: joining.Join, turn: Turn) -> joining.Refusal | None:
+        """Why this process cannot take part at all; None if it can."""
+        robot, run = join.robot, self._run
+        slot = self.slots.get(robot)
+        if slot is None:
+            return joining.Refusal(f"robot {robot} is not in scenario {turn.scenario.name!r} of run {run!r}")
+        if slot.present and slot.session not in ("", join.session):
+            return joining.Refusal(f"robot {robot} is already running in run {run!r}; use another id or run")
+        return None
+
+    def enlist(self, join: joining.Join, turn: Turn) -> joining.Reply:
+        """Admit a process that is not refused to the present run as a new life of its robot, or again as
+        the life that it was given if it has not lived it yet: the reply was lost."""
+        robot, world, slot = join.robot, turn.world, self.slots[join.robot]
+        if slot.blamed[join.session] >= CHANCES:
+            return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
+        if world.is_paused(robot):
+            return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
+        if slot.session not in ("", join.session):
+            if self._clock() < slot.since + RESERVATION:
+                return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
+            world.lost(robot, "showed no sign of life after it was admitted; another process came")
+        elif slot.session and world.goes_on(robot, slot.granted):
+            if _lived(join) < slot.granted:
+                return self._admission(slot, turn)
+            world.lost(robot)  # as the process itself says
+        if self._journal is not None:
+            self._journal.note(Seated(robot, join.session))
+        try:
+            slot.granted = world.join(robot)
+        except JoinError as error:
+            return joining.Refusal(str(error))
+        slot.session, slot.since = join.session, self._clock()
+        return self._admission(slot, turn)
+
+    def overview(self, turn: Turn) -> joining.Overview:
+        """For those who only watch."""
+        return joining.Overview(turn.scenario, self._lockstep)
+
+    def _admission(self, slot: Slot, turn: Turn) -> joining.Admission:
+        away = AWAY if self._journal is not None and self._journal.kept else 0.0
+        return joining.Admission(slot.granted, self._lockstep, turn.scenario, turn.oldest, away)
+
+    # -- who is there
+
+    def arrive(self, robot: int) -> None:
+        """The robot's liveliness token is there."""
+        slot = self.slots[robot]
+        slot.present, slot.missing = True, inf
+
+    def blame(self, robot: int) -> None:
+        """The robot's process was given up although its token is there."""
+        slot = self.slots[robot]
+        slot.blamed[slot.session] += 1
+
+    def miss(self, robot: int) -> None:
+        """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
+        slot = self.slots[robot]
+        slot.present, slot.missing = False, min(slot.missing, self._clock())
+
+    def leave(self, robot: int) -> None:
+        """The robot's process is taken to be gone."""
+        slot = self.slots[robot]
+        slot.present, slot.session, slot.missing = False, "", inf
+
+    def missing(self, at_least: float = 0.0) -> list[int]:
+        """Robots whose token is gone for so long, s, and whose process may yet be alive."""
+        since = self._clock() - at_least
+        return [robot for robot, slot in self.slots.items() if slot.missing <= since]
+
+    def resume(self, robot: int, session: str, granted: int) -> None:
+        """An earlier world admitted this process; its token is to be seen again."""
+        self.slots[robot].session, self.slots[robot].granted = session, granted
+        self.miss(robot)
+
+    def absent(self) -> frozenset[int]:
+        """Robots without an admitted process whose token is there."""
+        return frozenset(r for r, slot in self.slots.items() if not (slot.present and slot.session))
+
+    # -- the end
+
+    def owing_health(self) -> list[int]:
+        """Robots that have not reported at the end of the run, and can."""
+        return [robot for robot, slot in self.slots.items() if slot.occupied and slot.health is None]
+
+    def unnotified(self) -> list[int]:
+        """Robots that do not know yet that it is over, and can be told."""
+        return [robot for robot, slot in self.slots.items() if slot.occupied and not slot.notified]
+
+    def forget_reports(self) -> None:
+        """Begin a new run with the same processes."""
+        for slot in self.slots.values():
+            slot.health = None
+
+
+def _lived(join: joining.Join) -> int:
+    """Incarnation of the life that the process has ended, 0 for none."""
+    return 0 if join.health is None else join.health.incarnation

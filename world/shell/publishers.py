@@ -1,0 +1,59 @@
+"""What the world publishes: declared once, counted, and for watchers collected for a moment."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from math import inf
+from typing import Any
+
+import msgspec
+
+from protocol.bus.bus import Bus
+from protocol.codec import encode
+from protocol.keys import robot_key, world_key
+from protocol.messages import Clock, Measurement, Result, Truth
+from protocol.streams import STREAMS
+
+CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
+
+
+class Publishers:
+    """The world's publishers.
+
+    Attributes:
+        published: measurements sent in this turn.
+    """
+
+    def __init__(self, bus: Bus, run: str, robots: Iterable[int]) -> None:
+        self.published = 0
+        self._told = -inf
+        self._clock, self._truth, self._result = (
+            bus.publisher(STREAMS[name], world_key(run, name)) for name in ("clock", "truth", "result")
+        )
+        self._measurement = {
+            robot: bus.publisher(STREAMS["measurement"], robot_key(run, robot, "measurement"))
+            for robot in robots
+        }
+
+    def measurements(self, told: Mapping[int, Measurement]) -> None:
+        """Tell each robot its own."""
+        for robot, measurement in told.items():
+            self._measurement[robot](encode(measurement))
+        self.published += len(told)
+
+    @property
+    def is_due(self) -> bool:
+        """Whether those who watch were told the time long enough ago to be told again."""
+        return time.monotonic() >= self._told + CLOCK_PERIOD
+
+    def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
+        """Tell the time, and where everybody was and is."""
+        self._told = time.monotonic()
+        for truth in truths:
+            self._truth(encode(truth))
+        self._clock(encode(clock))
+
+    def result(self, report: Mapping[str, Any]) -> None:
+        """Tell what came of the run."""
+        self._result(encode(Result(msgspec.json.encode(report).decode())))

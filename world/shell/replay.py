@@ -1,0 +1,95 @@
+"""Going on after a death: the state that a journal leads to."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from protocol.errors import JoinError, JournalError
+from protocol.messages import Command
+from protocol.scenario.model import Scenario
+from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost
+from world.shell.journal import Began, Journal, Seated
+from world.shell.turn import Turn
+from world.world import World
+
+_TOLD = 256  # ticks after which the truths of a replay, which nobody is told again, are thrown away
+
+
+class Resumed(NamedTuple):
+    """Where a journal ends: the present turn, and by robot the session of its newest life in it, and for
+    how many next lives the world has waited so far. What follows is noted in the journal."""
+
+    journal: Journal
+    turn: Turn
+    sessions: Mapping[int, str]
+    expected: Mapping[int, int]
+
+
+def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
+    """Do again what `journal` says, and have the world note all that follows there.
+
+    Raises:
+        JournalError: the journal does not lead where it says it led.
+    """
+    head = journal.head
+    turn = Turn(head.turn, scenarios[head.turn], head.incarnations, head.version)
+    seated: dict[int, str] = {}
+    sessions: dict[int, str] = {}
+    expected = Counter(head.expected)
+    for number, entry in enumerate(journal.past):
+        if isinstance(entry, Seated):
+            seated[entry.robot] = entry.session
+        elif isinstance(entry, Began):
+            turn.began = time.monotonic() - max(0.0, time.time() - entry.at)
+        elif not _follow(turn.world, entry):
+            raise JournalError(
+                f"the journal {journal.path} leads elsewhere: entry {number}, {entry}, in tick "
+                f"{turn.world.tick}; was it written by another version of disknav?"
+            )
+        elif isinstance(entry, Expected):
+            expected[entry.robot] += 1
+        elif isinstance(entry, Joined):
+            sessions[entry.robot] = seated.get(entry.robot, "")
+    turn.world.news()
+    turn.world.note = journal.note
+    return Resumed(journal, turn, sessions, expected)
+
+
+def _follow(world: World, entry: Input) -> bool:
+    """Give one input to the world; whether that came of it which came of it before."""
+    if isinstance(entry, Command):
+        return world.accept(entry)
+    if isinstance(entry, Closed):
+        return _close(world, entry)
+    if isinstance(entry, Joined):
+        return _join(world, entry)
+    if isinstance(entry, Lost):
+        world.lost(entry.robot, entry.reason)
+    elif isinstance(entry, Expected):
+        world.expect(entry.robot)
+    elif isinstance(entry, GivenUp):
+        world.give_up_waiting(entry.robot, entry.reason)
+    elif isinstance(entry, Ended):
+        world.finish(entry.verdict, entry.reason)
+    else:
+        world.open_tick()
+    return True
+
+
+def _close(world: World, entry: Closed) -> bool:
+    if not world.is_open:
+        return False
+    world.close_tick()
+    if world.tick % _TOLD == 0:
+        world.news()
+    return world.checksum == entry.checksum
+
+
+def _join(world: World, entry: Joined) -> bool:
+    try:
+        return world.join(entry.robot) == entry.incarnation
+    except JoinError:
+        return False

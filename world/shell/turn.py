@@ -1,0 +1,74 @@
+"""One scenario of the several that a world judges one after another with the same robots."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from protocol.messages import Clock, Health, Measurement
+from protocol.scenario.model import Scenario
+from world.shell.traffic import traffic
+from world.world import World
+
+
+class Turn:
+    """A run with its judge.
+
+    Attributes:
+        number: counts the turns of one world.
+        oldest: incarnation of each robot below which a State is of an earlier turn.
+        opened: whether the present tick has begun.
+        began: s, monotonic: when its first tick began, or when it was prepared.
+        received, rejected: commands accepted, and payloads refused by reason.
+    """
+
+    def __init__(
+        self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
+    ) -> None:
+        self.number, self.scenario = number, scenario
+        self.world = World(scenario, incarnations, version)
+        self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
+        self.opened = False
+        self.began = time.monotonic()
+        self.received = 0
+        self.rejected: Counter[str] = Counter()
+        self._due = {scenario.ticks(fault.at) for fault in scenario.process}
+
+    def clock(self) -> Clock:
+        """What the clock says now."""
+        world, truth = self.world, self.world.truth
+        seconds = world.tick * self.scenario.time.step
+        return Clock(
+            world.tick,
+            seconds,
+            world.active,
+            world.down,
+            world.verdict,
+            self.number,
+            truth.clearance,
+            truth.phi,
+            world.reason,
+            world.founded,
+        )
+
+    def is_marked(self) -> bool:
+        """Whether something is to happen at this tick that a launcher has to carry out."""
+        return self.world.tick in self._due
+
+    def final_measurements(self, robots: Iterable[int]) -> dict[int, Measurement]:
+        """What tells robots that the run is over."""
+        lives, tick = self.world.incarnations, self.world.tick
+        return {
+            robot: Measurement(robot, lives[robot], tick, None, tick, (0.0, 0.0), (), over=True)
+            for robot in robots
+        }
+
+    def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:
+        """The world's report with the traffic of all processes and the wall time up to `ended`."""
+        report = self.world.report()
+        report["messages"] = traffic(healths, published, self.received, self.rejected)
+        report["wall_time"] = ended - self.began
+        report["turn"] = self.number
+        return report
