@@ -13,7 +13,7 @@ from deploy.theory.certify.frontier import Frontier, Open
 from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
 
-LADDER = (10_000.0, 3000.0, 1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0)
+LADDER = (1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0)
 _FINER = 0.9  # ratio below the ladder
 _LOWEST = 1.0
 _TRIAL = 1e-3

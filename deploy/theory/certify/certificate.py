@@ -2,9 +2,9 @@
 
 A JSON document. `slabs` go from large k downwards: the first covers every k from its own on, each other
 one those from its own up to the one before. `branching` is base64 of zlib of one byte a node in preorder:
-255 no critical point, 254 descent all over the box, else the row of the box that was halved. `digest`
-guards the file against damage, not against forgery: what it claims is for `deploy.theory.certify.verifier` to
-check.
+255 the box cannot hold a minimum, 254 one direction descends all over it, else the row that was halved.
+`digest` guards the file against damage, not against forgery: what it claims is for
+`deploy.theory.certify.verifier` to check.
 """
 
 from __future__ import annotations

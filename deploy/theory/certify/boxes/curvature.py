@@ -19,6 +19,7 @@ from deploy.theory.certify.boxes.turning import stiffness
 Array = NDArray[np.float64]
 
 # Choices; none bears on what is proven.
+_FAR = 0.9  # |I - C A W| from which on z counts as unknown; any number below 1
 _STIFF = 1e4  # weight of a stiff contact where the direction is sought
 _SOFT = 0.1  # what a contact may add to the form, by its distance's spread, and still be left uncorrected
 
@@ -196,10 +197,10 @@ def _enclose_solution(
                 entry = add(entry, mul((inverse[r, k], inverse[r, k]), (matrix[k, c, 0], matrix[k, c, 1])))
             off = up(off + max(abs(entry[0]), abs(entry[1])))
         spread[r] = value
+        if not off < _FAR:  # nan too
+            return False
         excess = max(excess, off)
         reach = max(reach, abs(value[0]), abs(value[1]))
-    if not excess < 0.9:
-        return False
     # z = C A v + (I - C A W) z, hence |z| <= reach / (1 - excess) and |z - C A v| <= excess |z|.
     error = up(excess * up(reach / down(1.0 - excess)))
     for r in range(count):

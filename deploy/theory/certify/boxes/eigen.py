@@ -10,6 +10,7 @@ from deploy.theory.certify.boxes.kernel import compiled
 Array = NDArray[np.float64]
 
 _SWEEPS = 8
+_HUGE = 1e100  # an inverse with such entries is of no use, and its products might overflow
 
 
 @compiled
@@ -76,7 +77,7 @@ def _pivot(matrix: Array, i: int) -> int:
 
 @compiled
 def solve_into(matrix: Array, inverse: Array) -> bool:
-    """The inverse by Gauss and Jordan with row exchange; `matrix` is overwritten. False: singular."""
+    """The inverse by Gauss and Jordan; `matrix` is overwritten. False: singular, or as good as."""
     n = len(matrix)
     for i in range(n):
         for j in range(n):
@@ -98,4 +99,14 @@ def solve_into(matrix: Array, inverse: Array) -> bool:
                 for c in range(n):
                     matrix[r, c] -= factor * matrix[i, c]
                     inverse[r, c] -= factor * inverse[i, c]
-    return True
+    return _tame(inverse)
+
+
+@compiled
+def _tame(matrix: Array) -> bool:
+    """Whether every entry is a number of moderate size."""
+    found = True
+    for row in matrix:
+        for entry in row:
+            found = found and abs(entry) < _HUGE
+    return found

@@ -18,6 +18,8 @@ from deploy.theory.certify.boxes.scene import Box, Derived, Scene, inverted, low
 
 Array = NDArray[np.float64]
 
+_HUGE = 1e50  # multipliers beyond might overflow below
+
 
 @compiled
 def _point(x: float) -> Interval:
@@ -91,10 +93,10 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
 
 @compiled
 def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
-    """Contract (b, lambda); nothing happens where a lambda is unbounded or the midpoint's S is singular."""
+    """Contract (b, lambda); nothing happens where a lambda is huge or the midpoint's S singular."""
     size = len(box) - 1
     for row in range(size):
-        if box[row, 1] == np.inf:
+        if not box[row, 1] < _HUGE:
             return True
     at = np.empty(size)
     for row in range(size):

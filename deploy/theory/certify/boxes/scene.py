@@ -22,6 +22,8 @@ from deploy.theory.function import Problem
 
 Box = NDArray[np.float64]
 
+_LARGEST = float(np.finfo(np.float64).max)
+
 
 class Scene(NamedTuple):
     """A goal set. goals: (2p,) m; contact: (N, 2) m^2, enclosures of rho_q^2; first, second: (N,) robots.
@@ -93,14 +95,16 @@ def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
 
 @compiled
 def lower(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Raise a lower bound; nan changes nothing."""
-    array[row, 0] = max(array[row, 0], bound)
+    """Raise a lower bound; nan changes nothing, and what overflowed stands for the largest double."""
+    if bound > array[row, 0]:
+        array[row, 0] = min(bound, _LARGEST)
 
 
 @compiled
 def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Lower an upper bound; nan changes nothing."""
-    array[row, 1] = min(array[row, 1], bound)
+    """Lower an upper bound, likewise."""
+    if bound < array[row, 1]:
+        array[row, 1] = max(bound, -_LARGEST)
 
 
 @compiled

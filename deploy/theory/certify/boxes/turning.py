@@ -20,7 +20,7 @@ def stiffness(box: Box, out: Derived, n: int, q: int) -> float:
     beta = out.beta[q, 0]
     if beta <= 0.0:
         return np.inf
-    return min(up(box[n + q, 1] / beta), up(out.total[1, 1] / down(beta * beta)))
+    return min(up(box[n + q, 1] / beta), up(up(out.total[1, 1] / beta) / beta))  # beta^2 may underflow
 
 
 @compiled

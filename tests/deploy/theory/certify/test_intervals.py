@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from deploy.theory.certify.boxes import intervals as i
+from deploy.theory.certify.boxes.eigen import solve_into
 from deploy.theory.certify.boxes.intervals import Interval
+from deploy.theory.certify.boxes.scene import derived, lower, scene_of, upper, whole
+from deploy.theory.certify.boxes.turning import stiffness
+from tests.deploy.theory.certify.known import known
 
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
 ordered = st.tuples(numbers, numbers).map(lambda pair: (min(pair), max(pair)))
@@ -66,6 +71,33 @@ def test_bounds_of_points_are_within_a_few_ulp(x: float, y: float) -> None:
     assume(x != y)
     for found, exact in ((i.mul((x, x), (y, y)), x * y), (i.add((x, x), (y, y)), x + y)):
         assert found[1] - found[0] <= 8 * math.ulp(exact)
+
+
+def test_bounds_that_are_no_number_or_overflowed_exclude_nothing() -> None:
+    row = np.array([[0.0, 1.0]])
+    lower(row, 0, math.nan)
+    upper(row, 0, math.nan)
+    assert row.tolist() == [[0.0, 1.0]]
+    row[0, 1] = math.inf
+    lower(row, 0, math.inf)
+    assert row[0, 0] < math.inf == row[0, 1]
+
+
+@pytest.mark.parametrize(
+    "entries", [(1.0, 1.0, 1.0, 1.0), (1e-120, 0.0, 0.0, 1.0), (math.nan, 0.0, 0.0, 1.0)]
+)
+def test_matrices_that_are_as_good_as_singular_have_no_inverse(entries: tuple[float, ...]) -> None:
+    assert not solve_into(np.array(entries).reshape(2, 2), np.empty((2, 2)))
+
+
+def test_the_stiffness_of_a_contact_that_is_almost_closed_is_not_negative() -> None:
+    found = known(0)[0]
+    scene = scene_of(found.problem)
+    out, n = derived(scene), 2 * found.problem.p
+    box = whole(scene, (0.0, 1.0))
+    box[n:-1, 1] = 1e300
+    out.total[1], out.beta[:, 0] = (0.0, 1.0), 1e-200
+    assert all(stiffness(box, out, n, q) > 1e199 for q in range(len(scene.first)))
 
 
 @pytest.mark.parametrize("x", [0.0, -4.0])
