@@ -229,7 +229,7 @@ LIVES = (
                 _LEDGER,
                 "        if state is None or not state.placed:\n            return 0\n",
                 "        if state is None:\n"
-                "            state = PeerState(bond.peer, 0, 0, True, 0.0, float(bond.peer), 0.0, 0.0, "
+                "            state = PeerState(pair.peer, 0, 0, True, 0.0, float(pair.peer), 0.0, 0.0, "
                 "0.0, 0.0, 0.0, radius=0.0)\n",
             ),
         ),

@@ -99,8 +99,8 @@ def sliding_along_the_wall(modules: Modules, _: pytest.MonkeyPatch) -> None:
 def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A follower adopts whatever it is offered, though its own disk is on the wrong side."""
     follower = modules["agents.lines.ends"].Follower
-    before = follower.hear
-    follower.hear = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
+    before = follower.on_proposal
+    follower.on_proposal = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
         self, peer_life, life, number, line, lambda _: True
     )
 
