@@ -19,7 +19,7 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 PREFIX = ".venv/bin/disknav "
 COMMANDS = [line.split("#")[0].strip() for line in README.splitlines() if line.startswith(PREFIX)]
-QUICK = {"run": ["--quiet"], "check": ["--json"], "--help": []}
+QUICK = {"run": ["--quiet"], "check": ["--json"], "certify": ["--quiet"], "--help": []}
 
 
 @pytest.mark.process
