@@ -104,7 +104,7 @@ def test_ctrl_c_leaves_a_file_to_go_on_from(here: Path) -> None:
             path = here / "figure-2.certificate.json"
             until(path.is_file, 90.0)
             process.send_signal(signal.SIGINT)
-            assert process.wait(30) in (0, 130)
+            assert process.wait(120) in (0, 130)
         finally:
             process.kill()
     found = fetch(path)
