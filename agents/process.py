@@ -13,6 +13,7 @@ from protocol.bus.drive import Stop, drive, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
+from protocol.title import entitle
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 
@@ -44,5 +45,6 @@ def _say(robot: int, what: object) -> None:
 
 if __name__ == "__main__":
     endpoint, run_name, identity, *keys = sys.argv[1:]
+    entitle(f"robot {identity}", run_name)
     proof = credentials(Path(keys[0]), f"robot-{identity}") if keys else None
     sys.exit(main(Connection(connect=(endpoint,), credentials=proof), run_name, int(identity)))

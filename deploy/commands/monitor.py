@@ -15,6 +15,7 @@ from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
 from protocol.errors import UsageError
+from protocol.title import entitle
 
 _TIMEOUT = 5.0  # s to reach somebody
 _NICENESS = 10  # a fleet on the same machine first
@@ -56,6 +57,7 @@ def monitor(
     name = membership.run(run)
     if name is None:
         raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
+    entitle("monitor", name)
     with closing(attach(_connection(router, membership), name)) as source:
         try:
             if web:

@@ -33,20 +33,22 @@ from deploy.processes.fork_messages import (
     encode_news,
 )
 from deploy.processes.forked import run_forked
+from protocol.title import entitle
 
 _ENDINGS = (signal.SIGTERM, signal.SIGHUP)
 
 
-def main(channel: int, modules: Sequence[str]) -> None:
+def main(channel: int, modules: Sequence[str], run: str = "") -> None:
     """Serve one supervisor, on a socket inherited from it, until the other end is closed."""
     both: Channel[Any, Any] = Channel(channel)
-    serve(both, both, modules)
+    serve(both, both, modules, run)
 
 
 def serve(
     requests: Channel[Any, Request],
     news: Channel[bytes, Any],
     modules: Sequence[str],
+    run: str = "",
     *,
     store: Callable[[Store], None] | None = None,
     patience: float = inf,
@@ -57,14 +59,16 @@ def serve(
         requests: ends when the supervisor does.
         news: the way back; may be the same channel.
         modules: imported first.
+        run: stands in the titles of this process and of those forked from it.
         store: takes files.
         patience: s without a request after which the supervisor counts as gone.
     """
+    entitle("fork server", run)
     for module in modules:
         importlib.import_module(module)
     gc.collect()
     gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
-    server = _Server(requests, news, store, patience)
+    server = _Server(requests, news, run, store, patience)
     try:
         with suppress(ConnectionError):  # nobody hears the news any more
             server.serve()
@@ -77,10 +81,11 @@ class _Server:
         self,
         requests: Channel[Any, Request],
         news: Channel[bytes, Any],
+        run: str,
         store: Callable[[Store], None] | None,
         patience: float,
     ) -> None:
-        self._requests, self._news = requests, news
+        self._requests, self._news, self._run = requests, news, run
         self._store, self._patience = store, patience
         self._heard = time.monotonic()
         self._lives: dict[int, int] = {}  # pid -> life, of those not yet waited for
@@ -134,7 +139,7 @@ class _Server:
         signal.pthread_sigmask(signal.SIG_BLOCK, _ENDINGS)
         pid = os.fork()
         if pid == 0:
-            run_forked(start, writing, self._lifeline)
+            run_forked(start, self._run, writing, self._lifeline)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDINGS)
         if reading is not None and writing is not None:
             os.close(writing)

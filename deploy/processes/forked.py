@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from deploy.processes.fork_messages import Start
 from protocol.errors import DisknavError
+from protocol.title import entitle
 
 FAULT = 3  # exit status of a process that an exception ended
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
@@ -24,15 +25,17 @@ _RESET = (signal.SIGTERM, signal.SIGHUP)  # blocked around the fork, since the f
 _LIBC = ctypes.CDLL(None)
 
 
-def run_forked(start: Start, report: int | None, lifeline: int) -> NoReturn:
+def run_forked(start: Start, run: str, report: int | None, lifeline: int) -> NoReturn:
     """Call what `start` names in this process, which exists for nothing else, and exit.
 
-    `report` is the writing end of a pipe for text to the supervisor, `lifeline` the reading end of
-    one that ends with the fork server. The exit status is what the function returns, 3 after an
-    exception: one of this software's own says its message, any other prints its traceback.
+    Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
+    `lifeline` the reading end of one that ends with the fork server. The exit status is what the function
+    returns, 3 after an exception: one of this software's own says its message, any other prints its
+    traceback.
     """
     code = FAULT
     try:
+        entitle(start.name.replace("-", " ", 1), run)
         signal.set_wakeup_fd(-1)
         for number in (signal.SIGCHLD, *_RESET):
             signal.signal(number, signal.SIG_DFL)

@@ -60,20 +60,21 @@ class Spawner:
         ProcessError: the fork server is gone; its own words are on standard error.
     """
 
-    def __init__(self, modules: Sequence[str] = MODULES) -> None:
-        """Start the fork server, with `modules` imported, without waiting for it."""
+    def __init__(self, modules: Sequence[str] = MODULES, run: str = "") -> None:
+        """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`."""
         ours, theirs = socket.socketpair()
         with theirs:
-            self._server = self._serve(theirs, modules)
+            self._server = self._serve(theirs, modules, run)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
         self._lives = count(1)
         self.gone = False  # the fork server ended by itself, and this was said once
 
-    def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
+    def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
         """Start the fork server at the other end of the channel."""
         code = (
             f"import sys; sys.path[:] = {sys.path!r}; "
-            f"from deploy.processes.fork_server import main; main({theirs.fileno()}, {tuple(modules)!r})"
+            "from deploy.processes.fork_server import main; "
+            f"main({theirs.fileno()}, {tuple(modules)!r}, {run!r})"
         )
         return subprocess.Popen(
             [sys.executable, "-c", code],

@@ -65,7 +65,7 @@ class Aboard:
     """
 
     def __init__(self, run: str, path: Path) -> None:
-        self._run, self._file = checked_run(run), WriterProcess(path)
+        self._run, self._file = checked_run(run), WriterProcess(path, run)
 
     def begin(self, bus: ZenohBus) -> None:
         """Hear the run from now on, before anybody can connect."""

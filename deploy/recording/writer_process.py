@@ -16,6 +16,7 @@ from deploy.recording.writer import RecordingFile
 from protocol.bus.drive import uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.scenario.model import Scenario
+from protocol.title import entitle
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
 _NICENESS = 10  # the fleet first, and yet a share of a busy machine
@@ -34,10 +35,10 @@ class WriterProcess:
         RecordingError: (all methods) it cannot be written any more.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, run: str = "") -> None:
         self.path = path
         self._pipe, other = _FORK.Pipe()
-        self._process = _FORK.Process(target=_write, args=(self._pipe, other, path), daemon=True)
+        self._process = _FORK.Process(target=_write, args=(self._pipe, other, path, run), daemon=True)
         self._process.start()
         other.close()
         refused = self._answer()
@@ -88,8 +89,9 @@ class WriterProcess:
         )
 
 
-def _write(inherited: Pipe, pipe: Pipe, path: Path) -> None:
+def _write(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     """Do as told until the file is finished, or whoever tells is gone."""
+    entitle("writer", run)
     inherited.close()
     os.nice(_NICENESS)
     for number in (signal.SIGINT, signal.SIGTERM):

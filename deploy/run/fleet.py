@@ -17,6 +17,7 @@ from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
+from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.options import RunOptions
@@ -87,7 +88,7 @@ class Fleet:
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
             self._hosts = self._host_spawners()
-            self._supervisor = stack.enter_context(Supervisor(self._hosts))
+            self._supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=self._options.run)))
             self.topology = self._begin(stack)
             self._start_world(self._journal(stack))
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
@@ -120,7 +121,7 @@ class Fleet:
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
-        return None if hosts is None else HostSpawners(hosts, places(hosts))
+        return None if hosts is None else HostSpawners(hosts, places(hosts), self._options.run)
 
     def _link(self, multi_host: MultiHost) -> MultiHost:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""

@@ -111,7 +111,7 @@ class LocalFleet:
     def _record(self, path: Path) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
-        recorder = bus.node = Recorder(bus, self.run, WriterProcess(path))
+        recorder = bus.node = Recorder(bus, self.run, WriterProcess(path, self.run))
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import Annotated
+
+import typer
 
 
-def host() -> None:
+def host(
+    run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
+) -> None:
     """Start processes for a launcher on another host, by way of standard input and output."""
     from deploy.processes.spawn import environment
 
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
-    os.execve(sys.executable, [sys.executable, "-m", "deploy.processes.hosts.remote"], environment())
+    os.execve(sys.executable, [sys.executable, "-m", "deploy.processes.hosts.remote", run], environment())

@@ -15,6 +15,7 @@ from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import checked_run
+from protocol.title import entitle
 
 Router = Annotated[
     str | None, typer.Option(help="Endpoint of the router; tcp/127.0.0.1:7447, or tls/ with --secure.")
@@ -73,6 +74,7 @@ def world(
     loaded = load(scenario, setting or [], seed)
     connection = membership.client(WORLD, (router or membership.default_router,))
     run_name = _run(membership, run)
+    entitle("world", run_name)
     if journal is not None and not journal.exists():
         Journal.create(journal, run_name, [loaded])
     lockstep = mode == "lockstep"
@@ -103,6 +105,7 @@ def router(
     if print_config:
         sys.stdout.write(router_config(connection, membership.default_router))
         return
+    entitle("router", membership.run(None) or "")
     raise typer.Exit(main(connection, ready=_say))
 
 

@@ -26,7 +26,7 @@ GREETING = "disknav-host"  # then a digest of the code, and the folder
 _PATIENCE = 30.0  # s; the launcher says something every second
 
 
-def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE) -> int:
+def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str = "") -> int:
     """Serve until the connection ends; returns the exit status."""
     requests: Channel[Any, Any] = Channel(os.dup(0), writable=False)
     news: Channel[Any, Any] = Channel(os.dup(1), readable=False)
@@ -36,7 +36,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE) -> int:
     folder = Path(mkdtemp(prefix="disknav-"))  # mode 0700
     try:
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
-        serve(requests, news, modules, store=partial(_store, folder), patience=patience)
+        serve(requests, news, modules, run, store=partial(_store, folder), patience=patience)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return 0
@@ -53,4 +53,4 @@ def _store(folder: Path, file: Store) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(run="".join(sys.argv[1:])))

@@ -29,15 +29,16 @@ class HostSpawners:
     Args:
         table: the hosts; those without ssh are this machine.
         places: name of a process -> name of its host; all others are started here.
+        run: stands in the titles of all processes.
 
     Raises:
         ProcessError: a host cannot be reached.
     """
 
-    def __init__(self, table: HostsTable, places: Mapping[str, str]) -> None:
+    def __init__(self, table: HostsTable, places: Mapping[str, str], run: str) -> None:
         self._places = places
-        self._here = Spawner()
-        self._there = {host.name: SshSpawner(host) for host in table.hosts if host.ssh}
+        self._here = Spawner(run=run)
+        self._there = {host.name: SshSpawner(host, run) for host in table.hosts if host.ssh}
         self._numbers = count(1)
         self._numbers_of: dict[tuple[Spawner, int], int] = {}  # a spawner's own number -> ours
         self._lives: dict[int, tuple[Spawner, int]] = {}  # the reverse, of those that have not ended

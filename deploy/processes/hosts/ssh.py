@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import select
+import shlex
 import socket
 import subprocess
 import sys
@@ -39,11 +40,11 @@ class SshSpawner(Spawner):
         ProcessError: there is no ssh here; or from any method, the host is gone.
     """
 
-    def __init__(self, host: Host) -> None:
+    def __init__(self, host: Host, run: str) -> None:
         self.host = host
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
-        super().__init__()
+        super().__init__(run=run)
 
     def greet(self, timeout: float) -> None:
         """Wait until the host says that it serves.
@@ -80,10 +81,10 @@ class SshSpawner(Spawner):
         except (OSError, msgspec.DecodeError) as error:
             raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
 
-    def _serve(self, theirs: socket.socket, modules: Sequence[str]) -> subprocess.Popen[bytes]:
+    def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
         options = [word for option in _OPTIONS for word in ("-o", option)]
-        there = [self.host.ssh, f"{self.host.command} host"]
+        there = [self.host.ssh, f"{self.host.command} host --run={shlex.quote(run)}"]
         command = ["ssh", "-T", *self.host.options, *options, "--", *there]
         end = theirs.fileno()
         try:

@@ -17,6 +17,7 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import ProcessError
 from protocol.streams import STREAMS
+from protocol.title import entitle
 
 _PULSE = 0.001  # s between bursts
 _PATIENCE = 30.0  # s for the flooder to say something
@@ -87,6 +88,7 @@ def main(
     channel: Channel[Any, Any], connection: Connection, run: str, robots: tuple[int, ...], rate: float
 ) -> None:
     """Flood between two words of the other end, until that is gone."""
+    entitle("flooder", run)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
     os.nice(_NICENESS)
     bus = ZenohBus(connection)

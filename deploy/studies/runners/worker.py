@@ -6,6 +6,7 @@ processes go from run to run, so that only the first run pays for starting them.
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import time
@@ -22,6 +23,7 @@ from deploy.run.result import complete
 from deploy.studies.runners.metered import MeteredFleet
 from deploy.studies.study import Build, Run
 from protocol.errors import ProcessError
+from protocol.title import entitle
 
 Result = dict[str, Any]
 Job = tuple[Run, Build]
@@ -43,6 +45,7 @@ KEPT = (
 
 def work(channel: Channel[Any, Any], perform: Perform) -> None:
     """Serve batches until the other end is gone. The parent alone decides what a Ctrl-C means."""
+    entitle("study " + multiprocessing.current_process().name.replace("-", " "))
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -33,6 +33,7 @@ from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
 from tests.deploy.processes.hosts.ssh_server import Server, free_ports, needs_sshd, ssh_server
 from tests.deploy.processes.test_spawn import gone
+from tests.deploy.processes.test_titles import title
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
@@ -90,6 +91,9 @@ def a_long_run(server: Server, folder: Path) -> Iterator[subprocess.Popen[bytes]
             *psutil.Process(launcher.pid).children(recursive=True),
         ]
         assert len(there) > 10
+        names = ["fork server", "router base", "router left", "router right", "world"]
+        expected = {f"disknav {name} (run long)" for name in [*names, *(f"robot {n}" for n in SCENARIO.ids)]}
+        assert expected <= {title(each.pid) for each in there}
         yield launcher
         assert all(gone(each.pid) for each in there)
     finally:
