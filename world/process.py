@@ -15,7 +15,8 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
 from protocol.scenario.model import Scenario
-from world.node import GATHERING, WorldNode
+from world.node import WorldNode
+from world.shell.failure_detector import GATHERING
 from world.shell.journal import Journal
 from world.shell.replay import Resumed, resume
 

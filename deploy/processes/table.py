@@ -9,7 +9,7 @@ from typing import Any
 
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
-from world.node import GATHERING
+from world.shell.failure_detector import GATHERING
 
 RECORDER = "recorder"
 ROUTER = "router"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from enum import Enum
 from typing import Any
 
 from protocol.messages import Clock, Health, Measurement
@@ -13,11 +14,20 @@ from world.shell.traffic import traffic
 from world.world import World
 
 
+class Phase(Enum):
+    """RUNNING (or gathering), SHUTDOWN (robots report), CLOSING (they are told to leave)."""
+
+    RUNNING = 1
+    SHUTDOWN = 2
+    CLOSING = 3
+
+
 class Turn:
     """A run with its judge.
 
     Attributes:
         number: counts the turns of one world.
+        phase: how far the run is.
         oldest: incarnation of each robot below which a State is of an earlier turn.
         opened: whether the present tick has begun.
         began: s, monotonic: when its first tick began, or when it was prepared.
@@ -28,6 +38,7 @@ class Turn:
         self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
     ) -> None:
         self.number, self.scenario = number, scenario
+        self.phase = Phase.RUNNING
         self.world = World(scenario, incarnations, version)
         self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
         self.opened = False

@@ -8,7 +8,8 @@ from agents.node import RobotNode
 from protocol.bus.local import LocalNetwork
 from tests.world.driving import STEP, two
 from tests.world.stopwatch import Stopwatch
-from world.node import GATHERING, WorldNode
+from world.node import WorldNode
+from world.shell.failure_detector import GATHERING
 from world.shell.pacing import BEAT, Pacing
 
 

@@ -1,0 +1,233 @@
+"""Whose token is gone, who does not come, who does not answer. There is no bus, and time is injected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from protocol.joining import Join
+from protocol.messages import Command, Measurement
+from tests.world.driving import two
+from tests.world.stopwatch import Stopwatch
+from world.shell.admission import Admissions
+from world.shell.failure_detector import FailureDetector
+from world.shell.pacing import REPEAT, Pacing
+from world.shell.turn import Phase, Turn
+
+GATHERING, PATIENCE, GRACE = 20.0, 5.0, 3.0
+
+
+class Watch:
+    """A failure detector of a run of two robots, and what it told whom."""
+
+    def __init__(self, *, grace: float = 0.0, restarts: int = 0, lockstep: bool = True) -> None:
+        self.clock, self.told, self.said = Stopwatch(), list[dict[int, Measurement]](), list[str]()
+        self.pacing = Pacing(lockstep, 0.0, self.clock)
+        self.admissions = Admissions("r", (1, 2), lockstep, self.clock)
+        self.turn = Turn(0, two(), {})
+        self.failures = FailureDetector(
+            self.admissions,
+            self.pacing,
+            self.tell,
+            gathering=GATHERING,
+            patience=PATIENCE,
+            grace=grace,
+            restarts=restarts,
+            say=self.said.append,
+        )
+
+    def tell(self, measurements: Mapping[int, Measurement]) -> None:
+        self.told.append(dict(measurements))
+
+    def come(self, robot: int, session: str = "") -> None:
+        """A process of this robot is admitted, and shows its token."""
+        self.admissions.enlist(Join(robot, session or f"session {robot}"), self.turn)
+        self.failures.arrive(robot, self.turn)
+
+    def open(self) -> None:
+        """Both have come, and the tick begins."""
+        self.come(1)
+        self.come(2)
+        assert self.gathered() == {1, 2}
+        self.turn.opened = True
+        self.pacing.begin(self.turn.world.tick, 0.05)
+        self.told.clear()
+
+    def gathered(self) -> set[int] | None:
+        measurements = self.failures.gather(self.turn)
+        return None if measurements is None else set(measurements)
+
+    def command(self, robot: int) -> None:
+        world = self.turn.world
+        assert world.accept(Command(robot, world.incarnations[robot], world.tick, (0.0, 0.0)))
+
+    def close(self) -> None:
+        self.turn.world.close_tick()
+        self.turn.opened = False
+
+    def go_by(self, seconds: float) -> None:
+        """Time goes by, and somebody looks then, as the node does."""
+        self.clock.now += seconds
+        self.failures.look(self.clock.now, self.turn)
+        self.failures.wait(self.clock.now, self.turn)
+
+
+def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
+    watch = Watch()
+    assert watch.gathered() is None
+    watch.come(1)
+    watch.admissions.enlist(Join(2, "b"), watch.turn)
+    assert watch.gathered() is None
+    watch.failures.arrive(2, watch.turn)
+    assert watch.gathered() == {1, 2}
+
+
+def test_a_run_that_is_not_complete_in_time_does_not_begin() -> None:
+    watch = Watch()
+    watch.come(1)
+    watch.go_by(GATHERING)
+    assert not watch.turn.world.verdict
+    watch.go_by(0.1)
+    assert watch.turn.world.verdict == "aborted"
+    assert watch.turn.world.reason == "no sign of robot 2 within 20 s"
+
+
+def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
+    watch = Watch()
+    watch.open()
+    watch.failures.miss(2, watch.turn)
+    assert watch.turn.world.active == (1,)
+    assert [set(told) for told in watch.told] == [{1}]  # who waits for its State hears of it
+    assert watch.told[0][1].active == (1,)
+    assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
+    assert not watch.admissions.slots[2].occupied
+
+
+def test_only_those_who_owe_a_command_are_told_again() -> None:
+    watch = Watch()
+    watch.open()
+    watch.command(1)
+    watch.failures.miss(2, watch.turn)
+    assert watch.told == [{}]
+
+
+def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> None:
+    watch = Watch(grace=GRACE)
+    watch.open()
+    watch.failures.miss(1, watch.turn)
+    watch.failures.miss(2, watch.turn)
+    watch.go_by(0.9 * GRACE)
+    watch.told.clear()
+    watch.failures.arrive(1, watch.turn)
+    assert watch.told == []  # the other is missing yet
+    watch.failures.arrive(2, watch.turn)
+    assert [set(told) for told in watch.told] == [{1, 2}]
+    watch.go_by(GRACE)
+    assert watch.turn.world.active == (1, 2)
+    assert watch.said == []
+
+
+def test_after_the_grace_it_is_given_up() -> None:
+    watch = Watch(grace=GRACE)
+    watch.open()
+    watch.failures.miss(2, watch.turn)
+    watch.go_by(0.9 * GRACE)
+    assert watch.turn.world.active == (1, 2)
+    watch.go_by(0.2 * GRACE)
+    assert watch.turn.world.active == (1,)
+
+
+def test_a_life_that_has_not_joined_this_run_has_no_grace() -> None:
+    watch = Watch(grace=GRACE)
+    watch.failures.arrive(1, watch.turn)
+    watch.failures.miss(1, watch.turn)
+    assert not watch.admissions.slots[1].occupied
+
+
+def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
+    watch = Watch(grace=100.0 * PATIENCE)
+    watch.open()
+    watch.go_by(REPEAT)
+    watch.failures.miss(2, watch.turn)
+    for _ in range(20):
+        watch.go_by(PATIENCE)
+    assert watch.turn.world.active == (1, 2)
+
+
+@pytest.mark.parametrize(("session", "active"), [("session 2", (1, 2)), ("another", (1,))])
+def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, active: tuple[int, ...]) -> None:
+    watch = Watch(grace=GRACE)
+    watch.open()
+    watch.failures.supersede(Join(2, "another"), watch.turn)
+    assert watch.turn.world.active == (1, 2)  # its token is there
+    watch.failures.miss(2, watch.turn)
+    watch.failures.supersede(Join(2, session), watch.turn)
+    assert watch.turn.world.active == active
+
+
+def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
+    watch = Watch()
+    watch.open()
+    watch.command(1)
+    watch.go_by(2.0 * PATIENCE)
+    assert [set(told) for told in watch.told] == [{1, 2}]
+    assert watch.turn.world.active == (1, 2)
+    watch.go_by(0.1)
+    assert watch.turn.world.active == (1,)
+    assert watch.admissions.slots[2].blamed == {"session 2": 1}
+    assert watch.admissions.slots[2].present  # it hangs, though its session lives
+    assert len(watch.said) == 1
+
+
+@pytest.mark.parametrize(("lockstep", "restarts", "lives"), [(True, 2, 2), (True, 0, 0), (False, 2, 0)])
+def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, lives: int) -> None:
+    watch = Watch(restarts=restarts, lockstep=lockstep)
+    watch.open()
+    for life in range(3):
+        watch.failures.miss(2, watch.turn)
+        watch.close()
+        awaited = life < lives
+        assert watch.turn.world.awaiting_join == ({2} if awaited else set())
+        assert watch.failures.expected[2] == min(life + 1, lives)
+        if awaited:
+            assert watch.gathered() is None
+        watch.come(2, f"life {life}")
+        assert watch.gathered() is not None
+        watch.turn.opened = True
+
+
+def test_the_next_life_is_not_waited_for_for_ever() -> None:
+    watch = Watch(restarts=1)
+    watch.open()
+    watch.failures.miss(2, watch.turn)
+    watch.close()
+    watch.pacing.wait()
+    watch.go_by(GATHERING + 0.1)
+    assert not watch.turn.world.verdict
+    assert watch.turn.world.awaiting_join == set()
+    assert watch.gathered() is not None
+    assert watch.turn.world.active == (1,)
+    assert watch.said[1:] == ["tick 1: gives up robot 2, which gave no sign within 20 s"]
+
+
+def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
+    watch = Watch()
+    watch.open()
+    watch.close()
+    watch.go_by(100.0 * GATHERING)
+    watch.go_by(0.9 * GATHERING)
+    assert watch.gathered() == {1, 2}
+    assert watch.said == []
+
+
+@pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])
+def test_who_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> None:
+    watch = Watch(restarts=1)
+    watch.open()
+    watch.close()
+    watch.turn.phase = phase
+    watch.failures.miss(2, watch.turn)
+    assert watch.said == []
+    assert watch.turn.world.awaiting_join == set()
+    assert watch.failures.expected == {1: 0, 2: 0}
