@@ -212,13 +212,14 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
 
 
 def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
-    watch = Watch()
+    watch = Watch(restarts=1)
     watch.open()
     watch.close()
     watch.go_by(100.0 * GATHERING)
-    watch.go_by(0.9 * GATHERING)
-    assert watch.gathered() == {1, 2}
     assert watch.said == []
+    watch.failures.miss(2, watch.turn)
+    watch.go_by(0.9 * GATHERING)  # of the next life's time, which begins now
+    assert watch.turn.world.awaiting_join == {2}
 
 
 @pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])
