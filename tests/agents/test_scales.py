@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 
@@ -36,14 +37,14 @@ def scaled(name: str, workspace: float, period: float, pace: str) -> Scenario:
     return replace(base, robots=robots, workspace=Workspace(workspace), control=control, time=time)
 
 
-def circle(count: int, radius: float, k: float, pace: str) -> Scenario:
+def circle(count: int, radius: float, k: float, pace: Literal["common", "own"]) -> Scenario:
     """RVO2's Circle: disks of 1.5 m at 2 m/s and 4 Hz, each bound for the opposite point, `radius` in m."""
     angles = [2.0 * math.pi * n / count for n in range(count)]
     points = [(round(radius * math.cos(a), 9), round(radius * math.sin(a), 9)) for a in angles]
     return Scenario(
         tuple(RobotSpec(n, 1.5, (x, y), (-x, -y)) for n, (x, y) in enumerate(points, 1)),
         workspace=Workspace(radius + 5.0),
-        control=Control(k=k, pace=pace, speed=2.0),  # type: ignore[arg-type]
+        control=Control(k=k, pace=pace, speed=2.0),
         time=Time(0.25, limit=600.0, tolerance=0.5),
     )
 

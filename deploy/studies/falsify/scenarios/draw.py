@@ -82,9 +82,9 @@ def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
     near = dice.pick((0, 0, many, 3 * many))
     starts = drawn_together(dice, starts, radii, workspace, near)
     goals = drawn_together(dice, goals, radii, workspace, dice.pick((0, near)))
-    ids = range(1, many + 1)
+    ids = list(range(1, many + 1))
     if dice.chance(0.1):  # ids with gaps
-        ids = sorted(dice.shuffled(range(1, 3 * many + 1))[:many])  # type: ignore[assignment]
+        ids = sorted(dice.shuffled(range(1, 3 * many + 1))[:many])
     return tuple(map(RobotSpec, ids, radii, starts, goals))
 
 
