@@ -28,6 +28,10 @@ def choose(scenario: Scenario, robot: int) -> Law:
         from agents.laws.barrier import BarrierLaw
 
         return BarrierLaw(scenario, robot)
+    if law == "reciprocal":
+        from agents.laws.reciprocal import ReciprocalLaw
+
+        return ReciprocalLaw(scenario, robot)
     return GradientLaw(scenario, robot)
 
 

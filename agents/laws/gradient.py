@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from agents.laws.view import View
 from agents.navigation import pace
@@ -31,24 +30,29 @@ class GradientLaw:
         self._progress = Progress(scenario.time.step, lap) if control.escape else None
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
+        # Of the present tick; see `look`.
+        self._peers: list[Peer] = []
+        self._moving: list[PeerState] = []
+        self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self._away = self._scale = self._free = 0.0
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
-        position, goal, neighbours = view.position, view.goal, view.neighbours
-        peers = neighbours.disks()
-        field = self._slice = Slice(goal, self._radius, self._workspace, self._k, peers)
-        begin = field.gradient(*position)
-        moving = neighbours.moving()
-        away = math.hypot(position[0] - goal[0], position[1] - goal[1])
-        scale = self._scale(math.hypot(begin.dx, begin.dy), away, moving)
-        free = self._free(away, scale)
-        strength = self._stuck(view, away, free, peers, moving)
-        self._wanted = self._follow(Flow(field, scale), position, begin)
-        if strength == 0.0:
-            return self._wanted
-        vx, vy = circling(position, goal, self._radius, peers)
-        drift = (strength * free * vx, strength * free * vy)
-        return self._follow(Flow(field, scale, drift), position, begin)
+        self.look(view)
+        strength = self.stuck(view, self._wanted)
+        self._wanted = self.flow(view, 0.0)
+        return self._wanted if strength == 0.0 else self.flow(view, strength)
+
+    def look(self, view: View) -> None:
+        """Take in who is where; before anything else in a tick."""
+        (x, y), (gx, gy) = view.position, view.goal
+        self._peers, self._moving = view.neighbours.disks(), view.neighbours.moving()
+        self._slice = Slice(view.goal, self._radius, self._workspace, self._k, self._peers)
+        self._begin = self._slice.gradient(x, y)
+        self._away = math.hypot(x - gx, y - gy)
+        self._scale = self._pace(math.hypot(self._begin.dx, self._begin.dy))
+        free = min(self._speed, 2.0 * self._scale * self._away)
+        self._free = free if self._away > self._tolerance else 0.0
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """See `agents.laws.law.Law`; before the first tick the attraction alone."""
@@ -57,37 +61,43 @@ class GradientLaw:
         self._slice.goal = goal
         return self._slice.norm(*position)
 
-    def _follow(self, flow: Flow, position: Vector, begin: Gradient) -> Vector:
-        return desired_velocity(flow, position, period=self._period, speed=self._speed, begin=begin)
+    def flow(self, view: View, strength: float) -> Vector:
+        """The flow's mean velocity over the period, m/s, with an escape of this `strength`, 0 to 1."""
+        drift = (0.0, 0.0)
+        if strength > 0.0:
+            vx, vy = circling(view.position, view.goal, self._radius, self._peers)
+            drift = (strength * self._free * vx, strength * self._free * vy)
+        assert self._slice is not None
+        return desired_velocity(
+            Flow(self._slice, self._scale, drift),
+            view.position,
+            period=self._period,
+            speed=self._speed,
+            begin=self._begin,
+        )
 
-    def _scale(self, slice_norm: float, away: float, moving: Sequence[PeerState]) -> float:
-        if not self._common:
-            return pace.own_pace(self._max_rate)
-        gamma = away**2
-        for state in moving:
-            slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
-        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)
-
-    def _stuck(
-        self, view: View, away: float, free: float, peers: list[Peer], moving: Sequence[PeerState]
-    ) -> float:
-        """How strongly to escape from a deadlock, 0 to 1."""
+    def stuck(self, view: View, wanted: Vector) -> float:
+        """How strongly to escape from a deadlock, 0 to 1, if `wanted` (m/s) is what a law desired last."""
         if self._progress is None:
             return 0.0
         gamma, oldest = 0.0, view.tick
-        for peer in peers:
+        for peer in self._peers:
             gamma += peer.gamma
-        for state in moving:
+        for state in self._moving:
             oldest = min(oldest, state.tick)
         return self._progress.update(
             displacement=view.displacement,
-            desired=self._wanted,
-            free=free,
-            gamma=away**2 + gamma,
-            barred=lambda: barred(view.position, view.goal, self._radius, peers),
+            desired=wanted,
+            free=self._free,
+            gamma=self._away**2 + gamma,
+            barred=lambda: barred(view.position, view.goal, self._radius, self._peers),
             latency=(view.tick - oldest) * self._period,
         )
 
-    def _free(self, away: float, scale: float) -> float:
-        """Speed that attraction alone would give, m/s; 0 at the goal."""
-        return min(self._speed, 2.0 * scale * away) if away > self._tolerance else 0.0
+    def _pace(self, slice_norm: float) -> float:
+        if not self._common:
+            return pace.own_pace(self._max_rate)
+        gamma = self._away**2
+        for state in self._moving:
+            slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
+        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)

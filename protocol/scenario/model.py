@@ -52,7 +52,7 @@ class Control:
     """The law: what each robot wants, how fast, and what keeps it safe."""
 
     __pydantic_config__ = STRICT
-    law: Literal["gradient", "orca", "barrier"] = "gradient"
+    law: Literal["gradient", "reciprocal", "orca", "barrier"] = "gradient"
     k: Gain | Literal["auto", "certified"] = "auto"
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"

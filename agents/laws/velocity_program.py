@@ -1,0 +1,107 @@
+"""The velocity nearest to a wish under half-planes and a speed limit, or else the one that violates them least.
+
+Two linear programs in few variables, solved one constraint after another (Seidel; de Berg et al.,
+"Computational Geometry", chapter 4), the second as of van den Berg, Guy, Lin and Manocha, "Reciprocal n-Body
+Collision Avoidance" (2011), section 5.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from agents.lines.line import HalfPlane
+
+Vector = tuple[float, float]
+_PARALLEL: Final = 1e-12
+
+
+def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> tuple[Vector, float]:
+    """The velocity and by how much it violates the worst half-plane, 0 if none.
+
+    Args:
+        wish: m/s.
+        limits: of velocities, m/s.
+        speed: the largest, m/s.
+        hard: the first so many half-planes leave room together, and are kept where all are too many.
+    """
+    x, y = wish
+    length = math.hypot(x, y)
+    if length > speed:
+        x, y = x * speed / length, y * speed / length
+    for index, edge in enumerate(limits):
+        if edge.nx * x + edge.ny * y > edge.limit:
+            found, x_new, y_new = _on_edge(limits, index, speed, wish[0], wish[1], False)
+            if not found:
+                return _least(limits, index, (x, y), speed, hard)
+            x, y = x_new, y_new
+    return (x, y), 0.0
+
+
+def _least(
+    limits: Sequence[HalfPlane], begin: int, velocity: Vector, speed: float, hard: int
+) -> tuple[Vector, float]:
+    """The velocity that violates the worst of all but the hard half-planes least, from half-plane `begin` on,
+    and by how much it does, m/s."""
+    x, y = velocity
+    worst = 0.0
+    for index in range(max(begin, hard), len(limits)):
+        edge = limits[index]
+        if edge.nx * x + edge.ny * y - edge.limit <= worst:
+            continue
+        # Where this half-plane is violated more than every earlier one: as far to its inside as they allow.
+        others = list(limits[:hard])
+        for other in limits[hard:index]:
+            nx, ny = other.nx - edge.nx, other.ny - edge.ny
+            size = math.hypot(nx, ny)
+            if size > _PARALLEL:
+                others.append(HalfPlane(nx / size, ny / size, (other.limit - edge.limit) / size))
+        found, x_new, y_new = _farthest(others, -edge.nx, -edge.ny, speed)
+        if found:
+            x, y = x_new, y_new
+        worst = edge.nx * x + edge.ny * y - edge.limit
+    return (x, y), worst
+
+
+def _farthest(
+    limits: Sequence[HalfPlane], dx: float, dy: float, speed: float
+) -> tuple[bool, float, float]:
+    """The velocity farthest in the unit direction (dx, dy), if there is any."""
+    x, y = dx * speed, dy * speed
+    for index, edge in enumerate(limits):
+        if edge.nx * x + edge.ny * y > edge.limit:
+            found, x, y = _on_edge(limits, index, speed, dx, dy, True)
+            if not found:
+                return False, 0.0, 0.0
+    return True, x, y
+
+
+def _on_edge(
+    limits: Sequence[HalfPlane], index: int, speed: float, wx: float, wy: float, far: bool
+) -> tuple[bool, float, float]:
+    """The point on the edge of one half-plane, within all earlier ones, nearest to the wish (wx, wy), or `far`
+    in that direction; and whether there is any."""
+    edge = limits[index]
+    nx, ny, limit = edge.nx, edge.ny, edge.limit
+    square = speed * speed - limit * limit
+    if square < 0.0:
+        return False, 0.0, 0.0
+    high = math.sqrt(square)
+    low = -high
+    for other in limits[:index]:
+        along = nx * other.ny - ny * other.nx  # m . t with the edge's direction t = (-ny, nx)
+        room = other.limit - limit * (other.nx * nx + other.ny * ny)
+        if along > _PARALLEL:
+            high = min(high, room / along)
+        elif along < -_PARALLEL:
+            low = max(low, room / along)
+        elif room < 0.0:
+            return False, 0.0, 0.0
+    if low > high:
+        return False, 0.0, 0.0
+    along = nx * wy - ny * wx
+    if far:
+        along = high if along > 0.0 else low
+    along = min(max(along, low), high)
+    return True, limit * nx - along * ny, limit * ny + along * nx
