@@ -190,8 +190,8 @@ def _comments() -> dict[tuple[str, str], str]:
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
     parts = ["## Requests", ""]
-    for name, module in (("scenario", joining), ("control", steering)):
-        parts += [f"### `disknav/<run>/world/{name}`", "", inspect.getdoc(module) or "", ""]
+    for name, module in (("robot/<id>/join", joining), ("world/control", steering)):
+        parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]
     return "\n".join(parts)
 
 
