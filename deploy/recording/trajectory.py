@@ -1,6 +1,6 @@
 """The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
 
-Truths are for whoever watches, and the network may drop them. Measurements it may not, and each says what
+Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
 its robot really did during the tick before: added to where the disk was, that is where it was next, to the
 last bit.
 """
