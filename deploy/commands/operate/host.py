@@ -17,4 +17,6 @@ def host(
 
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
     # -P: nor what lies in the working directory.
-    os.execve(sys.executable, [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", run], environment())
+    os.execve(
+        sys.executable, [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", run], environment()
+    )
