@@ -31,6 +31,7 @@ from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
 from world.shell.run import Phase, Run
 from world.shell.shutdown import Shutdown
+from world.world import World
 
 
 class WorldNode:
@@ -116,6 +117,11 @@ class WorldNode:
         self._admissions.forget_reports()
         self._publishers.published = 0
         self._pacing.wait()
+
+    @property
+    def world(self) -> World:
+        """The world of the present run."""
+        return self._turn.world
 
     @property
     def deadline(self) -> float:
