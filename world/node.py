@@ -121,7 +121,7 @@ class WorldNode:
     @property
     def world(self) -> World:
         """The world of the present run."""
-        return self._turn.world
+        return self._run.world
 
     @property
     def deadline(self) -> float:
