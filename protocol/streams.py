@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, Health, Measurement, Message, Result, State, Truth
+from protocol.messages import Clock, Command, Health, Message, Result, State, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -38,7 +38,7 @@ class Question(NamedTuple):
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("measurement", Measurement, "world", ("itself",), _EACH_TICK, True, True, 128 * 1024),
+    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 128 * 1024),
     Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
     Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 1024),
     Stream(
@@ -59,4 +59,4 @@ _STREAMS = (
 )
 
 STREAMS = {stream.name: stream for stream in _STREAMS}
-QUESTIONS = (Question("join", "itself"), Question("scenario", "monitor"), Question("control", "monitor"))
+QUESTIONS = (Question("join", "itself"), Question("scenario", "monitor"), Question("steering", "monitor"))

@@ -42,9 +42,10 @@ def robot(
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
     membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
-    # A fresh interpreter: a robot carries neither this command line nor its libraries.
+    # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
+    # the working directory, where a folder may be called `agents`, too.
     arguments = [endpoint, _run(membership, run), str(robot_id), *([] if secure is None else [str(secure)])]
-    os.execv(sys.executable, [sys.executable, "-m", "agents.process", *arguments])
+    os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
 def world(

@@ -57,7 +57,7 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(("/scenario", "/control", "/join"))
+        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join"))
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 
@@ -71,11 +71,11 @@ def test_a_token_stands_for_oneself(role: str) -> None:
 
 
 def test_robots_neither_steer_nor_read_each_others_commands() -> None:
-    assert not allowed("robot-1", "query", world_key("demo", "control"))
+    assert not allowed("robot-1", "query", world_key("demo", "steering"))
     assert [r for r in ROSTER.robots if allowed("robot-1", "query", robot_key("demo", r, "join"))] == [1]
     assert not allowed("robot-1", "query", "disknav/demo/robot/*/join")
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/robot/*/command")
-    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "measurement"))
+    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "tick"))
     assert not allowed("robot-1", "declare_subscriber", world_key("demo", "truth"))
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/**")
 

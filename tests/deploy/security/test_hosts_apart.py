@@ -73,7 +73,7 @@ class Field:
         for question in QUESTIONS:
             key = f"disknav/{RUN}/robot/*/join" if question.name == "join" else world_key(RUN, question.name)
             self.world.serve(key)
-        self.honest.subscribe(robot_key(RUN, 2, "measurement"), STATES)
+        self.honest.subscribe(robot_key(RUN, 2, "tick"), STATES)
         self.spy.subscribe(ALL)
         self.spy.watch(ALL)
         self.rogue = self._open(self._router("c", ("a", "b"), guarded=False))
@@ -160,7 +160,7 @@ def test_with_everything_of_a_host_one_speaks_for_its_robots_only(keys: Path) ->
         publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
         assert heard(it.spy, b"its own") == (OWN, OWN)
         assert heard(it.honest, b"its own") == (OWN, set())  # nor as the world to others' robots
-        publish(it.world, "measurement", robot_key(RUN, 2, "measurement"), b"for 2 alone")
+        publish(it.world, "tick", robot_key(RUN, 2, "tick"), b"for 2 alone")
         publish(it.honest, "command", robot_key(RUN, 2, "command"), b"for the world")
         heard(it.honest, b"for 2 alone")
         heard(it.spy, b"for the world")
@@ -178,7 +178,7 @@ def test_who_joins_proves_who_it_is(keys: Path) -> None:
             else:
                 with pytest.raises(BusError, match="nobody answered"):
                     it.rogue.ask(key, b"", 0.3)
-        for steering in ("control", "scenario"):  # nor is it a monitor
+        for steering in ("steering", "scenario"):  # nor is it a monitor
             with pytest.raises(BusError, match="nobody answered"):
                 it.rogue.ask(world_key(RUN, steering), b"", 0.3)
         key = robot_key(RUN, 2, "join")
