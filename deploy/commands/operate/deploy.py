@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
+from deploy.manifests.plan import IMAGE
 from deploy.run.options import Mode, fresh_run_name
 from protocol.keys import checked_run
 
@@ -25,7 +25,10 @@ def deploy(
     setting: Annotated[
         list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
     ] = None,
-    image: Annotated[str, typer.Option(help="Container image with this software.")] = "disknav",
+    image: Annotated[str, typer.Option(help="Container image with this software.")] = IMAGE,
+    wait: Annotated[
+        float, typer.Option(min=1.0, help="How long router, world and robots may take to be there, s.")
+    ] = 300.0,
     router: Annotated[
         str, typer.Option(help="systemd: where the router listens and all find it.")
     ] = "tls/127.0.0.1:7447",
@@ -40,13 +43,13 @@ def deploy(
     """
     from deploy.library.load import load
     from deploy.manifests.folder import write
-    from deploy.manifests.plan import Plan
+    from deploy.manifests.plan import Plan, installation
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
     loaded = load(scenario, setting or [], seed)
     roster = Roster(fresh_run_name() if run is None else checked_run(run), loaded.ids)
-    command = shutil.which("disknav") or str(Path(sys.executable).parent / "disknav")
-    plan = Plan(roster, write_toml(loaded), mode, image, command, router)
+    command = str(Path(sys.executable).parent / "disknav")
+    plan = Plan(roster, write_toml(loaded), mode, image, command, installation(), router, wait)
     write(output, orchestrator, plan, days)
     print(f"{output}: the run {roster.run} for {orchestrator}")
