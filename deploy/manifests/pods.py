@@ -106,5 +106,10 @@ def job(plan: Plan, part: str, spec: dict[str, Any]) -> dict[str, Any]:
 def _secret(plan: Plan, items: list[dict[str, str]]) -> dict[str, Any]:
     return {
         "name": "keys",
-        "secret": {"secretName": f"{plan.name}-keys", "defaultMode": _MODE, "items": items},
+        "secret": {
+            "secretName": f"{plan.name}-keys",
+            "defaultMode": _MODE,
+            "items": items,
+            "optional": False,
+        },
     }
