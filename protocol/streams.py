@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, Health, Message, Result, State, Tick, Truth
+from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -39,6 +39,9 @@ _STREAMS = (
     ),
     Stream("truth", Truth, "world", "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024),
     Stream("health", Health, "robot", "every 0.5 s, and at the end", False, True, 128 * 1024),
+    Stream(
+        "goalstatus", GoalStatus, "world", "when an order is accepted, and at every point", False, True, 1024
+    ),
     Stream("result", Result, "world", "once, at the end", True, False, 4 * 1024 * 1024),
 )
 
