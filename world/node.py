@@ -20,7 +20,7 @@ from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.goals import GoalReply, decode_order, encode_reply
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from protocol.steering import decode_steer
@@ -101,7 +101,8 @@ class WorldNode:
         bus.watch(every_robot(run, "alive"))
         for stream in ("steering", "scenario"):
             bus.serve(world_key(run, stream))
-        bus.serve(every_robot(run, "goal"))
+        for question in ("join", "goal"):
+            bus.serve(every_robot(run, question))
         bus.announce(world_key(run, "alive"))
         if current.world.verdict:
             self._end()
@@ -182,7 +183,7 @@ class WorldNode:
                 return self._steer(request.payload)
             if address.stream == "goal" and address.robot is not None:
                 return self._order(address.robot, request.payload)
-            return joining.encode_reply(self._answer(request.payload))
+            return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
         except MessageError as error:
@@ -214,10 +215,12 @@ class WorldNode:
             self._pacing.steering.apply(steer)
         return msgspec.msgpack.encode(self._pacing.steering)
 
-    def _answer(self, payload: bytes) -> joining.Reply:
-        if not payload:
+    def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
+        if asked.stream == "scenario":
             return self._admissions.overview(self._run)
-        join = joining.decode_request(payload)
+        if asked.robot is None or asked.stream != "join":
+            raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
+        join = joining.decode_request(asked.robot, payload)
         refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
             return refusal
