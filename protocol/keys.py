@@ -9,8 +9,8 @@ Grammar::
     robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
     world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "alive"
 
-`alive` keys are liveliness tokens, `goal`, `join`, `scenario` and `steering` are queryables, all others are published
-streams (declared with types and rates in `protocol.streams`).
+`alive` keys are liveliness tokens, `goal`, `join`, `scenario` and `steering` are queryables, all others are
+published streams (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations

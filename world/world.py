@@ -264,7 +264,12 @@ class World:
 
     def goal_status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot's goal; None if there is no such robot."""
-        return self._missions.status(robot) if robot in self._bodies.ids else None
+        if robot not in self._bodies.ids:
+            return None
+        status = self._missions.status(robot)
+        if status.number == 0 and robot in self._judge.arrived(self._bodies.positions):
+            return msgspec.structs.replace(status, tick=self.tick, status="arrived")
+        return status
 
     def goal_news(self) -> list[GoalStatus]:
         """What came of orders since this was last asked for."""

@@ -12,12 +12,14 @@ from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.operate import keys
 from deploy.commands.operate.deploy import deploy
+from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
 from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
 from deploy.commands.plot import plot
 from deploy.commands.replay import replay
 from deploy.commands.run import run
+from deploy.commands.serve import serve
 from deploy.commands.study import study
 
 app = typer.Typer(
@@ -32,6 +34,7 @@ app = typer.Typer(
 
 for command in (
     run,
+    serve,
     check,
     certify,
     study,
@@ -48,6 +51,7 @@ for command in (
     flood,
 ):
     app.command()(command)
+app.command(context_settings={"ignore_unknown_options": True})(goal)  # -0.1 is no option
 app.command(hidden=True)(host)
 app.add_typer(scenario.app, name="scenario")
 app.add_typer(keys.app, name="keys")
