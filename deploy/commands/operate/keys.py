@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.run.options import fresh_run_name
 from protocol.keys import checked_run
 
-app = typer.Typer(help="Make the certificates of a run.", no_args_is_help=True)
+app = typer.Typer(name="keys", help="Make the certificates of a run.", no_args_is_help=True)
 
 
 @app.callback()
@@ -24,9 +25,7 @@ def new(
     scenario: Annotated[
         str, typer.Option("--scenario", "-s", help="A scenario file or library name: its robots take part.")
     ],
-    run: Annotated[
-        str | None, typer.Option(help="Name of the run that the keys are for; a fresh one unless given.")
-    ] = None,
+    run: options.FreshRun = None,
     host: Annotated[
         list[str] | None,
         typer.Option(help="Name or address of a router's host besides this one; repeat it for each."),
@@ -43,13 +42,13 @@ def new(
     Example: disknav keys new keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
     """
     from deploy.library.load import read
-    from deploy.security.membership import missing_library
     from deploy.security.roster import Roster
+    from protocol.installation import missing_library
 
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     name = fresh_run_name() if run is None else checked_run(run)
     roster = Roster(name, read(scenario).ids)
     end = create(directory, roster, hosts=host or (), days=days, force=force)
