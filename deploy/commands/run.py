@@ -35,6 +35,9 @@ def run(
         typer.Option(metavar="FILE", help="Which host runs what (TOML); started there by ssh."),
     ] = None,
     secure: options.Secure = None,
+    open_to_all: Annotated[
+        bool, typer.Option("--open", help="Hosts that others can reach may do without --secure.")
+    ] = False,
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
@@ -68,11 +71,15 @@ def run(
 
     if mode == "realtime":
         options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+    if hosts is None:
+        options.refuse({"--open": open_to_all}, "it says that --hosts may do without --secure")
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
     hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
-    how = RunOptions(transport, mode, router, run_name, secure, hosts_table, pace, restarts(restart))
+    how = RunOptions(
+        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart)
+    )
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

@@ -92,6 +92,7 @@ CANNOT_APPLY = [
     ("run figure-1 --transport local --router tcp/127.0.0.1:7447", "--router"),
     ("run figure-1 --mode realtime --speed 2", "--speed"),
     ("run figure-1 --transport local --restart on-failure", "--restart"),
+    ("run figure-1 --open", "--open"),
     ("monitor --run x --port 8000", "--port"),
     ("study tuning --out here", "--out"),
     ("study tuning --fresh", "--fresh"),

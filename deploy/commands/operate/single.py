@@ -75,6 +75,7 @@ def router(
     ] = None,
     connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
     secure: options.Secure = None,
+    host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
     ] = False,
@@ -89,7 +90,7 @@ def router(
     from deploy.processes.router_config import router_config
 
     membership = Membership(secure)
-    connection = membership.router(() if listen is None else (listen,), connect or ())
+    connection = membership.router(() if listen is None else (listen,), connect or (), host)
     if print_config:
         sys.stdout.write(router_config(connection, membership.default_router))
         return
