@@ -10,6 +10,7 @@ from protocol.messages import (
     Answer,
     Clock,
     Command,
+    GoalStatus,
     Health,
     Member,
     Message,
@@ -53,7 +54,7 @@ proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, n
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, st.booleans()),
+    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans()),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),
@@ -84,6 +85,15 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         several(st.tuples(ids, counts)),
         several(st.tuples(ids, numbers, numbers, numbers)),
         st.text(max_size=9),
+    ),
+    "goalstatus": st.builds(
+        GoalStatus,
+        ids,
+        counts,
+        counts,
+        st.sampled_from(["under way", "arrived", "cancelled", "given up"]),
+        vectors,
+        counts,
     ),
     "result": st.builds(Result, st.text(max_size=50)),
 }

@@ -17,12 +17,14 @@ from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.operate import keys
 from deploy.commands.operate.deploy import deploy
+from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
 from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
 from deploy.commands.plot import plot
 from deploy.commands.replay import replay
 from deploy.commands.run import run
+from deploy.commands.serve import serve
 from deploy.commands.study import study
 
 
@@ -50,7 +52,7 @@ app = typer.Typer(
 )
 
 GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
-    "Run": (run, scenario.app, check),
+    "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
     "Study": (study, certify, endure, flood),
     "Operate": (router, world, robot, keys.app, deploy, probe, doctor),
@@ -60,5 +62,6 @@ for _group, _commands in GROUPS.items():
         if isinstance(_command, typer.Typer):
             app.add_typer(_command, rich_help_panel=_group)
         else:
-            app.command(rich_help_panel=_group)(_command)
+            lenient = {"ignore_unknown_options": True} if _command is goal else {}  # -0.1 is no option
+            app.command(rich_help_panel=_group, context_settings=lenient)(_command)
 app.command(hidden=True)(host)

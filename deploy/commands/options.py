@@ -63,6 +63,14 @@ Router = Annotated[
         help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure).",
     ),
 ]
+RouterThere = Annotated[
+    str | None,
+    typer.Option(
+        "--router",
+        metavar="ENDPOINT",
+        help="Where the fleet's router listens; starts one of its own unless given.",
+    ),
+]
 Secure = Annotated[
     Path | None,
     typer.Option(

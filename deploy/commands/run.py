@@ -23,12 +23,7 @@ def run(
         Transport, typer.Option(help="Through a router, directly between processes, or all in this process.")
     ] = "routed",
     mode: options.ModeOption = "lockstep",
-    router: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ENDPOINT", help="Where the fleet's router listens; starts one of its own unless given."
-        ),
-    ] = None,
+    router: options.RouterThere = None,
     name: options.FreshRun = None,
     hosts: Annotated[
         Path | None,
