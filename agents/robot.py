@@ -42,7 +42,7 @@ class Robot:
         incarnation: this incarnation, as handed out by the world.
 
     Attributes:
-        goal: where to go, m; nothing else of a robot keeps it, so that it may be set between two ticks.
+        goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
     """
 
     def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
@@ -50,7 +50,7 @@ class Robot:
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
         self._scenario, self._control = scenario, scenario.control
-        self.goal = spec.goal
+        self.goal = self._first_goal = spec.goal
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
@@ -68,6 +68,7 @@ class Robot:
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
+        self._halted = False  # an emergency stop is in force
         self._open = False  # whether the tick's State is out and its Command is not
 
     # -- phase 1
@@ -81,6 +82,8 @@ class Robot:
         """
         self.tick = tick.tick
         self._await(tick.active)
+        self.goal = self._first_goal if tick.goal is None else tick.goal
+        self._halted = tick.halted
         self._on_sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
             self._on_roster(tick.roster)
@@ -205,7 +208,7 @@ class Robot:
             self._take_over(lines, self.tick)
             if lines.keeps_clear or not self._filtered:
                 self._kept = self._roster.version
-            if position is not None:
+            if position is not None and not self._halted:
                 self._desired = self._law.velocity(self._view(position))
                 velocity = self._allowed(lines, position, lines.make_room(self._desired))
         return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)

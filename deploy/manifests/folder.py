@@ -11,8 +11,8 @@ from typing import Literal
 from deploy.manifests import compose, kubernetes
 from deploy.manifests.plan import KEYS, Plan
 from deploy.manifests.systemd import systemd
-from deploy.security.membership import missing_library
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
@@ -28,7 +28,7 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
     try:

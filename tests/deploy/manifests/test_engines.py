@@ -149,8 +149,11 @@ def test_systemd_starts_units_whose_software_is_in_a_private_home() -> None:
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="keys are given to another user: needs root; untested here")
 def test_the_pods_of_kubernetes_are_a_fleet_that_arrives(tmp_path: Path) -> None:
-    """Played by podman, which knows Pods and ConfigMaps, but neither Jobs nor Services, nor modes of Secrets. What the cluster would do with those is done here: a Pod for each index and under the Service's
-    name, and of the Secret the files that the template asks for, root's, for the group of the pod to read."""
+    """Played by podman, which knows Pods and ConfigMaps, but neither Jobs nor Services, nor modes of Secrets.
+
+    What the cluster would do with those is done here: a Pod for each index and under the Service's name, and
+    of the Secret the files that the template asks for, root's, for the group of the pod to read.
+    """
     it = plan("podded")
     write(tmp_path / "fleet", "kubernetes", it)
     played = tmp_path / "pods.yaml"
