@@ -25,7 +25,7 @@ from tests.deploy.manifests.engine import IMAGE, command, environment, needs_eng
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_engine]
 
-SCENARIO = load("figure-2", ["control.speed=0.04"], 4)  # slow enough to be probed
+SCENARIO = load("figure-2", [], 4)
 PATIENCE = 90.0
 
 
@@ -57,8 +57,8 @@ def test_the_image_is_compiled_and_drives_a_fleet() -> None:
 
 
 @contextmanager
-def composed(folder: Path) -> Iterator[None]:
-    """The project in `folder`, up."""
+def composed(folder: Path) -> Iterator[Callable[..., None]]:
+    """What brings up services of the project in `folder`; all go at the end."""
     wrapper = folder.parent / "podman"
     wrapper.write_text("#!/bin/sh\nexec " + " ".join(command()) + ' "$@"\n')
     wrapper.chmod(0o700)
@@ -68,23 +68,22 @@ def composed(folder: Path) -> Iterator[None]:
         subprocess.run(call, cwd=folder, env=environment(), timeout=PATIENCE, check=True, capture_output=True)
 
     try:
-        compose("up", "--detach")
-        yield
+        yield lambda *services: compose("up", "--detach", *services)
     finally:
         compose("down")
 
 
-@pytest.mark.skipif(
-    shutil.which("podman-compose") is None, reason="podman-compose is not installed: untested"
-)
+@pytest.mark.skipif(shutil.which("podman-compose") is None, reason="podman-compose is not installed: untested")
 def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
     it = plan("composed")
     write(tmp_path / "fleet", "compose", it)
-    with composed(tmp_path / "fleet"):
+    with composed(tmp_path / "fleet") as up:
+        up("world")  # and the router, on which it depends
         names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
         world = next(name for name in names if "world" in name)
         probe = ["exec", world, "/bin/sh", "-c", container.PROBE]
-        until(lambda: podman(*probe, check=False).returncode == 0)
+        until(lambda: podman(*probe, check=False).returncode == 0)  # it waits for its robots
+        up(*it.robots)
         status = podman("wait", world, timeout=PATIENCE).stdout.strip()
         logs = podman("logs", world)
         assert status == "0", logs.stderr
