@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon
+from protocol.bodies.sweep import Sweep
 
 
 class FixedDisk:
@@ -34,8 +35,11 @@ class FixedDisk:
         behind = (side for side in obeyed if -side.slack(x, y) >= self._contact)
         self.half_plane = next(behind, None)  # None: not known to be clear of the disk, so stand still
 
-    def renew(self, x: float, y: float, bound: float, shape: Polygon | None = None) -> None:
-        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`."""
+    def renew(
+        self, x: float, y: float, bound: float, shape: Polygon | None = None, swept: Sweep | None = None
+    ) -> None:
+        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`;
+        from there the body passes `swept`."""
         dx, dy = self.x - x, self.y - y
         distance = math.hypot(dx, dy)
         if distance == 0.0:
@@ -43,5 +47,7 @@ class FixedDisk:
         nx, ny = dx / distance, dy / distance
         tangent = HalfPlane(nx, ny, nx * self.x + ny * self.y - self._contact)
         extent = bound if shape is None else shape.extent(nx, ny)
+        if swept is not None:
+            extent += swept.extent(nx, ny)
         if tangent.slack(x, y) >= extent + ROUNDING:
             self.half_plane = tangent

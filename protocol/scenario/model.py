@@ -13,18 +13,16 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Le, Len
 
 from protocol.errors import Problem, ScenarioError
+from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.ranges import STRICT as STRICT
+from protocol.scenario.ranges import Angle, HalfTurn, NonNegative, Positive, Share
 
-# The bounds of size keep squares and products of lengths away from the ends of a double's range.
-Positive = Annotated[float, Ge(1e-9), Le(1e6)]
-NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
-
-STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +74,11 @@ class Sensing:
     bias: Point = (0.0, 0.0)
     dropout: Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    # Of odometry, which says at once how far the base went in a tick, and of the direction that it says to
+    # have: the largest errors. A plant that does not slip by itself adds errors up to them.
+    odometry: Share = 0.0  # of the way
+    drift: NonNegative = 0.0  # m in each tick, beyond that
+    heading: HalfTurn = 0.0  # rad
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
     contradiction: Literal["stand", "newest"] = "stand"
 
@@ -133,13 +136,26 @@ class Actuation:
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """One robot: its disk (m), where it begins and where it shall be."""
+    """One robot: its disk (m), where it begins and where it shall be.
+
+    Start and goal are of the disk's centre. A body that lies beside that has a direction, too.
+    """
 
     __pydantic_config__ = STRICT
     id: RobotId
     radius: Positive
     start: Point
     goal: Point
+    heading: Angle = 0.0  # rad, at the start
+    body: Preset | Body | None = None  # the scenario's, unless given
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What moves the disks: formulas, or a physics engine (extra `mujoco`)."""
+
+    __pydantic_config__ = STRICT
+    plant: Literal["integrator", "mujoco"] = "integrator"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +174,8 @@ class Scenario:
     link: Link = Link()
     process: tuple[ProcessFault, ...] = ()
     actuation: Actuation = Actuation()
+    world: World = World()
+    body: Preset | Body = "point"  # of every robot that has none of its own
 
     def ticks(self, seconds: float) -> int:
         """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
@@ -187,6 +205,12 @@ class Scenario:
             if spec.id == robot:
                 return spec
         raise KeyError(robot)
+
+    def body_of(self, robot: int) -> Body:
+        """What carries the disk of a robot."""
+        own = self.spec(robot).body
+        body = self.body if own is None else own
+        return PRESETS[body] if isinstance(body, str) else body
 
     def sensing_of(self, robot: int) -> Sensing:
         """How this robot is measured: the last entry that names it, or that names nobody."""

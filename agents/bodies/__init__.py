@@ -1,0 +1,1 @@
+"""What a body adds to the filter: what it still passes when it hears nothing, and which velocities are safe."""
