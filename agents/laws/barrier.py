@@ -15,7 +15,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.laws.law import Law
 from agents.laws.nominal import Nominal
+from agents.laws.view import View
 from agents.lines.boundary import RoundBoundary
 from agents.lines.safe_velocity import safe_velocity
 from agents.peers.neighbours import Neighbours
@@ -29,7 +31,7 @@ NOISE = 0.1  # of the speed limit
 MARGIN = 0.0005  # m, around each disk
 
 
-class BarrierLaw:
+class BarrierLaw(Law):
     """One robot's share of the program; see `agents.laws.law.Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -48,10 +50,10 @@ class BarrierLaw:
             scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
         )
 
-    def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:  # noqa: ARG002
+    def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`; stands still where the program has no solution."""
-        wanted = np.array(self._nominal.velocity(position, tick))
-        normals, upper = self._barriers(np.array(position), neighbours, tick)
+        wanted = np.array(self._nominal.velocity(view.position, view.goal, view.tick))
+        normals, upper = self._barriers(np.array(view.position), view.neighbours, view.tick)
         if (normals @ wanted > upper).any():
             lower, hard = np.full(len(upper), -1e30), np.zeros(len(upper), dtype=np.int32)
             wanted, _, flag, _ = self._solve(np.eye(2), -wanted, normals, upper, lower, hard)
@@ -59,11 +61,7 @@ class BarrierLaw:
                 return 0.0, 0.0
         vx, vy = float(wanted[0]), float(wanted[1])
         excess = max(1.0, math.hypot(vx, vy) / self._speed)
-        return self._inside(position, (vx / excess, vy / excess))
-
-    def slice_norm(self, position: Vector) -> float:
-        """See `agents.laws.law.Law`."""
-        return self._nominal.pull(position)
+        return self._inside(view.position, (vx / excess, vy / excess))
 
     def _barriers(self, own: Array, neighbours: Neighbours, tick: int) -> tuple[Array, Array]:
         """Rows a and limits c of a . v <= c, scaled to |a| = 1 so that the solver's tolerance is a speed."""

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 
+from agents.laws.law import Law
 from agents.laws.nominal import Nominal
+from agents.laws.view import View
 from agents.peers.neighbours import Neighbours
 from protocol.scenario.model import Scenario
 
@@ -22,7 +24,7 @@ _WALL = 2.0  # periods ahead of which the boundary counts: more only slows the w
 _SIDES = 48  # of the polygon that stands for the workspace's circle
 
 
-class OrcaLaw:
+class OrcaLaw(Law):
     """One robot's reciprocal velocity; see `agents.laws.law.Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -45,20 +47,17 @@ class OrcaLaw:
         self._simulator.process_obstacles()
         self._own = self._simulator.add_agent((0.0, 0.0))
 
-    def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:
+    def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
-        moving = (displacement[0] / self._period, displacement[1] / self._period)
-        self._place(self._own, position, moving, self._nominal.velocity(position, tick))
+        moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
+        preferred = self._nominal.velocity(view.position, view.goal, view.tick)
+        self._place(self._own, view.position, moving, preferred)
         for peer in self._radii:
-            self._observe(peer, neighbours, tick)
+            self._observe(peer, view.neighbours, view.tick)
         self._simulator.do_step()
         new = self._simulator.get_agent_velocity(self._own)
         excess = max(1.0, math.hypot(new.x, new.y) / self._speed)
         return new.x / excess, new.y / excess
-
-    def slice_norm(self, position: Vector) -> float:
-        """See `agents.laws.law.Law`."""
-        return self._nominal.pull(position)
 
     def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
         """Put a peer where it should be by now."""

@@ -224,11 +224,11 @@ class _Attack:
         self._rng, self._world, self._robot = rng, world, robot
         self._target, self._turn = 0, 0.0
 
-    def slice_norm(self, position: Vector) -> float:
+    def slice_norm(self, *_: Any) -> float:
         return 0.0
 
-    def velocity(self, position: Vector, *_: Any) -> Vector:
-        rng, truth = self._rng, self._world.truth
+    def velocity(self, view: Any) -> Vector:
+        position, rng, truth = view.position, self._rng, self._world.truth
         if rng.random() < 0.15:
             self._target, self._turn = rng.randint(-1, len(truth.robots) - 1), rng.uniform(-0.6, 0.6)
         x, y = truth.positions[self._target] if self._target >= 0 else (2.0 * position[0], 2.0 * position[1])
