@@ -32,7 +32,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier turn
+    oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
     away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
 
 

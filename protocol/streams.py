@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, Health, Measurement, Message, Result, State, Truth
+from protocol.messages import Clock, Command, Health, Message, Result, State, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -25,7 +25,7 @@ class Stream(NamedTuple):
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("measurement", Measurement, "world", _EACH_TICK, True, True, 128 * 1024),
+    Stream("tick", Tick, "world", _EACH_TICK, True, True, 128 * 1024),
     Stream("state", State, "robot", _EACH_TICK, True, True, 128 * 1024),
     Stream("command", Command, "robot", _EACH_TICK, True, True, 1024),
     Stream(

@@ -266,7 +266,7 @@ class Fleet:
 
     @property
     def _has_begun(self) -> bool:
-        return self._clock is not None and (self._clock.tick > 0 or self._clock.turn > 0)
+        return self._clock is not None and (self._clock.tick > 0 or self._clock.run_number > 0)
 
     @property
     def _complete(self) -> bool:

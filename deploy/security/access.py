@@ -23,7 +23,7 @@ _SERVE = ("declare_queryable", "reply")
 _ANNOUNCE = ("liveliness_token",)
 _WATCH = ("declare_liveliness_subscriber", "liveliness_query")
 _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
-_QUERYABLES = ("scenario", "control")
+_QUERYABLES = ("scenario", "steering")
 
 _ALIVE = "alive"
 
@@ -51,7 +51,7 @@ def access_control(roster: Roster) -> dict[str, Any]:
 
 
 def _robot(run: str, robot: int) -> Iterator[Rule]:
-    """A robot writes under its own id, hears its measurement and everybody's state, asks for the scenario.
+    """A robot writes under its own id, hears its Ticks and everybody's state, asks for the scenario.
 
     Its own health is for the probe beside it, which has no other certificate; so is the world's clock.
     """
@@ -62,7 +62,7 @@ def _robot(run: str, robot: int) -> Iterator[Rule]:
         role,
         "subscribe",
         _SUBSCRIBE,
-        [*(robot_key(run, robot, stream) for stream in ("measurement", "health")), every_robot(run, "state")],
+        [*(robot_key(run, robot, stream) for stream in ("tick", "health")), every_robot(run, "state")],
     )
     yield _rule(role, "ask", _ASK, [world_key(run, "scenario")])
     yield _rule(role, "announce", _ANNOUNCE, [robot_key(run, robot, _ALIVE)])
@@ -70,7 +70,7 @@ def _robot(run: str, robot: int) -> Iterator[Rule]:
 
 
 def _world(run: str) -> Iterator[Rule]:
-    """The world writes measurements and what is its own, hears commands, answers questions."""
+    """The world writes Ticks and what is its own, hears commands, answers questions."""
     to_robots = [every_robot(run, stream) for stream in ROBOT_STREAMS if _published_by(stream, "world")]
     own = [world_key(run, stream) for stream in WORLD_STREAMS if _published_by(stream, "world")]
     yield _rule(WORLD, "publish", _PUBLISH, [*to_robots, *own])

@@ -47,8 +47,8 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
     elif role == "monitor":
         assert writable == set()
     elif role == "world":
-        robots = {robot_key("demo", robot, "measurement") for robot in ROSTER.robots}
-        assert writable == robots | {world_key("demo", name) for name in names - {"measurement"}}
+        robots = {robot_key("demo", robot, "tick") for robot in ROSTER.robots}
+        assert writable == robots | {world_key("demo", name) for name in names - {"tick"}}
     else:
         assert names == {"state", "command", "health"}
         assert writable == {robot_key("demo", int(role.removeprefix("robot-")), name) for name in names}
@@ -58,7 +58,7 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(("/scenario", "/control"))
+        answers = role == "world" and key.endswith(("/scenario", "/steering"))
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 
@@ -72,9 +72,9 @@ def test_a_token_stands_for_oneself(role: str) -> None:
 
 
 def test_robots_neither_steer_nor_read_each_others_commands() -> None:
-    assert not allowed("robot-1", "query", world_key("demo", "control"))
+    assert not allowed("robot-1", "query", world_key("demo", "steering"))
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/robot/*/command")
-    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "measurement"))
+    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "tick"))
     assert not allowed("robot-1", "declare_subscriber", world_key("demo", "truth"))
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/**")
 

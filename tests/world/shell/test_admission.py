@@ -15,7 +15,7 @@ from protocol.messages import Health
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import RESERVATION, Admissions
-from world.shell.turn import Turn
+from world.shell.run import Run
 
 SWAP = load("swap-4")
 
@@ -26,7 +26,7 @@ class Desk:
     def __init__(self) -> None:
         self.clock = Stopwatch()
         self.admissions = Admissions("r", (1, 2), True, self.clock)
-        self.turn = Turn(0, two(), {})
+        self.turn = Run(0, two(), {})
 
     def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:
         health = None if lived is None else Health(robot, lived, 5, 0.0, 0, 0, {}, (), ())
