@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from math import inf
 from typing import Final
 
+from agents.bodies.choice import body_of
 from agents.estimate import Estimate
 from agents.laws import View, choose
 from agents.lines.boundary import RoundBoundary
-from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
@@ -54,10 +54,13 @@ class Robot:
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
-        sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
+        self._body = body_of(scenario, robot)
+        sensing = scenario.sensing_of(robot)
         latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         trusting = sensing.contradiction == "newest"
-        self._estimate = Estimate(reach, trusting, scenario.ticks(latest))
+        self._estimate = Estimate(
+            self._body.reach, trusting, scenario.ticks(latest), coasts=not scenario.body_of(robot).ideal
+        )
         self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
@@ -68,6 +71,7 @@ class Robot:
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
+        self._blind = True  # whether nothing is known of how far it went in the last tick
         self._open = False  # whether the tick's State is out and its Command is not
 
     # -- phase 1
@@ -91,8 +95,10 @@ class Robot:
 
     def _on_sense(self, sense: Sense | None) -> None:
         """Take in where this robot is; nothing is known of a tick without odometry."""
+        self._blind = sense is None
         if sense is not None:
             self._estimate.update(self.tick, sense)
+            self._body.on_motion(sense.motion)
         self._moved = STILL if sense is None else sense.displacement
         self._locate()
 
@@ -103,10 +109,10 @@ class Robot:
             return
         if estimate.shape is not None and self._filtered:
             self._confine(lines, estimate.shape)
-        if estimate.lost:
+        if estimate.lost or self._blind:
             lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
         else:
-            lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+            lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape, self._body.swept)
 
     def _confine(self, lines: SeparatingLines, shape: Polygon) -> None:
         """Cut off from the set of possible positions what the workspace and the obeyed lines exclude."""
@@ -132,6 +138,7 @@ class Robot:
                 self._radii,
                 speed=self._speed,
                 period=self._scenario.time.step,
+                reach=self._body.reach,
                 members=news,
                 starts=starts if self._roster.founding else None,
             )
@@ -238,17 +245,10 @@ class Robot:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        if not lines.ready or self._estimate.lost:
+        if not lines.ready or self._estimate.lost or self._blind:
             return STILL
-        return safe_velocity(
-            desired,
-            position,
-            lines.half_planes(),
-            boundary=self._boundary,
-            speed=self._control.speed,
-            period=self._scenario.time.step,
-            shape=self._estimate.shape,
-            noise=self._scenario.actuation.bound,
+        return self._body.velocity(
+            desired, position, lines.half_planes(), self._boundary, self._estimate.shape
         )
 
     # -- about itself

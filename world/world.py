@@ -21,9 +21,10 @@ from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
 from world.judge.verdict import Judge
-from world.plants.integrator import Bodies
+from world.plants.choice import plant_of
 from world.report import report
-from world.sensing import Sensor
+from world.sensing.odometry import Odometer
+from world.sensing.position import Sensor
 
 
 class World:
@@ -52,12 +53,13 @@ class World:
         self.reason = ""
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
-        self._bodies = Bodies(scenario)
+        self._plant = plant_of(scenario)
+        self._odometers = {robot: Odometer(scenario, robot, self._plant.slips) for robot in scenario.ids}
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
         goals = Goals(scenario)
-        self._record = Record(scenario, goals, self._bodies.positions)
+        self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
 
@@ -73,7 +75,7 @@ class World:
     @property
     def checksum(self) -> int:
         """Of where every disk is, to the last bit."""
-        return checksum(self._bodies.positions)
+        return checksum(self._plant.positions)
 
     @property
     def is_open(self) -> bool:
@@ -200,18 +202,18 @@ class World:
     def _begun(self) -> bool:
         """Whether the run has begun, or begins now."""
         if not self.founded and not self.awaiting_join:
-            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+            self._lives.found(dict(zip(self._plant.ids, self._plant.positions, strict=True)))
         return self.founded
 
     def _sense(self) -> dict[int, Sense]:
         """Of every robot, those who do not listen included: sensors keep running."""
-        bodies, sensors = self._bodies, self._sensors
-        return {
-            robot: sensors[robot].sense(self.tick, position, displacement)
-            for robot, position, displacement in zip(
-                bodies.ids, bodies.positions, bodies.displacements, strict=True
-            )
-        }
+        sensed = {}
+        for index, (robot, place) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            sensor = self._sensors[robot]
+            position, stamp = sensor.measure(self.tick, place)
+            moved, bound, motion = self._odometers[robot].read(self._plant.report(index), self.tick)
+            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+        return sensed
 
     def _tell(
         self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
@@ -235,25 +237,27 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move(self._commands.velocities, self.tick)
+        commands = self._commands.velocities
+        obeyed = {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
+        self._plant.move(obeyed, self.tick)
         self._fence()
         self._told = None
         self.tick += 1
-        self._record.add(self._bodies.positions)
+        self._record.add(self._plant.positions, self._plant.between)
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
 
     def _fence(self) -> None:
-        for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
-            if robot not in self._commands.velocities:
+        for index, (robot, position) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            if robot not in self._commands.velocities and self._plant.stands(index):
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
         if not self.verdict:
             up = self._lives.up
-            alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
-            verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
+            alone = len(up) < len(self._plant.ids) and self._lives.gone_for_good(self.tick - 1)
+            verdict, reason = self._judge.judge(self.tick, self._plant.positions, up, alone)
             if verdict:
                 self._finish(verdict, reason)
 
@@ -278,9 +282,9 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._bodies.positions),
+            arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
-            lengths=self._bodies.lengths,
+            lengths=self._plant.lengths,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

@@ -1,1 +1,1 @@
-"""What a body adds to the filter: what it still passes when it hears nothing, and which velocities are safe."""
+"""What a body adds to the filter: what it still passes if it hears nothing, which velocities are safe."""

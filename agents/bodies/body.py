@@ -8,8 +8,8 @@ from typing import Protocol
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from agents.polygon import Polygon
-from protocol.bodies.base import Motion
 from protocol.bodies.sweep import Sweep
+from protocol.messages import BaseMotion
 
 Vector = tuple[float, float]
 
@@ -25,8 +25,8 @@ class Body(Protocol):
     reach: float
     swept: Sweep | None
 
-    def on_motion(self, motion: Motion) -> None:
-        """Take in what the base does as a tick begins."""
+    def on_motion(self, motion: BaseMotion | None) -> None:
+        """Take in what the base says that it does as a tick begins; None: it stands."""
 
     def velocity(
         self,

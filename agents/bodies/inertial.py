@@ -1,13 +1,13 @@
 """A body that does not stop at once: a velocity is commanded only if all that follows from it is allowed.
 
-What follows is the sweep of the tick, of the time that the base holds the velocity when it hears nothing, and of
-braking. If it lies in everything that must be obeyed, then so does what is left of it after the tick, and
+What follows is the sweep of the tick, of the time that the base holds the velocity if it hears nothing, and
+of braking. If it lies in everything that must be obeyed, then so does what is left of it after the tick, and
 braking, which leads along the same way, ends sooner. So braking is always allowed, and is what remains if no
 velocity is (docs/safety.md, step 2).
 
-The candidate comes from a convex program in the place where the base would stand, as if its arcs were straight
-and led there by the middle of the tick's way. The sweep is tested as it is; what it lacks is taken off the
-program's limits, and the program solved again.
+The candidate comes from a convex program in the place where the base would stand, as if its arcs were
+straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
+solved again.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from agents.lines.safe_velocity import nearest, wedge
 from agents.polygon import Polygon
-from protocol.bodies.base import Arc, Base, Motion
+from protocol.bodies.base import Base, Motion
 from protocol.bodies.sweep import Sweep, sweep
+from protocol.messages import BaseMotion
 
 _TRIES: Final = 6  # programs that are solved in a tick
 _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
@@ -40,22 +41,29 @@ class InertialBody:
         speed: speed limit of the control point, m/s.
         error: share of the way by which the control point may miss where it is sent.
         lag: m, by which it may miss that further.
+        heading: rad, by which the direction that it says it has may be off.
     """
 
-    def __init__(self, base: Base, speed: float, error: float, lag: float) -> None:
+    def __init__(
+        self, base: Base, speed: float, *, error: float = 0.0, lag: float = 0.0, heading: float = 0.0
+    ) -> None:
+        error += 2.0 * math.sin(0.5 * heading)  # everything that is done is turned by it
         self.reach = base.reach(speed) * (1.0 + error) + lag
         self.swept: Sweep | None = None
         self._base, self._speed, self._error, self._lag = base, speed, error, lag
         self._motion = Motion(0.0)
 
-    def on_motion(self, motion: Motion) -> None:
+    def on_motion(self, motion: BaseMotion | None) -> None:
         """See `agents.bodies.body.Body`."""
-        self._motion = motion
-        if motion.stands:
+        if motion is None:
+            self._motion = Motion(0.0)
+        else:
+            self._motion = self._base.motion(motion.velocity, motion.heading, motion.stop)
+        if self._motion.stands:
             self.swept = None
             return
-        arcs = [self._base.halt(motion)]
-        self.swept = sweep(self._base, motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
+        arcs = [self._base.halt(self._motion)]
+        self.swept = sweep(self._base, self._motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
 
     def velocity(
         self,

@@ -9,8 +9,8 @@ from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from agents.lines.safe_velocity import safe_velocity
 from agents.polygon import Polygon
-from protocol.bodies.base import Motion
 from protocol.bodies.sweep import Sweep
+from protocol.messages import BaseMotion
 
 Vector = tuple[float, float]
 
@@ -30,7 +30,7 @@ class PointBody:
         self.swept: Sweep | None = None
         self._speed, self._period, self._noise = speed, period, noise
 
-    def on_motion(self, motion: Motion) -> None:
+    def on_motion(self, motion: BaseMotion | None) -> None:
         """It stands."""
 
     def velocity(

@@ -54,7 +54,7 @@ def safe_velocity(
     want = (desired[0] * period, desired[1] * period)
     limits = _near(half_planes, x, y, max_step * (1.0 + noise))
     if noise > 0.0:
-        limits = [wedge for limit in limits for wedge in wedge(limit, noise)]
+        limits = [half for limit in limits for half in wedge(limit, noise)]
     step = nearest(want, limits, max_step)
     for _ in range(_CUTS):
         cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)

@@ -48,8 +48,8 @@ def sweep(base: Base, heading: float, arcs: Sequence[Arc], *, error: float, lag:
     """What the control point passes along arcs, one after another, if it may miss them.
 
     It is away from where the arcs lead, having gone a way L along them, by at most `error` L + `lag`, and of
-    the lag only an even share in each of the first `rise` arcs; with none, all of it at once. Each arc lies in
-    the triangle of its ends and of the point where its tangents meet.
+    the lag only an even share in each of the first `rise` arcs; with none, all of it at once. Each arc lies
+    in the triangle of its ends and of the point where its tangents meet.
 
     Args:
         base: that describes them.

@@ -18,8 +18,8 @@ class Body:
     """A robot's body. What it is told to do is the velocity of its control point, the centre of its disk.
 
     point: takes any velocity at once, and stands as soon as it is told nothing. The others hold the last
-    velocity for `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two wheels;
-    the control point lies `offset` ahead of the middle of their axle.
+    velocity for `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two
+    wheels; the control point lies `offset` ahead of the middle of their axle.
     """
 
     __pydantic_config__ = STRICT
@@ -32,6 +32,11 @@ class Body:
     hold: NonNegative = 0.0  # s that it goes on with the last velocity after the tick that this was for
     error: Share = 0.0  # of the way: by so much at most it misses what it is told, until it stands
     lag: NonNegative = 0.0  # m, by so much more at most
+
+    @property
+    def ideal(self) -> bool:
+        """Whether it does at once, and exactly, what it is told."""
+        return self.kind == "point" and self.error == 0.0 and self.lag == 0.0
 
     @property
     def disk(self) -> float | None:

@@ -14,8 +14,7 @@ from annotated_types import Ge, Le, Len
 
 from protocol.errors import Problem, ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.ranges import STRICT as STRICT
-from protocol.scenario.ranges import Angle, HalfTurn, NonNegative, Positive, Share
+from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive, Share
 
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]

@@ -10,7 +10,7 @@ from protocol.scenario.model import Sensing
 from tests.world.driving import STEP, two
 from world.plants import disturbance
 from world.plants.disturbance import Uniforms, truncated_normal
-from world.sensing import Sensor
+from world.sensing.position import Sensor
 
 TRUTH = (0.123, -0.0456)
 

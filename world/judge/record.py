@@ -35,9 +35,7 @@ class Record:
         goals: by which it measures; another one is set by `redirect`.
     """
 
-    def __init__(
-        self, scenario: Scenario, goals: Goals, positions: Sequence[Vector], parts: int = 1
-    ) -> None:
+    def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector], parts: int = 1) -> None:
         disks = self._disks = Disks(scenario)
         self.goals = goals
         self._phi = NavigationFunction(disks, goals, scenario.k)

@@ -20,7 +20,7 @@ _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 class SimulatedBase:
     """One robot's base.
 
-    Its error has a random direction and size in each tick, and comes with the way; the lag comes with commands.
+    Its error has a direction and a size in each tick, and grows with the way; the lag comes with commands.
 
     Attributes:
         motion: what it does at the start of the tick to come.

@@ -1,5 +1,5 @@
-"""Formulas: points are single integrators with a speed limit and imperfect actuation, b' = v + |v| w, held for
-one tick; other bodies move as `protocol.bodies` says."""
+"""Formulas: points are single integrators with a speed limit and imperfect actuation, b' = v + |v| w, held
+for one tick; other bodies move as `protocol.bodies` says."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from protocol.bodies.base import STEPS
 from protocol.draws import Purpose
 from protocol.messages import Vector
-from protocol.scenario.body import Body
 from protocol.scenario.model import Scenario
 from world.plants.base import SimulatedBase
 from world.plants.disturbance import Uniforms, truncated_normal
@@ -65,11 +64,11 @@ class Integrator:
     """Where every disk really is, by formulas; see `world.plants.plant.Plant`.
 
     Attributes:
-        ids, positions, lengths, parts, between, exact: see there.
+        ids, positions, lengths, parts, between, slips: see there.
         displacements: what each did during the last tick, m; added to the old position it gave the new one.
     """
 
-    exact = True
+    slips = False
 
     def __init__(self, scenario: Scenario) -> None:
         self.ids = scenario.ids
@@ -81,7 +80,7 @@ class Integrator:
         self._bases = {
             index: SimulatedBase(scenario, robot)
             for index, robot in enumerate(self.ids)
-            if not is_ideal_point(scenario.body_of(robot))
+            if not scenario.body_of(robot).ideal
         }
         self.parts = STEPS if self._bases else 1
 
@@ -103,7 +102,7 @@ class Integrator:
         return []
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """All move at once for one tick: x += executed velocity times step; a point without a command stands."""
+        """All move at once for one tick: x += executed velocity times step; a point without one stands."""
         before = tuple(self.positions)
         parts: dict[int, list[Vector]] = {}
         for index, robot in enumerate(self.ids):
@@ -152,8 +151,3 @@ class Integrator:
                 )
             )
         return between
-
-
-def is_ideal_point(body: Body) -> bool:
-    """Whether a body does at once what it is told, but for the noise of all actuation."""
-    return body.kind == "point" and body.error == 0.0 and body.lag == 0.0

@@ -1,8 +1,8 @@
 """A fleet on two wheels each as a model of MuJoCo: https://mujoco.readthedocs.io/en/stable/XMLreference.html.
 
-Each robot is a hull, two driven wheels and two casters. Around its control point lies its disk, a cylinder that exerts
-no force, but whose contacts with the others' the engine reports: with `margin` -1 and `gap` 1 a contact is found as
-soon as two overlap, and is never given to the solver.
+Each robot is a hull, two driven wheels and two casters. Around its control point lies its disk, a cylinder
+that exerts no force, but whose contacts with the others' the engine reports: with `margin` -1 and `gap` 1 a
+contact is found as soon as two overlap, and is never given to the solver.
 """
 
 from __future__ import annotations
@@ -18,7 +18,14 @@ _WHEEL = 0.2  # of the track: radius of a wheel
 _DENSITY = 32.0  # kg/m^2 of a hull: a disk of radius 0.1 m weighs a kilogram
 _LAG = 0.015  # s, time constant of a wheel's servo; its gain must stay small for the wheel's inertia
 _PUSH = 3.0  # m/s^2: what both servos together can do
-_COLOURS = ("0.12 0.47 0.71", "1.00 0.50 0.05", "0.17 0.63 0.17", "0.84 0.15 0.16", "0.58 0.40 0.74", "0.55 0.34 0.29")
+_COLOURS = (
+    "0.12 0.47 0.71",
+    "1.00 0.50 0.05",
+    "0.17 0.63 0.17",
+    "0.84 0.15 0.16",
+    "0.58 0.40 0.74",
+    "0.55 0.34 0.29",
+)
 
 
 def wheel_radius(body: Body) -> float:
@@ -29,7 +36,9 @@ def wheel_radius(body: Body) -> float:
 def model(scenario: Scenario) -> str:
     """The XML of a scenario, all of whose robots have two wheels."""
     root = Element("mujoco", model=scenario.name)
-    SubElement(root, "option", timestep=f"{TIMESTEP}", integrator="implicitfast", cone="elliptic", impratio="10")
+    SubElement(
+        root, "option", timestep=f"{TIMESTEP}", integrator="implicitfast", cone="elliptic", impratio="10"
+    )
     visual = SubElement(root, "visual")
     SubElement(visual, "global", offwidth="1200", offheight="900")
     SubElement(visual, "headlight", ambient="0.5 0.5 0.5", diffuse="0.5 0.5 0.5")
@@ -78,7 +87,12 @@ def _robot(world: Element, actuator: Element, spec: RobotSpec, body: Body) -> No
     for side, place in (("left", 0.5), ("right", -0.5)):
         _wheel(base, f"{side} {name}", place * body.track, wheel, 0.1 * mass * wheel * wheel)
         SubElement(
-            actuator, "velocity", name=f"{side} {name}", joint=f"{side} {name}", kv=f"{gain}", forcerange=f"{-torque} {torque}"
+            actuator,
+            "velocity",
+            name=f"{side} {name}",
+            joint=f"{side} {name}",
+            kv=f"{gain}",
+            forcerange=f"{-torque} {torque}",
         )
 
 

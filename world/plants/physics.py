@@ -24,7 +24,7 @@ class Physics:
         UsageError: MuJoCo is not installed, or the control period is not a multiple of its time step.
     """
 
-    exact = False
+    slips = True
     parts = STEPS
 
     def __init__(self, scenario: Scenario) -> None:
@@ -46,8 +46,8 @@ class Physics:
         for robot in self._robots:
             robot.begin()
 
-    def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """See `world.plants.plant.Plant`."""
+    def move(self, commands: Mapping[int, Vector], tick: int) -> None:  # noqa: ARG002
+        """See `world.plants.plant.Plant`; no number is random here."""
         for robot, driven in zip(self.ids, self._robots, strict=True):
             driven.plan(commands.get(robot))
         self._touched.clear()
@@ -82,7 +82,7 @@ class Physics:
 
     def _step(self, count: int) -> None:
         self._engine.mj_step(self._model, self._data, count)
-        self._engine.mj_kinematics(self._model, self._data)  # `mj_step` leaves places as its last step found them
+        self._engine.mj_kinematics(self._model, self._data)  # `mj_step` does not say where it led to
 
     def _touch(self) -> None:
         """Take note of disks in contact."""
@@ -195,7 +195,7 @@ def _substeps(period: float) -> int:
     count = round(period / (STEPS * TIMESTEP))
     if count < 1 or abs(count * STEPS * TIMESTEP - period) > 1e-9:
         raise UsageError(
-            f'world.plant = "mujoco" needs a time.step that is a multiple of {STEPS * TIMESTEP:g} s, not {period:g} s'
+            f'world.plant = "mujoco" needs a time.step in steps of {STEPS * TIMESTEP:g} s, not {period:g} s'
         )
     return count
 

@@ -26,7 +26,7 @@ class Plant(Protocol):
         lengths: path length of each so far, m.
         parts: straight motions that a tick consists of, up to some micrometres that an arc is off its chord.
         between: where the disks were at the ends of all parts of the last tick but the last one.
-        exact: whether odometry is exact, so that errors up to the stated ones are to be added to it.
+        slips: whether odometry is inexact by itself; else errors up to the stated ones are to be added to it.
     """
 
     ids: tuple[int, ...]
@@ -34,10 +34,10 @@ class Plant(Protocol):
     lengths: list[float]
     parts: int
     between: list[tuple[Vector, ...]]
-    exact: bool
+    slips: bool
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """Go through a tick with commanded velocities (m/s) by robot id; a base that has none hears nothing."""
+        """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
 
     def report(self, index: int) -> Report:
         """What the base at that place of `ids` says of itself."""
@@ -48,5 +48,5 @@ class Plant(Protocol):
         ...
 
     def touched(self) -> Sequence[tuple[int, int]]:
-        """Pairs of ids whose disks touched in the last tick as the plant itself saw it, 0 for the boundary."""
+        """Pairs of ids whose disks touched in the last tick, if the plant itself can tell."""
         ...

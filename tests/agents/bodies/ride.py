@@ -1,8 +1,9 @@
-"""One body amid peers that move their lines, on a network that loses commands; whatever it wants, it wants it hard.
+"""One body amid peers that move their lines, on a network that loses commands.
 
-Body, lines and boundary are the product's. The model is the rest: a base that misses what it is told by as much
-as it may, an estimate that is off by as much as it may, lines that are offered anywhere, half of them where the
-body just passes them. What goes wrong is measured along the true way, between ticks too.
+Body, lines and boundary are the product's. The model is the rest: a law that drives at whatever is there, a
+base that misses what it is told by as much as it may, an estimate that is off by as much as it may, lines
+that are offered anywhere, most of them where the body just passes them. What goes wrong is measured along
+the true way, within ticks too.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 
 from agents.peers.state import PeerState
 from agents.polygon import around
-from protocol.messages import Member, Proposal
+from protocol.messages import BaseMotion, Member, Proposal
 from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted
 
@@ -74,14 +75,15 @@ class Ride:
         self.product = product
         self.period = rng.choice((0.02, 0.05, 0.1, 0.2))
         self.body = drawn(kind, rng)
-        self.speed = rng.choice((0.05, 0.1, 0.3)) * (1.0 if kind != "robotarium" else 0.5)
+        self.speed = rng.choice((0.05, 0.1, 0.3))
         sloppy = rng.random() < 0.5
-        self.heading_bound = rng.choice((0.0, 0.02, 0.2)) if sloppy and self.body.kind != "omnidirectional" else 0.0
+        self.askew = rng.choice((0.0, 0.02, 0.2)) if sloppy else 0.0
         self.bound = rng.choice((0.0, 1e-3, 1e-2)) if sloppy else 0.0
         self.loss = rng.choice((0.0, 0.1, 0.5, 0.9))
         self.base = product.base.Base(self.body, self.period)
-        error = self.body.error + 2.0 * math.sin(0.5 * self.heading_bound)
-        self.filter = product.inertial.InertialBody(self.base, self.speed, error, self.body.lag)
+        self.filter = product.inertial.InertialBody(
+            self.base, self.speed, error=self.body.error, lag=self.body.lag, heading=self.askew
+        )
         self.radius = rng.choice((0.05, 0.15))
         self.boundary = product.boundary.RoundBoundary(ROOM - self.radius)
         self.x = self.y = 0.0
@@ -115,26 +117,25 @@ class Ride:
         turn = rng.uniform(0.0, math.tau)
         at = (self.x + off * math.cos(turn), self.y + off * math.sin(turn))
         shape = around(self.bound, 1e-9) if self.bound > 0.0 else None
-        askew = rng.choice((-1.0, 0.0, 1.0)) * self.heading_bound
+        askew = rng.choice((-1.0, 0.0, 1.0)) * self.askew
         self.filter.on_motion(self._said(askew))
-        self.lines.locate(self.now, at, self.bound if shape is None else shape.radius, shape, self.filter.swept)
+        bound = 0.0 if shape is None else shape.radius
+        self.lines.locate(self.now, at, bound, shape, self.filter.swept)
         for _ in range(rng.choice((0, 0, 1, 3))):
             self._propose()
-        velocity = self.filter.velocity(
-            self._desired(), at, self.lines.half_planes(), self.boundary, shape
-        )
+        velocity = self.filter.velocity(self._desired(), at, self.lines.half_planes(), self.boundary, shape)
         if rng.random() < self.loss:
             return self._moved(None)
         return self._moved(self.product.base.turned(*velocity, -askew))
 
-    def _said(self, askew: float) -> Any:
+    def _said(self, askew: float) -> BaseMotion:
         """What the base says of itself; its direction is off."""
         motion, base = self.motion, self.base
         arc = base.halt(motion)
         dx, dy = self.product.base.chord(arc, base.turn(arc))
         stop = self.product.base.turned(dx, dy, motion.heading + askew)
         velocity = self.product.base.turned(*motion.velocity, askew)
-        return base.motion(velocity, motion.heading + askew, stop)
+        return BaseMotion(velocity, motion.heading + askew, stop)
 
     def _propose(self) -> None:
         """A peer offers a line, often one that the body can only just satisfy."""
