@@ -30,12 +30,16 @@ class Body:
     speed: Positive = 1e6  # m/s, of a wheel's rim; without wheels of the whole
     acceleration: Positive = 1e6  # m/s^2, of the same, speeding up and braking
     hold: NonNegative = 0.0  # s that it goes on with the last velocity after the tick that this was for
-    error: Share = 0.0  # of the way: by so much at most it misses what it is told, until it stands
-    lag: NonNegative = 0.0  # m, by so much more at most
+    # What it does is off by at most `error` of the way, until it stands, and `lag` (m) more; what odometry
+    # says that it did in a tick, by at most `odometry` of the way and `drift` (m) more.
+    error: Share = 0.0
+    lag: NonNegative = 0.0
+    odometry: Share = 0.0
+    drift: NonNegative = 0.0
 
     @property
     def ideal(self) -> bool:
-        """Whether it does at once, and exactly, what it is told."""
+        """Whether it does at once, and exactly, what it is told, whatever odometry says of it."""
         return self.kind == "point" and self.error == 0.0 and self.lag == 0.0
 
     @property
@@ -45,11 +49,24 @@ class Body:
 
 
 def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Body:
-    return Body("differential-drive", radius, offset, track, speed, acceleration=0.66, hold=0.1)
+    return Body(
+        "differential-drive",
+        radius,
+        offset,
+        track,
+        speed,
+        acceleration=0.66,
+        hold=0.1,
+        error=0.1,
+        lag=0.002,
+        odometry=0.1,
+        drift=3e-4,
+    )
 
 
 # Radius, track and speed are the makers'. Acceleration and offset are choices: a wheel that gains 0.66 m/s
-# in a second does not spin on a smooth floor; an offset of a third of the track turns briskly.
+# in a second does not spin on a smooth floor; an offset of a third of the track turns briskly. The errors are
+# what their models in MuJoCo keep to, with room to spare.
 PRESETS: Final[dict[str, Body]] = {
     "point": Body(),
     "turtlebot3-burger": _two_wheels(0.10, 0.160, 0.22, 0.05),

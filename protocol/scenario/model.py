@@ -14,7 +14,7 @@ from annotated_types import Ge, Le, Len
 
 from protocol.errors import Problem, ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive, Share
+from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive
 
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
@@ -73,11 +73,7 @@ class Sensing:
     bias: Point = (0.0, 0.0)
     dropout: Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
-    # Of odometry, which says at once how far the base went in a tick, and of the direction that it says to
-    # have: the largest errors. A plant that does not slip by itself adds errors up to them.
-    odometry: Share = 0.0  # of the way
-    drift: NonNegative = 0.0  # m in each tick, beyond that
-    heading: HalfTurn = 0.0  # rad
+    heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
     contradiction: Literal["stand", "newest"] = "stand"
 

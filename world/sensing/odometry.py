@@ -27,10 +27,11 @@ class Odometer:
     """
 
     def __init__(self, scenario: Scenario, robot: int, slips: bool) -> None:
-        sensing = scenario.sensing_of(robot)
-        self._share, self._drift, self._heading = sensing.odometry, sensing.drift, sensing.heading
+        body = scenario.body_of(robot)
+        self._share, self._drift = body.odometry, body.drift
+        self._heading = scenario.sensing_of(robot).heading
         self._slips = slips
-        self.ideal = scenario.body_of(robot).ideal and self._share == self._drift == 0.0
+        self.ideal = body.ideal and self._share == self._drift == 0.0
         self._draws = Uniforms(scenario.seed, Purpose.ODOMETRY, robot, 3)
 
     def read(self, report: Report, tick: int) -> tuple[Vector, float, BaseMotion | None]:

@@ -21,10 +21,11 @@ from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted
 
 TICKS = 200
-ROOM = 2.0  # m, radius of the workspace
+ROOMS = (0.3, 0.6, 2.0)  # m, largest distance of the own place from the middle
 PARTS = 3  # places at which each arc is looked at
 PEERS = (1, 2, 3)
 OWN = 4
+KINDS = ("point", "omnidirectional", "differential-drive", "turtlebot3-burger", "e-puck")
 ROUNDING = 1e-12  # m
 
 Vector = tuple[float, float]
@@ -85,7 +86,7 @@ class Ride:
             self.base, self.speed, error=self.body.error, lag=self.body.lag, heading=self.askew
         )
         self.radius = rng.choice((0.05, 0.15))
-        self.boundary = product.boundary.RoundBoundary(ROOM - self.radius)
+        self.boundary = product.boundary.RoundBoundary(rng.choice(ROOMS))
         self.x = self.y = 0.0
         self.motion = product.base.Motion(rng.uniform(-4.0, 4.0))
         self.angle, self.number, self.now = 0.0, 0, 0
