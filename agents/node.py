@@ -118,7 +118,7 @@ class RobotNode:
         return self._away if self._over else max(self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:
-        return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
+        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation)

@@ -19,7 +19,7 @@ from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from protocol.steering import decode_steer
@@ -31,6 +31,7 @@ from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
 from world.shell.run import Phase, Run
 from world.shell.shutdown import Shutdown
+from world.world import World
 
 
 class WorldNode:
@@ -99,6 +100,7 @@ class WorldNode:
         bus.watch(every_robot(run, "alive"))
         for stream in ("steering", "scenario"):
             bus.serve(world_key(run, stream))
+        bus.serve(every_robot(run, "join"))
         bus.announce(world_key(run, "alive"))
         if current.world.verdict:
             self._end()
@@ -116,6 +118,11 @@ class WorldNode:
         self._admissions.forget_reports()
         self._publishers.published = 0
         self._pacing.wait()
+
+    @property
+    def world(self) -> World:
+        """The world of the present run."""
+        return self._run.world
 
     @property
     def deadline(self) -> float:
@@ -169,9 +176,10 @@ class WorldNode:
     def _reply(self, request: Request) -> bytes:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
-            if parse(request.key).stream == "steering":
+            address = parse(request.key)
+            if address.stream == "steering":
                 return self._steer(request.payload)
-            return joining.encode_reply(self._answer(request.payload))
+            return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
         except MessageError as error:
@@ -185,10 +193,12 @@ class WorldNode:
             self._pacing.steering.apply(steer)
         return msgspec.msgpack.encode(self._pacing.steering)
 
-    def _answer(self, payload: bytes) -> joining.Reply:
-        if not payload:
+    def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
+        if asked.stream == "scenario":
             return self._admissions.overview(self._run)
-        join = joining.decode_request(payload)
+        if asked.robot is None or asked.stream != "join":
+            raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
+        join = joining.decode_request(asked.robot, payload)
         refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
             return refusal

@@ -198,8 +198,8 @@ def _comments() -> dict[tuple[str, str], str]:
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
     parts = ["## Requests", ""]
-    for name, module in (("scenario", joining), ("steering", steering)):
-        parts += [f"### `disknav/<run>/world/{name}`", "", inspect.getdoc(module) or "", ""]
+    for name, module in (("robot/<id>/join", joining), ("world/steering", steering)):
+        parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]
     return "\n".join(parts)
 
 
