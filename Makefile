@@ -11,6 +11,8 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py) \
   $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py fixed_disk.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/bodies/,point.py inertial.py) \
+  $(addprefix protocol/bodies/,base.py sweep.py) \
   $(addprefix agents/laws/,view.py gradient.py) \
   $(addprefix world/coordinator/,commands.py roster.py lives.py) \
   $(addprefix world/plants/,base.py integrator.py) \

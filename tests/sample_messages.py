@@ -56,7 +56,9 @@ answers = several(st.builds(Answer, ids, counts, counts, counts))
 motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans()),
+    "tick": st.builds(
+        Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()
+    ),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),

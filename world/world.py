@@ -21,6 +21,7 @@ from world.coordinator.inputs import (
     Ended,
     Expected,
     GivenUp,
+    Halted,
     Input,
     Joined,
     Lost,
@@ -35,6 +36,7 @@ from world.judge.goals import Goals
 from world.judge.record import Record
 from world.judge.verdict import Judge
 from world.plants.choice import plant_of
+from world.plants.integrator import STANDING
 from world.report import report
 from world.sensing.odometry import Odometer
 from world.sensing.position import Sensor
@@ -47,6 +49,7 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        halted: whether an emergency stop is in force.
         note: is told every input that this world has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
             (`world.shell.replay`).
@@ -64,6 +67,7 @@ class World:
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
         self._plant = plant_of(scenario)
@@ -243,6 +247,7 @@ class World:
                 sensed.get(robot),
                 roster_for(robot),
                 self._missions.goal(robot),
+                self.halted,
             )
             for robot, life in self._lives.listeners()
         }
@@ -277,6 +282,12 @@ class World:
         """What came of orders since this was last asked for."""
         return self._missions.news()
 
+    def halt(self, halted: bool) -> None:
+        """Have everybody stand, from the open tick on, or release them."""
+        if halted != self.halted:
+            self.halted = halted
+            self._noted(Halted(halted))
+
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self._commands.accept(command)
@@ -289,9 +300,7 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        commands = self._commands.velocities
-        obeyed = {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
-        self._plant.move(obeyed, self.tick)
+        self._plant.move(self._obeyed(), self.tick)
         self._fence()
         self._told = None
         self.tick += 1
@@ -300,12 +309,21 @@ class World:
         if self.note is not None:
             self.note(Closed(self.checksum))
 
+    def _obeyed(self) -> dict[int, Vector]:
+        """What the bases are told in this tick; while all are halted, to brake."""
+        if self.halted:
+            return dict.fromkeys(self._plant.ids, STANDING)
+        commands = self._commands.velocities
+        return {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
+
     def _fence(self) -> None:
         for index, (robot, position) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
             if robot not in self._commands.velocities and self._plant.stands(index):
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
+        if self.halted:
+            self._judge.disturb(self.tick)
         for robot in self._missions.advance(self.tick, self._plant.ids, self._plant.positions):
             self._redirect(robot)
         if not self.verdict and not self._scenario.time.endless:
