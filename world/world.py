@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth
+from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth, Vector
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (

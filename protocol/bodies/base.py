@@ -22,6 +22,7 @@ from mypy_extensions import mypyc_attr
 from protocol.scenario.body import Body
 
 STEPS: Final = 5  # velocities that the wheels are given in a tick, one after another
+_TINY: Final = 1e-100  # m, m/s: what is less is none, and what is not can be divided by
 _NEARLY: Final = 1.0 + 1e-12  # rounding of a velocity that was limited before
 
 Vector = tuple[float, float]
@@ -158,7 +159,7 @@ class Base:
         the vector (m) from here to where it stands if it hears nothing."""
         ahead, aside = turned(velocity[0], velocity[1], -heading)
         speed = math.hypot(ahead, aside)
-        if speed == 0.0:
+        if speed < _TINY:
             return Motion(heading)
         still = Motion(heading, ahead, aside)
         chord, rate = math.hypot(*stop), aside / self._offset if self._offset > 0.0 else 0.0
@@ -176,7 +177,7 @@ class Base:
     def velocity_for(self, motion: Motion, lead: Vector) -> Vector:
         """The velocity with that `lead`, m/s."""
         distance = math.hypot(*lead)
-        if distance == 0.0:
+        if distance < _TINY:
             return 0.0, 0.0
         time = self._held_for
         root = math.sqrt(time * time + 4.0 * self._slowing(motion, lead) * distance)
@@ -197,7 +198,7 @@ class Base:
     def _slowing(self, motion: Motion, direction: Vector) -> float:
         """Way to brake from a velocity in that direction, divided by the square of its length, s^2/m."""
         length = math.hypot(*direction)
-        if length == 0.0 or self._instant:
+        if length < _TINY or self._instant:
             return 0.0
         ahead, aside = turned(direction[0], direction[1], -motion.heading)
         return 0.5 * self.rim(ahead, aside) / (length * self._acceleration)

@@ -18,7 +18,7 @@ WHEELLESS = Body("omnidirectional", acceleration=0.5, hold=0.12)
 PERIOD = 0.05
 FINE = 2000  # steps of the other integration
 
-speeds = st.floats(-0.15, 0.15)
+speeds = st.integers(-150_000, 150_000).map(lambda number: number * 1e-6)  # in um/s: none is next to nothing
 angles = st.floats(-math.pi, math.pi)
 Vector = tuple[float, float]
 
