@@ -6,11 +6,12 @@ READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
+  $(addprefix protocol/geometry/,disk.py polygon.py) \
   $(addprefix protocol/,cursor.py reader.py codec.py) \
   $(addprefix agents/,roster.py polygon.py estimate.py robot.py node.py) \
   $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py) \
-  $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py fixed_disk.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py entries.py separating_lines.py) \
   $(addprefix agents/laws/,gradient.py) \
   $(addprefix world/coordinator/,commands.py roster.py lives.py) \
   $(addprefix world/plants/,integrator.py) \

@@ -12,7 +12,7 @@ from tests.agents.lines.small_model import Bounds, search
 from tests.interpreted import Edit
 
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
-    f"agents.lines.{name}" for name in ("ends", "robot_pair", "fixed_disk", "separating_lines", "boundary")
+    f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
 _ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
 _ROLL, _COMMANDS, _LIVES, _BODIES = (
