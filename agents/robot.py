@@ -12,7 +12,7 @@ from math import inf
 from typing import Final
 
 from agents.estimate import Estimate
-from agents.laws import choose
+from agents.laws import View, choose
 from agents.lines.boundary import boundary_of
 from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
@@ -41,6 +41,9 @@ class Robot:
         scenario: the run; k already a number.
         robot: own id.
         incarnation: this incarnation, as handed out by the world.
+
+    Attributes:
+        goal: where to go, m; nothing else of a robot keeps it, so that it may be set between two ticks.
     """
 
     def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
@@ -48,7 +51,7 @@ class Robot:
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
         self._scenario, self._control = scenario, scenario.control
-        self._goal, self._radius = spec.goal, spec.radius
+        self.goal = spec.goal
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
@@ -155,8 +158,8 @@ class Robot:
         answers: tuple[Answer, ...] = ()
         gamma = slice_norm = 0.0
         if position is not None:
-            gamma = (position[0] - self._goal[0]) ** 2 + (position[1] - self._goal[1]) ** 2
-            slice_norm = self._law.slice_norm(position)
+            gamma = (position[0] - self.goal[0]) ** 2 + (position[1] - self.goal[1]) ** 2
+            slice_norm = self._law.slice_norm(position, self.goal)
             if self._filtered and self._lines is not None:
                 proposals, answers = self._lines.entries(self._desired)
         return State(
@@ -207,9 +210,20 @@ class Robot:
             if lines.keeps_clear or not self._filtered:
                 self._kept = self._roster.version
             if position is not None:
-                self._desired = self._law.velocity(position, self._moved, self._neighbours, self.tick)
+                self._desired = self._law.velocity(self._view(position))
                 velocity = self._allowed(lines, position, lines.make_room(self._desired))
         return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)
+
+    def _view(self, position: Vector) -> View:
+        """What the law is given in this tick."""
+        return View(
+            tick=self.tick,
+            position=position,
+            goal=self.goal,
+            displacement=self._moved,
+            neighbours=self._neighbours,
+            things=() if self._things is None else self._things.shapes,
+        )
 
     def complaint(self) -> Command:
         """In place of a Command that cannot be given: whose States are missing."""

@@ -10,7 +10,7 @@ from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.lives import Lives
 from world.judge.contacts import Contact
-from world.judge.measures import normalised_length, tight
+from world.judge.measures import normalised_length
 from world.judge.record import Record
 from world.sensing import Sensor
 
@@ -53,10 +53,10 @@ def report(
         "collisions": len(record.contacts.all),
         "contacts": [_contact(contact, step) for contact in record.contacts.all[:LISTED]],
         "min_clearance": record.clearance,
-        "nrl": normalised_length(scenario, paths),
+        "nrl": normalised_length(record.goals, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
         "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)},
-        "tight": tight(scenario),
+        "tight": record.tight,
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
         "missed_commands": commands.missed,

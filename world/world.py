@@ -17,6 +17,7 @@ from world.coordinator.commands import Commands
 from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
 from world.coordinator.lives import Lives
 from world.coordinator.patience import blamed
+from world.judge.goals import Goals
 from world.judge.record import Record
 from world.judge.verdict import Judge
 from world.plants.integrator import Bodies
@@ -56,8 +57,9 @@ class World:
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
-        self._record = Record(scenario, self._bodies.positions)
-        self._judge = Judge(scenario, scenario.ids)
+        goals = Goals(scenario)
+        self._record = Record(scenario, goals, self._bodies.positions)
+        self._judge = Judge(scenario, goals)
         self._measurements: dict[int, Measurement] | None = None  # of the open tick
 
     @property

@@ -2,5 +2,6 @@
 
 from agents.laws.choice import choose, require
 from agents.laws.law import Law
+from agents.laws.view import View
 
-__all__ = ["Law", "choose", "require"]
+__all__ = ["Law", "View", "choose", "require"]

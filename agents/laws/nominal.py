@@ -19,14 +19,14 @@ class Nominal:
 
     def __init__(self, scenario: Scenario, robot: int, noise: float) -> None:
         """`noise`: largest random velocity, as a fraction of the speed limit; none at the goal."""
-        self._goal, self._robot, self._seed = scenario.spec(robot).goal, robot, scenario.seed
+        self._robot, self._seed = robot, scenario.seed
         self._speed, self._period = scenario.control.speed, scenario.time.step
         self._held = max(1, scenario.ticks(_HELD))
         self._tolerance, self._noise = scenario.time.tolerance, noise
 
-    def velocity(self, position: Vector, tick: int) -> Vector:
+    def velocity(self, position: Vector, goal: Vector, tick: int) -> Vector:
         """m/s, at most the speed limit and the random part."""
-        dx, dy = self._goal[0] - position[0], self._goal[1] - position[1]
+        dx, dy = goal[0] - position[0], goal[1] - position[1]
         away = math.hypot(dx, dy)
         if away <= 0.5 * self._tolerance:
             return 0.0, 0.0
@@ -34,7 +34,3 @@ class Nominal:
         draw = generator(self._seed, Purpose.CONTROL, self._robot, tick // self._held)
         angle, size = math.tau * draw.random(), self._noise * self._speed * draw.random()
         return rate * dx + size * math.cos(angle), rate * dy + size * math.sin(angle)
-
-    def pull(self, position: Vector) -> float:
-        """Twice the distance to the goal, m: the attraction, for peers that pace themselves by it."""
-        return 2.0 * math.hypot(position[0] - self._goal[0], position[1] - self._goal[1])

@@ -8,9 +8,13 @@ State says, moved on by their velocity over its age. Only the robot's own new ve
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from agents.laws.law import Law
 from agents.laws.nominal import Nominal
+from agents.laws.view import View
 from agents.peers.neighbours import Neighbours
+from protocol.geometry import Shape
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -19,10 +23,9 @@ HORIZON = 2.0  # s, ahead of which encounters count
 NOISE = 0.1  # of the speed limit
 MARGIN = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
 _WALL = 2.0  # periods ahead of which the boundary counts: more only slows the way to goals beside it
-_SIDES = 48  # of the polygon that stands for the workspace's circle
 
 
-class OrcaLaw:
+class OrcaLaw(Law):
     """One robot's reciprocal velocity; see `agents.laws.law.Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -37,28 +40,37 @@ class OrcaLaw:
             scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
         )
         self._agents: dict[int, int] = {}
-        everyone, far = len(scenario.robots), 2.0 * scenario.workspace.radius
+        room = self._room = scenario.workspace.shape
+        everyone, far = len(scenario.robots), 2.0 * room.around.radius
         self._simulator = RVOSimulator(
             self._period, far, everyone, horizon, _WALL * self._period, self._radii[robot], self._speed
         )
-        self._simulator.add_obstacle(_inside(scenario.workspace.radius))
-        self._simulator.process_obstacles()
+        self._things: Sequence[Shape] = ()
+        self._fill()
         self._own = self._simulator.add_agent((0.0, 0.0))
 
-    def velocity(self, position: Vector, displacement: Vector, neighbours: Neighbours, tick: int) -> Vector:
+    def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
-        moving = (displacement[0] / self._period, displacement[1] / self._period)
-        self._place(self._own, position, moving, self._nominal.velocity(position, tick))
+        if list(view.things) != list(self._things):
+            self._things = tuple(view.things)
+            self._fill()
+        moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
+        preferred = self._nominal.velocity(view.position, view.goal, view.tick)
+        self._place(self._own, view.position, moving, preferred)
         for peer in self._radii:
-            self._observe(peer, neighbours, tick)
+            self._observe(peer, view.neighbours, view.tick)
         self._simulator.do_step()
         new = self._simulator.get_agent_velocity(self._own)
         excess = max(1.0, math.hypot(new.x, new.y) / self._speed)
         return new.x / excess, new.y / excess
 
-    def slice_norm(self, position: Vector) -> float:
-        """See `agents.laws.law.Law`."""
-        return self._nominal.pull(position)
+    def _fill(self) -> None:
+        """Put up the boundary and whatever stands."""
+        self._simulator.clear_obstacles()
+        self._simulator.add_obstacle(self._room.outline()[::-1])  # clockwise, so that robots are kept inside
+        for shape in self._things:
+            self._simulator.add_obstacle(shape.outline())
+        self._simulator.process_obstacles()
 
     def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
         """Put a peer where it should be by now."""
@@ -83,8 +95,3 @@ class OrcaLaw:
         simulator.set_agent_velocity(agent, velocity)
         simulator.set_agent_pref_velocity(agent, preferred)
 
-
-def _inside(radius: float) -> list[Vector]:
-    """Vertices, clockwise, so that robots are kept inside."""
-    angles = [-math.tau * n / _SIDES for n in range(_SIDES)]
-    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]

@@ -50,6 +50,11 @@ class Things:
             tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step)
 
     @property
+    def shapes(self) -> list[Shape]:
+        """All of them."""
+        return [tangent.shape for tangent in self._each]
+
+    @property
     def ready(self) -> bool:
         """Whether this robot is behind a tangent to everything; who is not must stand still."""
         return all(tangent.half_plane is not None for tangent in self._each)

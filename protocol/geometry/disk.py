@@ -67,7 +67,8 @@ class Disk:
         return nx * self.x + ny * self.y - (self.radius + clearance)
 
     def outline(self, sides: int = SIDES) -> list[Point]:
-        """Corners of a regular polygon around it, counterclockwise, m."""
-        reach = self.radius / math.cos(math.pi / sides)
+        """Corners of a regular polygon on its edge, counterclockwise, m."""
         angles = [math.tau * side / sides for side in range(sides)]
-        return [(self.x + reach * math.cos(angle), self.y + reach * math.sin(angle)) for angle in angles]
+        return [
+            (self.x + self.radius * math.cos(angle), self.y + self.radius * math.sin(angle)) for angle in angles
+        ]

@@ -11,24 +11,21 @@ import math
 
 import numpy as np
 
-from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane
+from world.judge.goals import Goals
 
 _TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
 
 
 class NavigationFunction:
-    """phi of whole configurations of one scenario."""
+    """phi of whole configurations; k is its exponent."""
 
-    def __init__(self, scenario: Scenario, disks: Disks) -> None:
-        goals = [complex(*scenario.spec(robot).goal) for robot in disks.ids]
-        self._goals: Plane = np.array(goals)
-        self._disks = disks
-        self._k = scenario.k
+    def __init__(self, disks: Disks, goals: Goals, k: float) -> None:
+        self._disks, self._goals, self._k = disks, goals, k
 
     def __call__(self, positions: Plane) -> list[float]:
         """phi of each of n configurations (n, p), complex, m; finite for any k and number of robots."""
-        offset = positions - self._goals
+        offset = positions - self._goals.points
         relative = self._disks.relative(positions)
         beta_pairs = relative.real**2 + relative.imag**2 - self._disks.contact**2
         beta = np.concatenate((beta_pairs, self._disks.surroundings.beta(positions)), axis=-1)

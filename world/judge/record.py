@@ -15,6 +15,8 @@ from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane, gaps
 from world.judge.contacts import Contacts
 from world.judge.deviation import LateralDeviation
+from world.judge.goals import Goals
+from world.judge.measures import tight
 from world.judge.phi import NavigationFunction
 from world.judge.trajectory import TrajectoryDigest
 
@@ -24,14 +26,19 @@ _LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the 
 
 
 class Record:
-    """Clearance, contacts, phi and digest of a trajectory."""
+    """Clearance, contacts, phi and digest of a trajectory.
 
-    def __init__(self, scenario: Scenario, positions: Sequence[Vector]) -> None:
+    Attributes:
+        goals: by which it measures; another one is set by `redirect`.
+    """
+
+    def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector]) -> None:
         disks = self._disks = Disks(scenario)
-        self._phi = NavigationFunction(scenario, disks)
+        self.goals = goals
+        self._phi = NavigationFunction(disks, goals, scenario.k)
         self._digest = TrajectoryDigest(disks.ids)
         self._contacts = Contacts(disks)
-        self._deviation = LateralDeviation(scenario)
+        self._deviation = LateralDeviation(goals)
         self._aside: list[tuple[Vector, ...]] = []
         self._batch = max(1, min(_BATCH, _LARGEST // (len(disks))))
         self._tick = 0  # of the newest configuration that is measured
@@ -48,6 +55,18 @@ class Record:
         self._aside.append(tuple(positions))
         if len(self._aside) >= self._batch:
             self._measure()
+
+    def redirect(self, robot: int, goal: Vector) -> None:
+        """From the newest configuration on a robot is to go to `goal`, m; all before is measured by the old
+        one."""
+        self._measure()
+        x, y = self._truth.positions[self._truth.robots.index(robot)]
+        self.goals.change(robot, goal, (x, y))
+
+    @property
+    def tight(self) -> float | None:
+        """Tightness of the present goals."""
+        return tight(self._disks, self.goals)
 
     @property
     def truth(self) -> Truth:

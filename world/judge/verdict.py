@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
+from world.judge.goals import Goals
 
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
 
@@ -20,11 +21,10 @@ class Judge:
     timeout: the limit is reached.
     """
 
-    def __init__(self, scenario: Scenario, ids: tuple[int, ...]) -> None:
+    def __init__(self, scenario: Scenario, goals: Goals) -> None:
         time = scenario.time
-        self._ids = ids
-        self._goals = [complex(*scenario.spec(robot).goal) for robot in ids]
-        self._anchors = [complex(*scenario.spec(robot).start) for robot in ids]
+        self._ids, self._goals = goals.ids, goals
+        self._anchors = [complex(*scenario.spec(robot).start) for robot in goals.ids]
         self._tolerance = time.tolerance
         self._limit = scenario.ticks(time.limit)
         self._patience = scenario.ticks(time.deadlock)
@@ -36,7 +36,7 @@ class Judge:
         """Ids of robots within the tolerance of their goal; `positions` in the order of ids, m."""
         return [
             robot
-            for robot, (x, y), goal in zip(self._ids, positions, self._goals, strict=True)
+            for robot, (x, y), goal in zip(self._ids, positions, self._goals.points.tolist(), strict=True)
             if abs(complex(x, y) - goal) <= self._tolerance
         ]
 

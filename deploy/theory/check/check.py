@@ -15,6 +15,8 @@ from deploy.theory.gain.best_bound import best_bounds
 from deploy.theory.gain.tuning import automatic_k, density
 from deploy.theory.reachability import mirrored_triples
 from protocol.scenario.model import Scenario
+from world.judge.clearance import Disks
+from world.judge.goals import Goals
 from world.judge.measures import tight
 
 LISTED = 5  # shortfalls that are spelled out
@@ -32,7 +34,7 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
         scenario=scenario.name,
         robots=problem.p,
         density=density(problem.radii, problem.workspace),
-        tight=tight(scenario),
+        tight=tight(Disks(scenario), Goals(scenario)),
         k=problem.k,
         automatic=scenario.control.k == "auto",
         automatic_k=automatic_k(problem.radii, problem.workspace),

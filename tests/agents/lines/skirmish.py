@@ -240,11 +240,11 @@ class _Attack:
         self._targets = len(world.truth.robots) + len(self._things)
         self._target, self._turn = 0, 0.0
 
-    def slice_norm(self, position: Vector) -> float:
+    def slice_norm(self, *_: Any) -> float:
         return 0.0
 
-    def velocity(self, position: Vector, *_: Any) -> Vector:
-        rng, truth = self._rng, self._world.truth
+    def velocity(self, view: Any) -> Vector:
+        position, rng, truth = view.position, self._rng, self._world.truth
         if rng.random() < 0.15:
             self._target, self._turn = rng.randint(-1, self._targets - 1), rng.uniform(-0.6, 0.6)
         places = (*truth.positions, *self._things)

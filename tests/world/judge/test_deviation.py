@@ -3,10 +3,11 @@ import pytest
 
 from tests.world.driving import scenario
 from world.judge.deviation import LateralDeviation
+from world.judge.goals import Goals
 
 
 def test_the_largest_distance_from_the_straight_way_counts():
-    found = LateralDeviation(scenario(((0.0, 0.0), (0.2, 0.0)), ((0.0, 0.1), (0.0, 0.1))))
+    found = LateralDeviation(Goals(scenario(((0.0, 0.0), (0.2, 0.0)), ((0.0, 0.1), (0.0, 0.1)))))
     assert found() == [0.0, 0.0]
     found.add(np.array([[0.1 + 0.03j, 0.01 + 0.1j], [0.15 - 0.02j, 0.1j]]))
     assert found() == pytest.approx([0.03, 0.01])
@@ -18,9 +19,20 @@ def test_the_largest_distance_from_the_straight_way_counts():
 
 def test_a_way_in_any_direction():
     start, goal = np.array([0.1, -0.05]), np.array([-0.12, 0.07])
-    found = LateralDeviation(scenario((tuple(start), tuple(goal))))
+    found = LateralDeviation(Goals(scenario((tuple(start), tuple(goal)))))
     way = (goal - start) / np.linalg.norm(goal - start)
     for share in (0.0, 0.4, 1.0):
         x, y = start + share * (goal - start) + 0.02 * np.array([-way[1], way[0]])
         found.add(np.array([[complex(x, y)]]))
     assert found() == pytest.approx([0.02])
+
+
+def test_another_goal_counts_from_where_the_robot_is():
+    goals = Goals(scenario(((0.0, 0.0), (0.2, 0.0))))
+    found = LateralDeviation(goals)
+    found.add(np.array([[0.1 + 0.01j]]))
+    goals.change(1, (0.1, 0.2), (0.1, 0.01))
+    found.add(np.array([[0.1 + 0.1j]]))
+    assert found() == pytest.approx([0.01])
+    found.add(np.array([[0.14 + 0.1j]]))
+    assert found() == pytest.approx([0.04])

@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 from protocol.scenario.model import Control, Workspace
 from tests.world.driving import scenario
 from world.judge.clearance import Disks
+from world.judge.goals import Goals
 from world.judge.phi import NavigationFunction
 
 RADIUS = 0.04
@@ -49,19 +50,19 @@ def spread(robots, seed, k):
 @pytest.mark.parametrize("seed", range(3))
 def test_phi_equals_the_formula_in_many_digits(robots, k, seed):
     setting, positions = spread(robots, seed, k)
-    (phi,) = NavigationFunction(setting, Disks(setting))(positions[None])
+    (phi,) = NavigationFunction(Disks(setting), Goals(setting), setting.k)(positions[None])
     assert phi == pytest.approx(exact(setting, positions), rel=1e-10)
 
 
 def test_phi_is_finite_for_many_robots_and_a_large_gain():
     setting, positions = spread(200, 0, 1e4)
-    (phi,) = NavigationFunction(setting, Disks(setting))(positions[None])
+    (phi,) = NavigationFunction(Disks(setting), Goals(setting), setting.k)(positions[None])
     assert 0.0 < phi <= 1.0
 
 
 def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
     setting = scenario(((0.0, 0.0), (0.1, 0.0)), ((0.0, 0.0), (-0.1, 0.0)))
-    phi = NavigationFunction(setting, Disks(setting))
+    phi = NavigationFunction(Disks(setting), Goals(setting), setting.k)
     configurations = np.array(
         [[0.1, -0.1], [0.04, -0.04], [0.01, -0.01], [0.5, -0.1], [0.5, -0.5], [0.06, -0.06]], dtype=complex
     )
