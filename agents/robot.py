@@ -103,7 +103,7 @@ class Robot:
             things.locate(estimate.position, estimate.bound, estimate.shape)
 
     def _confine(self, lines: SeparatingLines, things: Things, shape: Polygon) -> None:
-        """Cut off from the set of possible positions what the workspace, the obeyed lines and things exclude."""
+        """Cut off from the set of possible positions what workspace, obeyed lines and things exclude."""
         estimate = self._estimate
         for _ in range(CORNERS):
             edge = self._boundary.beyond(estimate.x, estimate.y, shape)

@@ -1,9 +1,12 @@
-"""What a law without a navigation function wants before it looks at others: straight to the goal."""
+"""What a law without a navigation function wants before it looks at others: straight to the goal, or along
+the shortest way to it among things."""
 
 from __future__ import annotations
 
 import math
 
+from agents.laws.view import View
+from agents.navigation.attraction import Attraction
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
 
@@ -23,9 +26,12 @@ class Nominal:
         self._speed, self._period = scenario.control.speed, scenario.time.step
         self._held = max(1, scenario.ticks(_HELD))
         self._tolerance, self._noise = scenario.time.tolerance, noise
+        self._attraction = Attraction(scenario.workspace.shape, scenario.spec(robot).radius)
 
-    def velocity(self, position: Vector, goal: Vector, tick: int) -> Vector:
+    def velocity(self, view: View) -> Vector:
         """m/s, at most the speed limit and the random part."""
+        position, tick = view.position, view.tick
+        goal = self._attraction.aim(position, view.goal, view.things)
         dx, dy = goal[0] - position[0], goal[1] - position[1]
         away = math.hypot(dx, dy)
         if away <= 0.5 * self._tolerance:

@@ -29,33 +29,45 @@ class OrcaLaw(Law):
     """One robot's reciprocal velocity; see `agents.laws.law.Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        from pyrvo import RVOSimulator
-
         control = scenario.control
-        horizon = HORIZON if control.horizon is None else control.horizon
+        self._horizon = HORIZON if control.horizon is None else control.horizon
         margin = MARGIN if control.margin is None else control.margin
         self._period, self._speed = scenario.time.step, control.speed
         self._radii = {spec.id: spec.radius + margin for spec in scenario.robots}
+        self._robot, self._room = robot, scenario.workspace.shape
         self._nominal = Nominal(
             scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
         )
-        self._agents: dict[int, int] = {}
-        room = self._room = scenario.workspace.shape
-        everyone, far = len(scenario.robots), 2.0 * room.around.radius
+        self._begin(())
+
+    def _begin(self, things: Sequence[Shape]) -> None:
+        """A simulator with these things; what stands in one cannot be changed."""
+        from pyrvo import RVOSimulator
+
+        self._things, self._agents = list(things), dict[int, int]()
+        everyone, far = len(self._radii), 2.0 * self._room.around.radius
         self._simulator = RVOSimulator(
-            self._period, far, everyone, horizon, _WALL * self._period, self._radii[robot], self._speed
+            self._period,
+            far,
+            everyone,
+            self._horizon,
+            _WALL * self._period,
+            self._radii[self._robot],
+            self._speed,
         )
-        self._things: Sequence[Shape] = ()
-        self._fill()
+        first, *others = self._room.outline()
+        self._simulator.add_obstacle([first, *reversed(others)])  # clockwise: robots are kept inside
+        for shape in things:
+            self._simulator.add_obstacle(shape.outline())
+        self._simulator.process_obstacles()
         self._own = self._simulator.add_agent((0.0, 0.0))
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
-        if list(view.things) != list(self._things):
-            self._things = tuple(view.things)
-            self._fill()
+        if self._things != list(view.things):
+            self._begin(view.things)
         moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
-        preferred = self._nominal.velocity(view.position, view.goal, view.tick)
+        preferred = self._nominal.velocity(view)
         self._place(self._own, view.position, moving, preferred)
         for peer in self._radii:
             self._observe(peer, view.neighbours, view.tick)
@@ -63,14 +75,6 @@ class OrcaLaw(Law):
         new = self._simulator.get_agent_velocity(self._own)
         excess = max(1.0, math.hypot(new.x, new.y) / self._speed)
         return new.x / excess, new.y / excess
-
-    def _fill(self) -> None:
-        """Put up the boundary and whatever stands."""
-        self._simulator.clear_obstacles()
-        self._simulator.add_obstacle(self._room.outline()[::-1])  # clockwise, so that robots are kept inside
-        for shape in self._things:
-            self._simulator.add_obstacle(shape.outline())
-        self._simulator.process_obstacles()
 
     def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
         """Put a peer where it should be by now."""
@@ -94,4 +98,3 @@ class OrcaLaw(Law):
         simulator.set_agent_position(agent, position)
         simulator.set_agent_velocity(agent, velocity)
         simulator.set_agent_pref_velocity(agent, preferred)
-

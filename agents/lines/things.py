@@ -77,7 +77,8 @@ class Things:
         found = []
         for number, tangent in self._tangents.items():
             side = tangent.half_plane
-            if side is not None and side.slack(x, y) < radius:
-                if side.slack(x, y) < shape.extent(side.nx, side.ny):
-                    found.append((number, side))
+            if side is None or side.slack(x, y) >= radius:
+                continue
+            if side.slack(x, y) < shape.extent(side.nx, side.ny):
+                found.append((number, side))
         return found

@@ -14,7 +14,9 @@ from typing import Final
 from agents.navigation.slice import Peer
 from protocol.geometry import Disk, Shape
 
-_REMOTE: Final = 1e6  # times its size, from a room with straight walls: a round boundary that counts for nothing
+_REMOTE: Final = (
+    1e6  # times its size, from a room with straight walls: a round boundary that counts for nothing
+)
 
 
 def round_boundary(room: Shape) -> float:

@@ -29,8 +29,12 @@ def check(
     from deploy.theory.check.check import report
     from deploy.theory.check.render import render
     from deploy.theory.check.report import to_json
+    from deploy.theory.check.scope import theorem_for
 
     valid = load(scenario, setting or [], seed)
+    if theorem_for(valid)[0] != "Karagoz-Bozma-Koditschek":
+        _surrounded(valid, as_json)
+        return
     found = report(valid, _certificate(scenario, valid))
     if as_json:
         sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
@@ -38,6 +42,19 @@ def check(
         from rich.console import Console
 
         Console().print(render(found))
+
+
+def _surrounded(scenario: Scenario, as_json: bool) -> None:
+    """The report on robots among things, or between straight walls."""
+    from deploy.theory.check.surrounded import surrounded
+
+    found = surrounded(scenario)
+    if as_json:
+        sys.stdout.write(json.dumps(found.to_json(), indent=2) + "\n")
+    else:
+        from rich.console import Console
+
+        Console().print(found.render())
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:

@@ -70,5 +70,6 @@ class Disk:
         """Corners of a regular polygon on its edge, counterclockwise, m."""
         angles = [math.tau * side / sides for side in range(sides)]
         return [
-            (self.x + self.radius * math.cos(angle), self.y + self.radius * math.sin(angle)) for angle in angles
+            (self.x + self.radius * math.cos(angle), self.y + self.radius * math.sin(angle))
+            for angle in angles
         ]

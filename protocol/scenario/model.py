@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
 
-from protocol.errors import Problem, ScenarioError
+from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 
 # The bounds of size keep squares and products of lengths away from the ends of a double's range.
@@ -51,10 +51,21 @@ class Workspace:
         assert self.radius is not None
         return Disk(0.0, 0.0, self.radius)
 
+    @property
+    def disk_radius(self) -> float:
+        """Radius of a round workspace, m, for what is said of no other.
+
+        Raises:
+            UsageError: it is a polygon.
+        """
+        if self.radius is None:
+            raise UsageError("the workspace is a polygon; this is possible in a round one only")
+        return self.radius
+
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """Something that stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
+    """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
 
     __pydantic_config__ = STRICT
     center: Point | None = None

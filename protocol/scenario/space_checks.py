@@ -63,14 +63,16 @@ def _thing(sound: Sound, index: int) -> tuple[Shape | None, list[Finding]]:
     if given == {"points"}:
         return _polygon(sound.get(*place, "points"), (*place, "points"))
     if given != {"center", "radius"}:
-        return None, [(place, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
+        return None, [
+            (place, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")
+        ]
     center, radius = sound.get(*place, "center"), sound.get(*place, "radius")
-    return None if center is None or radius is None else Disk(*center, radius), []
+    return None if center is None or radius is None else Disk(center[0], center[1], radius), []
 
 
 def _given(sound: Sound, *steps: str | int) -> bool:
     """Whether there is anything at `steps`, malformed or not."""
-    return sound.get(*steps, default="") != ""
+    return bool(sound.get(*steps, default="") != "")
 
 
 def _polygon(points: list[tuple[float, float]] | None, place: Steps) -> tuple[Shape | None, list[Finding]]:

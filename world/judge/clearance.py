@@ -56,7 +56,7 @@ def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
     """Smallest gap of each pair, then of each robot to the boundary and to things, during straight motion at
     constant speed from `before` to `after`; negative is overlap. Shape (..., len(disks)), m.
 
-    The distance of a pair is smallest where its relative motion, a straight line, comes nearest to the origin.
+    The distance of a pair is smallest where its relative motion, a straight line, is nearest to the origin.
     """
     start = disks.relative(before)
     to_others = closest(start, disks.relative(after) - start) - disks.contact

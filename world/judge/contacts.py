@@ -20,7 +20,7 @@ Interval = tuple[float, float]
 
 @dataclass
 class Contact:
-    """One uninterrupted overlap of `pair` (0: the boundary, -n: thing n); times in ticks, `deepest` in m, negative."""
+    """An overlap of `pair` (0: the boundary, -n: thing n); times in ticks, `deepest` in m, negative."""
 
     pair: tuple[int, int]
     begin: float

@@ -2,7 +2,8 @@
 
     phi = (gamma^k / (gamma^k + beta))^(1/k)
 
-Things enter beta like the disks of a sphere world (Koditschek and Rimon). 0 at the goal, 1 on the boundary of free space and, by convention here, everywhere outside it. Lengths in m.
+Things enter beta like the disks of a sphere world (Koditschek and Rimon). 0 at the goal, 1 on the boundary of
+free space and, by convention here, everywhere outside it. Lengths in m.
 """
 
 from __future__ import annotations

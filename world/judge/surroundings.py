@@ -1,8 +1,8 @@
 """What the disks can touch besides each other: the boundary of the workspace, and the things in it.
 
-Shapes of arrays as in `world.judge.clearance`; of p robots and m things, gaps are to the boundary robot by robot, then
-to each thing robot by robot: (..., p + m p). Everything is measured in continuous time: during straight motion
-at constant speed the distance from a convex set is a convex function of time.
+Shapes of arrays as in `world.judge.clearance`. Of p robots and m things, gaps are to the boundary robot by
+robot, then to each thing robot by robot: (..., p + m p). Everything is measured in continuous time: during
+straight motion at constant speed the distance from a convex set is a convex function of time.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Surroundings:
         return smallest
 
     def beta(self, positions: Plane) -> Reals:
-        """beta of every robot with the boundary (of a polygon: with each wall) and with each thing, (n, ...) m^2.
+        """beta of every robot with the boundary and with each thing, (n, ...) m^2; straight walls count each.
 
         A disk's is |b - c|^2 - (rho + r)^2, that of anything else d^2 - rho^2, d the distance of b from it.
         """
@@ -168,7 +168,8 @@ def _padded(polygons: list[ConvexPolygon]) -> Plane:
 
 
 def _from_polygons(corners: Plane, before: Plane, after: Plane) -> Reals:
-    """Smallest distance of moving points from convex polygons, (n, m, p); inside, minus the largest depth, m."""
+    """Smallest distance of moving points from convex polygons, (n, m, p) m; inside, minus the depth."""
+    distance: Reals
     edges = np.roll(corners, -1, axis=1) - corners
     begin, end = before[..., None, :, None], after[..., None, :, None]  # (n, 1, p, 1)
     corner, edge = corners[:, None, :], edges[:, None, :]  # (m, 1, K)

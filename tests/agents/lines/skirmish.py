@@ -1,4 +1,4 @@
-"""Whole robots in a world: every one drives at another, at a thing or at the wall, and whatever can go wrong does.
+"""Whole robots in a world: each drives at another, at a thing or at the wall, and whatever can go wrong does.
 
 World, robots, and all that is in them are the real ones; only the law is replaced by one that wants to
 collide. The model is what lies between: processes that die, sleep and wake over an old queue, come late, talk
@@ -302,9 +302,7 @@ def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Thing, ...]
     rng = Random(f"things {seed}")
     drawn = [_thing(rng, room) for _ in range(40)]
     clear = [
-        each
-        for each in drawn
-        if all(each.shape.distance(*spec.start) > spec.radius + 1e-3 for spec in specs)
+        each for each in drawn if all(each.shape.distance(*spec.start) > spec.radius + 1e-3 for spec in specs)
     ]
     return tuple(clear[: rng.randint(1, 3)])
 

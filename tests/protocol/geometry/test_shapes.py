@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.geometry import ConvexPolygon, Shape
 from tests.shapes import points, polygons, shapes
 
 ROUNDING = 1e-12
@@ -28,7 +28,10 @@ def test_the_nearest_point_is_in_the_set_and_nothing_of_it_is_nearer(shape, poin
     distance = math.dist(nearest, point)
     assert abs(distance - max(0.0, shape.distance(*point))) <= ROUNDING
     assert distance <= np.hypot(*(members(shape) - point).T).min() + ROUNDING
-    assert math.hypot(point[0] - shape.around.x, point[1] - shape.around.y) - shape.around.radius <= distance + ROUNDING
+    assert (
+        math.hypot(point[0] - shape.around.x, point[1] - shape.around.y) - shape.around.radius
+        <= distance + ROUNDING
+    )
 
 
 @given(polygons(), points)

@@ -13,6 +13,7 @@ from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Workspa
 from tests.shapes import disks, points, polygons, shapes
 from world.judge.clearance import Disks
 from world.judge.contacts import Contacts
+from world.judge.goals import Goals
 from world.judge.phi import NavigationFunction
 from world.judge.record import Record
 from world.judge.surroundings import Surroundings, sublevel
@@ -29,7 +30,9 @@ def inside(room: Shape, place: complex) -> float:
     return min(offset - nx * place.real - ny * place.imag for nx, ny, offset in room.sides)
 
 
-@given(rooms, st.lists(shapes, max_size=4), st.lists(st.tuples(points, points, radii), min_size=1, max_size=3))
+@given(
+    rooms, st.lists(shapes, max_size=4), st.lists(st.tuples(points, points, radii), min_size=1, max_size=3)
+)
 def test_gaps_agree_with_dense_sampling(room, things, motions):
     sizes = np.array([radius for _, _, radius in motions])
     surroundings = Surroundings(room, dict(enumerate(things, 1)), sizes)
@@ -41,7 +44,10 @@ def test_gaps_agree_with_dense_sampling(room, things, motions):
     for robot, radius in enumerate(sizes):
         travelled = abs(after[robot] - before[robot])
         wall = min(inside(room, z) for z in path[:, robot]) - radius
-        gaps = [wall, *(min(each.distance(z.real, z.imag) for z in path[:, robot]) - radius for each in things)]
+        gaps = [
+            wall,
+            *(min(each.distance(z.real, z.imag) for z in path[:, robot]) - radius for each in things),
+        ]
         mine = found[robot :: len(sizes)]
         assert np.all(mine <= np.array(gaps) + 1e-12)
         assert np.all(mine >= np.array(gaps) - travelled / (SAMPLES - 1) - 1e-12)
@@ -54,7 +60,8 @@ def test_a_contact_lasts_while_the_gap_is_negative(shape, start, end, radius):
     touched = [
         t
         for t in np.linspace(0.0, 1.0, SAMPLES)
-        if shape.distance((before + t * (after - before)).real, (before + t * (after - before)).imag) < radius - 1e-6
+        if shape.distance((before + t * (after - before)).real, (before + t * (after - before)).imag)
+        < radius - 1e-6
     ]
     intervals = surroundings.overlaps(1, before, after, 1e-9)
     if not touched:
@@ -63,7 +70,9 @@ def test_a_contact_lasts_while_the_gap_is_negative(shape, start, end, radius):
         ((first, last),) = intervals
         assert first <= touched[0]
         assert last >= touched[-1]
-        assert max(touched[0] - first, last - touched[-1]) <= 1.0 / (SAMPLES - 1) + 1e-3 / max(abs(after - before), 1e-9)
+        assert max(touched[0] - first, last - touched[-1]) <= 1.0 / (SAMPLES - 1) + 1e-3 / max(
+            abs(after - before), 1e-9
+        )
 
 
 def test_a_sublevel_has_both_its_ends():
@@ -90,7 +99,7 @@ def crossing() -> Scenario:
 
 def test_contacts_name_the_thing_or_the_wall():
     setting = crossing()
-    record = Record(setting, [(-0.5, 0.15)])
+    record = Record(setting, Goals(setting), [(-0.5, 0.15)])
     for place in ((0.0, 0.15), (0.5, 0.15), (0.98, 0.15), (0.98, 0.15)):
         record.add([place])
     contacts = {contact.pair: contact for contact in record.contacts.all}
@@ -105,8 +114,10 @@ def test_contacts_name_the_thing_or_the_wall():
 
 def test_phi_is_one_where_a_thing_or_a_wall_is_touched():
     setting = crossing()
-    phi = NavigationFunction(setting, Disks(setting))
-    free, box, disk, wall, goal = phi(np.array([[-0.5 + 0j], [0.08 + 0.15j], [0.4 + 0.07j], [0.97 + 0j], [0.5 - 0.3j]]))
+    phi = NavigationFunction(Disks(setting), Goals(setting), setting.k)
+    free, box, disk, wall, goal = phi(
+        np.array([[-0.5 + 0j], [0.08 + 0.15j], [0.4 + 0.07j], [0.97 + 0j], [0.5 - 0.3j]])
+    )
     assert 0.0 < free < 1.0
     assert box == disk == wall == 1.0
     assert goal == 0.0
