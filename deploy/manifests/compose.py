@@ -6,8 +6,8 @@ import os
 from typing import Any
 
 from deploy.manifests import container
+from deploy.manifests.json_text import json_text
 from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, ROUTER_CONFIG, SCENARIO, Plan, zenohd_config
-from deploy.manifests.yaml_text import yaml_text
 from deploy.security.roster import ROUTER, WORLD
 
 HOSTS = (ROUTER,)  # by which name the router is found
@@ -49,7 +49,7 @@ def compose(plan: Plan) -> dict[str, str]:
     }
     head = _HEAD.format(run=plan.roster.run, image=plan.image)
     return {
-        _FILE: yaml_text([content], head),
+        _FILE: json_text(content, head),
         ROUTER_CONFIG: zenohd_config(plan.roster),
         SCENARIO: plan.scenario,
         "Dockerfile": _DOCKERFILE,

@@ -8,8 +8,8 @@ from typing import Any
 
 from deploy.manifests import container, pods
 from deploy.manifests.container import CONFIG_INSIDE
+from deploy.manifests.json_text import json_text
 from deploy.manifests.plan import KEYS_INSIDE, PORT, ROUTER_CONFIG, SCENARIO, Plan, zenohd_config
-from deploy.manifests.yaml_text import yaml_text
 from deploy.security.roster import ROUTER, WORLD
 
 FLEET, SECRET = "fleet.yaml", "secret.yaml"
@@ -30,6 +30,7 @@ def hosts(plan: Plan) -> tuple[str, ...]:
 def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
     """Files by name. `keys` are the files of the directory of keys."""
     objects = [_config(plan), _router_service(plan), _router(plan), _world(plan), _robots(plan)]
+    fleet = {"apiVersion": "v1", "kind": "List", "items": objects}
     head = _HEAD.format(run=plan.roster.run, image=plan.image, name=plan.name)
     secret = {
         "apiVersion": "v1",
@@ -38,7 +39,7 @@ def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
         "type": "Opaque",
         "data": {name: b64encode(content).decode() for name, content in sorted(keys.items())},
     }
-    return {FLEET: yaml_text(objects, head), SECRET: yaml_text([secret], _SECRET_HEAD)}
+    return {FLEET: json_text(fleet, head), SECRET: json_text(secret, _SECRET_HEAD)}
 
 
 def _config(plan: Plan) -> dict[str, Any]:

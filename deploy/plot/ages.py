@@ -20,11 +20,11 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     row = {int(tick): index for index, tick in enumerate(ticks)}
     for column, robot in enumerate(ids):
         newest = -1
-        for measurement in recording.measurements[robot]:
-            if measurement.position is not None:
-                newest = max(newest, measurement.stamp)
-            if newest >= 0 and measurement.tick in row:
-                ages[row[measurement.tick], column] = measurement.tick - newest
+        for tick in recording.told[robot]:
+            if tick.sense is not None and tick.sense.position is not None:
+                newest = max(newest, tick.sense.stamp)
+            if newest >= 0 and tick.tick in row:
+                ages[row[tick.tick], column] = tick.tick - newest
     return ticks, ages * recording.scenario.time.step
 
 

@@ -17,7 +17,7 @@ from deploy.recording.mcap.contents import Contents, contents
 from deploy.recording.result import LAUNCH
 from protocol.errors import KeyGrammarError, RecordingError
 from protocol.keys import Address, parse
-from protocol.messages import Clock, Command, Health, Measurement, Message, State, Truth
+from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from world.world import World
@@ -75,9 +75,9 @@ class Recording:
         return [entry.message for entry in self.entries if isinstance(entry.message, Clock)]
 
     @property
-    def measurements(self) -> dict[int, list[Measurement]]:
+    def told(self) -> dict[int, list[Tick]]:
         """What each robot was told, by robot."""
-        return self._by_robot(Measurement)
+        return self._by_robot(Tick)
 
     @property
     def states(self) -> dict[int, list[State]]:

@@ -1,6 +1,6 @@
 """The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
 
-Truths are for whoever watches, and the network may drop them. Measurements it may not, and each says what
+Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
 its robot really did during the tick before: added to where the disk was, that is where it was next, to the
 last bit.
 """
@@ -19,7 +19,7 @@ _Plane = list[Vector]
 
 
 class Trajectory(NamedTuple):
-    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from measurements."""
+    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
 
     sha256: str
     restored: int
@@ -27,7 +27,7 @@ class Trajectory(NamedTuple):
     @property
     def remark(self) -> str:
         """What has to be said of it; empty if every tick was recorded."""
-        return f" ({self.restored} ticks worked out from the measurements)" if self.restored else ""
+        return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
 
 
 def trajectory(recording: Recording) -> Trajectory:
@@ -67,10 +67,10 @@ class _Moves:
         self._path, self._ids = recording.path, recording.scenario.ids
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: set[tuple[int, int]] = set()
-        for robot, measurements in recording.measurements.items():
-            for measurement in measurements:
-                if not measurement.over:
-                    self._said[measurement.tick][robot] = measurement.displacement
+        for robot, told in recording.told.items():
+            for tick in told:
+                if tick.sense is not None:
+                    self._said[tick.tick][robot] = tick.sense.displacement
         for robot, commands in recording.commands.items():
             self._commanded.update((robot, command.tick) for command in commands)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -36,7 +38,11 @@ def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
 
 
 def documents(path: Path) -> list[dict[str, Any]]:
-    return list(yaml.safe_load_all(path.read_text()))
+    """The objects of a file, as readers of YAML and of JSON find them alike."""
+    text = path.read_text()
+    document = yaml.safe_load(text)
+    assert document == json.loads("".join(line for line in text.splitlines() if not line.startswith("#")))
+    return document["items"] if document.get("kind") == "List" else [document]
 
 
 def test_compose_follows_its_specification(tmp_path: Path, plan: Plan) -> None:
@@ -72,6 +78,17 @@ def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str
             kubernetes_validate.validate(document, version, strict=True)
             kinds.append(document["kind"])
     assert kinds == ["ConfigMap", "Service", "Deployment", "Job", "Job", "Secret"]
+
+
+@pytest.mark.skipif(shutil.which("kubectl") is None, reason="kubectl is not installed")
+def test_kubectl_reads_the_files(tmp_path: Path, plan: Plan) -> None:
+    folder = written(tmp_path, "kubernetes", plan)
+    files = ["-f", str(folder / "fleet.yaml"), "-f", str(folder / "secret.yaml")]
+    call = ["kubectl", "label", "--local", *files, "a=b", "-o", "name"]
+    done = subprocess.run(call, capture_output=True, text=True, timeout=30, check=True)
+    assert done.stdout.split()[2:5:2] == [
+        "deployment.apps/disknav-yard-7-router", "job.batch/disknav-yard-7-robots",
+    ]  # fmt: skip
 
 
 def test_a_kubernetes_schema_would_notice(tmp_path: Path, plan: Plan) -> None:
