@@ -54,7 +54,7 @@ class BarrierLaw(Law):
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`; stands still where the program has no solution."""
-        wanted = np.array(self._nominal.velocity(view))
+        wanted = np.array(self._nominal.velocity(view.position, view.goal, view.tick, view.things))
         normals, upper = self._barriers(np.array(view.position), view)
         if (normals @ wanted > upper).any():
             lower, hard = np.full(len(upper), -1e30), np.zeros(len(upper), dtype=np.int32)

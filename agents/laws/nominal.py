@@ -4,10 +4,11 @@ the shortest way to it among things."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from agents.laws.view import View
 from agents.navigation.attraction import Attraction
 from protocol.draws import Purpose, generator
+from protocol.geometry import Shape
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -28,10 +29,9 @@ class Nominal:
         self._tolerance, self._noise = scenario.time.tolerance, noise
         self._attraction = Attraction(scenario.workspace.shape, scenario.spec(robot).radius)
 
-    def velocity(self, view: View) -> Vector:
+    def velocity(self, position: Vector, goal: Vector, tick: int, things: Sequence[Shape] = ()) -> Vector:
         """m/s, at most the speed limit and the random part."""
-        position, tick = view.position, view.tick
-        goal = self._attraction.aim(position, view.goal, view.things)
+        goal = self._attraction.aim(position, goal, things)
         dx, dy = goal[0] - position[0], goal[1] - position[1]
         away = math.hypot(dx, dy)
         if away <= 0.5 * self._tolerance:

@@ -67,7 +67,7 @@ class OrcaLaw(Law):
         if self._things != list(view.things):
             self._begin(view.things)
         moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
-        preferred = self._nominal.velocity(view)
+        preferred = self._nominal.velocity(view.position, view.goal, view.tick, view.things)
         self._place(self._own, view.position, moving, preferred)
         for peer in self._radii:
             self._observe(peer, view.neighbours, view.tick)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import final
-
-from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon
@@ -15,8 +12,6 @@ from protocol.geometry import Shape
 Vector = tuple[float, float]
 
 
-@final
-@mypyc_attr(acyclic=True)
 class Tangent:
     """Keeps to the tangent half-plane between the own present position and a shape, renewed every tick.
 
@@ -32,8 +27,6 @@ class Tangent:
         shape: as given.
         half_plane: where the own centre stays; None while the own disk is not known to be clear.
     """
-
-    __slots__ = ("_around", "_radius", "half_plane", "shape")
 
     def __init__(self, shape: Shape, own_radius: float, obeyed: Iterable[HalfPlane] = ()) -> None:
         self.shape, self._radius = shape, own_radius

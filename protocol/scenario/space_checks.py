@@ -78,8 +78,9 @@ def _given(sound: Sound, *steps: str | int) -> bool:
 def _polygon(points: list[tuple[float, float]] | None, place: Steps) -> tuple[Shape | None, list[Finding]]:
     if points is None:
         return None, []
-    problem = defect(points)
-    return (None, [(place, problem)]) if problem else (ConvexPolygon(points), [])
+    corners = [(float(x), float(y)) for x, y in points]
+    problem = defect(corners)
+    return (None, [(place, problem)]) if problem else (ConvexPolygon(corners), [])
 
 
 def _outside(shape: Shape, room: Shape) -> bool:
