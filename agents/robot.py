@@ -43,7 +43,7 @@ class Robot:
         incarnation: this incarnation, as handed out by the world.
 
     Attributes:
-        goal: where to go, m; nothing else of a robot keeps it, so that it may be set between two ticks.
+        goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
     """
 
     def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
@@ -51,7 +51,7 @@ class Robot:
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
         self._scenario, self._control = scenario, scenario.control
-        self.goal = spec.goal
+        self.goal = self._first_goal = spec.goal
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
@@ -83,6 +83,7 @@ class Robot:
         """
         self.tick = tick.tick
         self._await(tick.active)
+        self.goal = self._first_goal if tick.goal is None else tick.goal
         self._on_sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
             self._on_roster(tick.roster)

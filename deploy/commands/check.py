@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from deploy.commands import options
+from deploy.output import json_output
 
 if TYPE_CHECKING:
     from deploy.theory.check.report import Certified
@@ -14,10 +13,10 @@ if TYPE_CHECKING:
 
 
 def check(
-    scenario: Annotated[str, typer.Argument(help="A scenario file, or a library name.")],
-    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
-    setting: Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON instead.")] = False,
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    json_file: options.Json = None,
 ) -> None:
     """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
 
@@ -31,14 +30,14 @@ def check(
     from deploy.theory.check.report import to_json
     from deploy.theory.check.scope import theorem_for
 
+    json_output.check(json_file)
     valid = load(scenario, setting or [], seed)
     if theorem_for(valid)[0] != "Karagoz-Bozma-Koditschek":
         _surrounded(valid, as_json)
         return
     found = report(valid, _certificate(scenario, valid))
-    if as_json:
-        sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
-    else:
+    json_output.write_json(to_json(found), json_file)
+    if not json_output.is_standard_output(json_file):
         from rich.console import Console
 
         Console().print(render(found))

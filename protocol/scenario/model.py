@@ -84,7 +84,10 @@ class Thing:
 
 @dataclass(frozen=True, slots=True)
 class Time:
-    """Control period, limit (s of simulated time), arrival tolerance (m), and what counts as silence (s)."""
+    """Control period, limit (s of simulated time), arrival tolerance (m), and what counts as silence (s).
+
+    An endless run has no verdict of its own: it goes on until it is stopped.
+    """
 
     __pydantic_config__ = STRICT
     step: Positive = 0.05
@@ -92,6 +95,7 @@ class Time:
     tolerance: Positive = 0.005
     fence: Positive = 1.0  # a robot that is silent this long is announced as down
     deadlock: Positive = 20.0  # nobody moved for this long: give up
+    endless: bool = False
 
 
 @dataclass(frozen=True, slots=True)
