@@ -15,7 +15,7 @@ _SECONDS = 1200  # to compile
 
 
 class CompiledInnerLoops(BuildHookInterface):  # type: ignore[type-arg]
-    """Adds what mypyc makes of the Makefile's INNER; without it the wheel is pure Python, and works as well."""
+    """Adds what mypyc makes of the Makefile's INNER; without it the wheel is pure Python."""
 
     _copy: Path | None = None
 
