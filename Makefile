@@ -22,7 +22,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile demo test fast check golden bench fuzz figures clean
+.PHONY: help setup compile inner demo test fast check golden bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -30,6 +30,9 @@ help:  ## say what there is
 setup: $(READY) $(COMPILED)  ## build .venv with everything that running and testing needs, and compile
 
 compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
+
+inner:
+	@echo $(INNER)
 
 $(COMPILED): $(READY) compile.py Makefile $(INNER)
 	@mkdir -p build; rm -f *__mypyc*.so
@@ -42,7 +45,7 @@ $(COMPILED): $(READY) compile.py Makefile $(INNER)
 $(READY): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	HATCH_BUILD_NO_HOOKS=true $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
 	@touch $@
 
 demo: $(READY) $(COMPILED)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png

@@ -70,6 +70,7 @@ class Robot:
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
+        self._halted = False  # an emergency stop is in force
         self._open = False  # whether the tick's State is out and its Command is not
 
     # -- phase 1
@@ -84,6 +85,7 @@ class Robot:
         self.tick = tick.tick
         self._await(tick.active)
         self.goal = self._first_goal if tick.goal is None else tick.goal
+        self._halted = tick.halted
         self._on_sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
             self._on_roster(tick.roster)
@@ -220,7 +222,7 @@ class Robot:
             self._take_over(lines, self.tick)
             if lines.keeps_clear or not self._filtered:
                 self._kept = self._roster.version
-            if position is not None:
+            if position is not None and not self._halted:
                 self._desired = self._law.velocity(self._view(position))
                 velocity = self._allowed(lines, position, lines.make_room(self._desired))
         return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)

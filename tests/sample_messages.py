@@ -54,7 +54,9 @@ proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, n
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans()),
+    "tick": st.builds(
+        Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()
+    ),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),

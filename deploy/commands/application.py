@@ -21,6 +21,7 @@ from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
 from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
+from deploy.commands.operate.stop import release, stop
 from deploy.commands.plot import plot
 from deploy.commands.replay import replay
 from deploy.commands.run import run
@@ -55,7 +56,7 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
     "Study": (study, certify, endure, flood),
-    "Operate": (router, world, robot, keys.app, deploy, probe, doctor),
+    "Operate": (stop, release, router, world, robot, keys.app, deploy, probe, doctor),
 }
 for _group, _commands in GROUPS.items():
     for _command in _commands:
