@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
@@ -33,7 +33,7 @@ class Body(Protocol):
         desired: Vector,
         position: Vector,
         half_planes: Sequence[HalfPlane],
-        boundary: RoundBoundary,
+        boundary: Boundary,
         shape: Polygon | None,
     ) -> Vector:
         """The velocity to command, m/s, near the desired one: whatever is heard or lost after it, the control

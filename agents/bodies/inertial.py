@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, final
 
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.lines.safe_velocity import nearest, wedge
 from agents.polygon import Polygon
@@ -70,7 +70,7 @@ class InertialBody:
         desired: Vector,
         position: Vector,
         half_planes: Sequence[HalfPlane],
-        boundary: RoundBoundary,
+        boundary: Boundary,
         shape: Polygon | None,
     ) -> Vector:
         """See `agents.bodies.body.Body`."""
@@ -104,7 +104,7 @@ class InertialBody:
         self,
         command: Vector,
         sides: Sequence[HalfPlane],
-        boundary: RoundBoundary,
+        boundary: Boundary,
         x: float,
         y: float,
         shape: Polygon | None,
@@ -161,9 +161,7 @@ class InertialBody:
         return sweep(base, motion.heading, arcs, error=self._error, lag=self._lag, rise=rise)
 
 
-def _cut(
-    boundary: RoundBoundary, x: float, y: float, shape: Polygon | None, passed: Sweep
-) -> HalfPlane | None:
+def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:
     """A half-plane of displacements that the sweep of a place known as `shape` around (x, y) violates."""
     found: HalfPlane | None = None
     for index, dx in enumerate(passed.xs):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import final
 
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.lines.safe_velocity import safe_velocity
 from agents.polygon import Polygon
@@ -38,7 +38,7 @@ class PointBody:
         desired: Vector,
         position: Vector,
         half_planes: Sequence[HalfPlane],
-        boundary: RoundBoundary,
+        boundary: Boundary,
         shape: Polygon | None,
     ) -> Vector:
         """The nearest to the desired one."""

@@ -121,7 +121,7 @@ class SeparatingLines:
         self._bound, self._shape, self._swept = bound, shape, swept
         for pair in self._each if self._disturbed else ():
             if pair.disk is not None:
-                pair.disk.renew(self._x, self._y, bound, shape, swept)
+                pair.disk.renew(self._x, self._y, bound, shape, swept=swept)
 
     def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
@@ -147,7 +147,7 @@ class SeparatingLines:
         self._disturbed = self._disturbed or member.status != "live"
         pair.on_member(member)
         if pair.disk is not None:
-            pair.disk.renew(self._x, self._y, self._bound, self._shape, self._swept)
+            pair.disk.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
 
     @property
     def keeps_clear(self) -> bool:

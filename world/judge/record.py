@@ -44,7 +44,7 @@ class Record:
         self._deviation = LateralDeviation(goals)
         self._aside: list[tuple[Vector, ...]] = []
         self._parts = parts
-        self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // (len(disks.contact) + len(disks.wall))))
+        self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(disks)))
         self._tick = 0  # of the newest configuration that is measured
         self._plane = as_plane([positions])
         self._increases = 0

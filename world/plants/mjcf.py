@@ -44,7 +44,7 @@ def model(scenario: Scenario) -> str:
     SubElement(visual, "headlight", ambient="0.5 0.5 0.5", diffuse="0.5 0.5 0.5")
     world = SubElement(root, "worldbody")
     SubElement(world, "light", pos="0 0 5", dir="0 0 -1", diffuse="0.4 0.4 0.4")
-    size = 2.0 * scenario.workspace.radius
+    size = 2.0 * scenario.workspace.shape.around.radius
     SubElement(world, "geom", name="floor", type="plane", size=f"{size} {size} 0.1", rgba="0.9 0.9 0.88 1")
     actuator = SubElement(root, "actuator")
     for spec in sorted(scenario.robots, key=lambda each: each.id):
