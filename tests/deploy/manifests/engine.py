@@ -16,10 +16,13 @@ from pathlib import Path
 
 import pytest
 
+from deploy.software.provenance import SOFTWARE, code_digest
+
 ROOT = Path(__file__).parents[3]
 STORE = (ROOT / "build" / "engines").resolve()
 IMAGE = "localhost/disknav"
 _DEBIAN = "localhost/disknav-debian"
+_CODE = "disknav.code"  # of the image: a digest of the sources that are in it
 _CERTIFICATES = Path("/etc/ssl/certs")
 _PACKAGES = "python3,python3-venv,python3-dev,gcc,libc6-dev,make,systemd,systemd-sysv,dbus"
 _TOOLS = ("podman", "catatonit")
@@ -33,6 +36,11 @@ def unable() -> str:
             return f"{tool} is not installed: untested here"
     if not STORE.exists() or podman("image", "exists", IMAGE, check=False).returncode:
         return "there is no image of this software: `make engines` makes one; untested here"
+    label = podman(
+        "image", "inspect", "--format", f"{{{{index .Labels {_CODE!r}}}}}".replace("'", '"'), IMAGE
+    )
+    if label.stdout.strip() != code_digest(SOFTWARE):
+        return "the image is of other code: `make engines` makes it anew; untested here"
     return ""
 
 
@@ -77,7 +85,8 @@ def _fill() -> None:
     trust = ["--volume", f"{_CERTIFICATES}:{_CERTIFICATES}:ro", "--network=host"]
     for name in ("PIP_CERT", "PIP_INDEX_URL"):
         trust += ["--env", f"{name}={os.environ[name]}"] if name in os.environ else []
-    build = ["build", *bases, *trust, "-t", IMAGE, "-f", "Containerfile", "."]
+    label = ["--label", f"{_CODE}={code_digest(SOFTWARE)}"]
+    build = ["build", *bases, *trust, *label, "-t", IMAGE, "-f", "Containerfile", "."]
     subprocess.run(command(*build), check=True, env=environment(), cwd=ROOT)
 
 

@@ -48,7 +48,7 @@ def report(text: str) -> dict[str, Any]:
 
 
 def test_the_image_is_compiled_and_drives_a_fleet() -> None:
-    where = ["--entrypoint", "/opt/disknav/env/bin/python", IMAGE, "-c"]
+    where = ["--entrypoint", "/opt/disknav/bin/python", IMAGE, "-c"]
     found = podman("run", "--rm", "--network=none", *where, "import agents.robot as it; print(it.__file__)")
     assert found.stdout.strip().endswith(".so")
     confined = ["--rm", "--network=none", "--read-only", "--cap-drop=ALL"]
@@ -73,7 +73,7 @@ def composed(folder: Path) -> Iterator[Callable[..., None]]:
         compose("down")
 
 
-@pytest.mark.skipif(shutil.which("podman-compose") is None, reason="podman-compose is not installed: untested")
+@pytest.mark.skipif(shutil.which("podman-compose") is None, reason="no podman-compose: untested here")
 def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
     it = plan("composed")
     write(tmp_path / "fleet", "compose", it)
@@ -94,10 +94,9 @@ def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
 _SETTLE = r"""
 set -e
 mkdir -m 0700 -p "$HOME/my fleet"; chmod 0700 "$HOME"
-/opt/disknav/env/bin/python -m venv --without-pip "$HOME/my fleet/env"
+/opt/disknav/bin/python -m venv --without-pip "$HOME/my fleet/env"
 cd "$HOME/my fleet"
-echo /opt/disknav/env/lib/python3*/site-packages > "$(echo env/lib/python3*/site-packages)/all.pth"
-echo /opt/disknav >> "$(echo env/lib/python3*/site-packages)/all.pth"
+echo /opt/disknav/lib/python3*/site-packages > "$(echo env/lib/python3*/site-packages)/all.pth"
 printf '#!/bin/sh\nexec "%s/env/bin/python" -m deploy.cli "$@"\n' "$PWD" > env/bin/disknav
 chmod 755 env/bin/disknav
 env/bin/disknav deploy systemd figure-2 --seed 4 --run yard --wait 60 --output yard
