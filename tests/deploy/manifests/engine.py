@@ -36,9 +36,7 @@ def unable() -> str:
             return f"{tool} is not installed: untested here"
     if not STORE.exists() or podman("image", "exists", IMAGE, check=False).returncode:
         return "there is no image of this software: `make engines` makes one; untested here"
-    label = podman(
-        "image", "inspect", "--format", f"{{{{index .Labels {_CODE!r}}}}}".replace("'", '"'), IMAGE
-    )
+    label = podman("image", "inspect", "--format", f'{{{{index .Labels "{_CODE}"}}}}', IMAGE)
     if label.stdout.strip() != code_digest(SOFTWARE):
         return "the image is of other code: `make engines` makes it anew; untested here"
     return ""
