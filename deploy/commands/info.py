@@ -42,7 +42,7 @@ def _summary(recording: Recording) -> Table:
         if result
         else "none: no result was recorded",
         "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
-        "messages": f"{len(recording.entries)}",
+        "messages": f"{recording.counts.total()}",
         "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
         "trajectory": _check(recording),
     }
@@ -70,6 +70,6 @@ def _streams(recording: Recording) -> Table:
     table.add_column("messages", justify="right")
     table.add_column("per tick", justify="right")
     ticks = max(1, int(recording.truths.ticks[-1]))
-    for key, count in sorted(recording.counts().items()):
+    for key, count in sorted(recording.counts.items()):
         table.add_row(key, str(count), f"{count / ticks:.2f}")
     return table

@@ -6,7 +6,6 @@ import numpy as np
 from mcap.reader import make_reader
 
 from deploy.recording.reader import read
-from deploy.recording.result import attach
 from deploy.recording.trajectory import trajectory
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Sample
@@ -69,9 +68,9 @@ def test_what_is_read_is_what_was_run(recorded):
 
 
 def test_everything_that_was_said_is_recorded_in_order(tmp_path):
-    fleet = LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap")
-    spy = Spy(fleet.network.connect(), "three")
-    fleet.execute()
+    with LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap") as fleet:
+        spy = Spy(fleet.network.connect(), "three")
+        fleet.execute()
     found = read(tmp_path / "spied.mcap")
     said: dict[str, list[bytes]] = {}
     for sample in spy.heard:
@@ -80,7 +79,7 @@ def test_everything_that_was_said_is_recorded_in_order(tmp_path):
     for key, payloads in said.items():
         kept = [encode(entry.message) for entry in found.entries if entry.key == key]
         assert kept[: len(payloads)] == payloads
-    assert found.counts().keys() == said.keys()
+    assert found.counts.keys() == said.keys()
     assert [entry.time for entry in found.entries] == sorted(entry.time for entry in found.entries)
 
 
@@ -89,15 +88,15 @@ def test_recording_does_not_change_the_run(recorded):
     assert report["trajectory_sha256"] == recorded[1]["trajectory_sha256"]
 
 
-def test_the_launchers_result_is_added(recorded, tmp_path):
-    path = tmp_path / "attached.mcap"
-    path.write_bytes(recorded[0].read_bytes())
-    for transport in ("mesh", "routed"):
-        attach(path, recorded[1] | {"transport": transport})
+def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
+    path = tmp_path / "complete.mcap"
+    with LocalFleet([scenario()], "three", record=path) as fleet:
+        (report,) = fleet.execute()
+        fleet.record(report | {"transport": "local"})
     found = read(path)
-    assert found.result["transport"] == "routed"
+    assert found.result == report | {"transport": "local"}
     assert not found.cut
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages()) == len(found.entries)
-        assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 6
+        assert sum(1 for _ in reader.iter_messages()) == found.counts.total() == len(list(found.entries))
+        assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 4
