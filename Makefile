@@ -16,7 +16,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix world/plants/,integrator.py) \
   $(addprefix world/judge/,verdict.py record.py) \
   $(addprefix world/,sensing.py world.py node.py) \
-  $(addprefix world/shell/,turn.py publishers.py pacing.py) \
+  $(addprefix world/shell/,run.py publishers.py pacing.py) \
   $(addprefix deploy/recording/mcap/,file.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 

@@ -1,6 +1,6 @@
 """The core of a robot: messages and ticks go in, messages come out; no socket, no clock, no global state.
 
-A tick has two phases. `measure` takes the Measurement and gives the State; `command`, once the peers'
+A tick has two phases. `begin` takes the Tick and gives the State; `command`, once the peers'
 States are heard (or right away, in real time), gives the Command. Line messages are taken over only from
 the one to the other, when every earlier command is settled: none is ever outstanding (`agents.lines`).
 """
@@ -21,7 +21,7 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
-from protocol.messages import Answer, Command, Health, Measurement, Proposal, Roster, State
+from protocol.messages import Answer, Command, Health, Proposal, Roster, Sense, State, Tick
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -33,7 +33,7 @@ CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 class Robot:
     """One incarnation of one robot.
 
-    It stands still until the first Measurement has told it the roster: only then does it know whether
+    It stands still until the first Tick has told it the roster: only then does it know whether
     it began the run, and so knows the initial lines.
 
     Args:
@@ -57,7 +57,7 @@ class Robot:
         sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
         latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         trusting = sensing.contradiction == "newest"
-        self._estimate = Estimate(sensing.bound, reach, trusting, scenario.ticks(latest))
+        self._estimate = Estimate(reach, trusting, scenario.ticks(latest))
         self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
@@ -72,19 +72,29 @@ class Robot:
 
     # -- phase 1
 
-    def measure(self, measurement: Measurement) -> State:
-        """Open a tick; returns the State to publish."""
-        self.tick = measurement.tick
-        self._await(measurement.active)
-        self._estimate.update(measurement)
-        self._moved = measurement.displacement
-        self._locate()
-        if measurement.roster is not None:
-            self._on_roster(measurement.roster)
+    def begin(self, tick: Tick, sense: Sense | None = None) -> State:
+        """Open a tick; returns the State to publish.
+
+        Args:
+            tick: from the coordinator.
+            sense: from the own base and localisation, unless the Tick brings it.
+        """
+        self.tick = tick.tick
+        self._await(tick.active)
+        self._on_sense(tick.sense if sense is None else sense)
+        if tick.roster is not None:
+            self._on_roster(tick.roster)
         if self._lines is not None:
             self._take_over(self._lines, self.tick - 1)
         self._open = True
         return self._state()
+
+    def _on_sense(self, sense: Sense | None) -> None:
+        """Take in where this robot is; nothing is known of a tick without odometry."""
+        if sense is not None:
+            self._estimate.update(self.tick, sense)
+        self._moved = STILL if sense is None else sense.displacement
+        self._locate()
 
     def _locate(self) -> None:
         """Tell the lines where this robot is."""
@@ -161,9 +171,9 @@ class Robot:
             answers,
         )
 
-    def reconsider(self, measurement: Measurement) -> None:
+    def reconsider(self, tick: Tick) -> None:
         """The same tick again: somebody who took part no longer does, and is not waited for."""
-        self._awaited.intersection_update(measurement.active)
+        self._awaited.intersection_update(tick.active)
 
     # -- between the phases
 
@@ -243,9 +253,9 @@ class Robot:
 
     # -- about itself
 
-    def has_ended(self, measurement: Measurement) -> bool:
+    def has_ended(self, tick: Tick) -> bool:
         """Whether the world says that this incarnation is over."""
-        roster = measurement.roster
+        roster = tick.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
 
     @property

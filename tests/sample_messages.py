@@ -10,15 +10,16 @@ from protocol.messages import (
     Answer,
     Clock,
     Command,
-    Down,
     Health,
-    Measurement,
     Member,
     Message,
     Proposal,
     Result,
     Roster,
+    Sense,
+    Standing,
     State,
+    Tick,
     Truth,
 )
 
@@ -34,7 +35,7 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     return st.lists(one, max_size=3).map(tuple)
 
 
-downs = several(st.builds(Down, ids, counts, vectors))
+downs = several(st.builds(Standing, ids, counts, vectors))
 members = several(
     st.builds(
         Member,
@@ -50,10 +51,9 @@ members = several(
 rosters = st.none() | st.builds(Roster, counts, members)
 proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
 answers = several(st.builds(Answer, ids, counts, counts, counts))
+senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "measurement": st.builds(
-        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), rosters, st.booleans()
-    ),
+    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, st.booleans()),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),
@@ -88,10 +88,10 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
     "result": st.builds(Result, st.text(max_size=50)),
 }
 
-_DOWN = (Down(2, 1, (0.3, 0.4)),)
+_DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
 ONE: dict[str, Message] = {
-    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), _ROSTER),
+    "tick": Tick(1, 2, 3, (1, 3), Sense(None, 3, 0.01, (0.1, 0.2)), _ROSTER),
     "state": State(
         1,
         2,

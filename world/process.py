@@ -81,8 +81,8 @@ def supervised(*arguments: Any) -> int:
 
 
 def _say_where(past: Resumed) -> None:
-    if past.journal.past or past.turn.number:
-        _say(f"goes on at tick {past.turn.world.tick} of {past.turn.scenario.name!r}")
+    if past.journal.past or past.run.number:
+        _say(f"goes on at tick {past.run.world.tick} of {past.run.scenario.name!r}")
 
 
 def _say(what: object) -> None:

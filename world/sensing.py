@@ -5,7 +5,7 @@ from __future__ import annotations
 from heapq import heappop, heappush
 
 from protocol.draws import Purpose
-from protocol.messages import Vector
+from protocol.messages import Sense, Vector
 from protocol.scenario.model import Scenario, Sensing
 from world.plants.disturbance import Uniforms, truncated_normal
 
@@ -34,13 +34,14 @@ class Sensor:
         self._arriving: list[tuple[int, int, Vector]] = []
         self._newest = -1
 
-    def measure(self, tick: int, truth: Vector) -> tuple[Vector | None, int]:
-        """Position as measured and the tick at which it was taken; (None, tick) when nothing new arrived.
+    def sense(self, tick: int, truth: Vector, displacement: Vector) -> Sense:
+        """What the robot is told at `tick`: a position if a new one arrived, and its odometry.
 
-        To be called once for every tick, in order, with the true position at its start.
+        To be called once for every tick, in order, with the true position at its start and what was
+        executed during the one before.
         """
         if self.ideal:
-            return truth, tick
+            return Sense(truth, tick, 0.0, displacement)
         self._take(tick, truth)
         position, stamp = None, tick
         while self._arriving and self._arriving[0][0] <= tick:
@@ -51,7 +52,7 @@ class Sensor:
             self.missing += 1
         elif stamp < tick:
             self.delayed += 1
-        return position, stamp
+        return Sense(position, stamp, self._sensing.bound, displacement)
 
     def _take(self, tick: int, truth: Vector) -> None:
         """Take one measurement and send it on its way."""

@@ -7,11 +7,12 @@ One tick: `open_tick` (and `join` for whoever is awaited), `accept` commands, `c
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
 
-from protocol.messages import Command, Down, Measurement, Truth, Vector
+from protocol.messages import Command, Sense, Standing, Tick, Truth
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
@@ -23,8 +24,6 @@ from world.judge.verdict import Judge
 from world.plants.integrator import Bodies
 from world.report import report
 from world.sensing import Sensor
-
-_Sensed = Mapping[int, tuple[Vector | None, int]]
 
 
 class World:
@@ -60,7 +59,7 @@ class World:
         goals = Goals(scenario)
         self._record = Record(scenario, goals, self._bodies.positions)
         self._judge = Judge(scenario, goals)
-        self._measurements: dict[int, Measurement] | None = None  # of the open tick
+        self._told: dict[int, Tick] | None = None  # of the open tick
 
     @property
     def truth(self) -> Truth:
@@ -79,7 +78,7 @@ class World:
     @property
     def is_open(self) -> bool:
         """Whether `tick` has begun."""
-        return self._measurements is not None
+        return self._told is not None
 
     @property
     def incarnations(self) -> dict[int, int]:
@@ -97,9 +96,9 @@ class World:
         return self._lives.founded
 
     @property
-    def down(self) -> tuple[Down, ...]:
+    def standing(self) -> tuple[Standing, ...]:
         """Fenced lives: fixed disks until that robot joins again."""
-        return self._lives.down
+        return self._lives.standing
 
     @property
     def awaiting_join(self) -> frozenset[int]:
@@ -124,9 +123,7 @@ class World:
         Raises:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
-        incarnation = self._lives.join(
-            robot, heard=self.tick - 1 if self._measurements is None else self.tick
-        )
+        incarnation = self._lives.join(robot, heard=self.tick - 1 if self._told is None else self.tick)
         self._noted(Joined(robot, incarnation))
         return incarnation
 
@@ -158,10 +155,9 @@ class World:
     def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
         self._commands.drop(robot)
-        if self._measurements is not None:
+        if self._told is not None:
             replace = msgspec.structs.replace
-            told = self._measurements
-            self._measurements = {other: replace(told[other], active=self.active) for other in told}
+            self._told = {other: replace(told, active=self.active) for other, told in self._told.items()}
 
     def expect(self, robot: int) -> None:
         """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
@@ -181,14 +177,14 @@ class World:
         lacking, self._commands.lacking = self._commands.lacking, {}
         return blamed(self.active, self._commands.waiting, lacking)
 
-    def open_tick(self) -> dict[int, Measurement]:
+    def open_tick(self) -> dict[int, Tick]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
 
         The scenario's process faults of this tick happen first, those of the first tick once all are there:
         whatever the order of joining, everybody begins the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
-        if self._measurements is None:
+        if self._told is None:
             self._noted(Opened())
             if not self._begun():
                 return {}
@@ -198,8 +194,8 @@ class World:
                 return {robot: told for robot, told in self._tell(self._lives.up).items() if robot in awaited}
             self.active = self._lives.up
             self._commands.open(self.tick, self.active)
-            self._measurements = self._tell(self.active, self._sense())
-        return self._measurements
+            self._told = self._tell(self.active, self._sense())
+        return self._told
 
     def _begun(self) -> bool:
         """Whether the run has begun, or begins now."""
@@ -207,32 +203,25 @@ class World:
             self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
         return self.founded
 
-    def _sense(self) -> _Sensed:
-        """One measurement of every robot, those who do not listen included: sensors keep running."""
-        sensors = self._sensors.items()
+    def _sense(self) -> dict[int, Sense]:
+        """Of every robot, those who do not listen included: sensors keep running."""
+        bodies, sensors = self._bodies, self._sensors
         return {
-            robot: sensor.measure(self.tick, position)
-            for (robot, sensor), position in zip(sensors, self._bodies.positions, strict=True)
+            robot: sensors[robot].sense(self.tick, position, displacement)
+            for robot, position, displacement in zip(
+                bodies.ids, bodies.positions, bodies.displacements, strict=True
+            )
         }
 
-    def _tell(self, active: tuple[int, ...], sensed: _Sensed | None = None) -> dict[int, Measurement]:
-        """Measurements for all that may listen; without positions unless `sensed` has them."""
-        tick = self.tick
-        moved = dict(zip(self._bodies.ids, self._bodies.displacements, strict=True))
-        told = {}
-        for robot, life in self._lives.listeners():
-            position, stamp = sensed[robot] if sensed else (None, tick)
-            told[robot] = Measurement(
-                robot,
-                life.incarnation,
-                tick,
-                position,
-                stamp,
-                moved[robot],
-                active,
-                self._lives.roster_for(robot),
-            )
-        return told
+    def _tell(
+        self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
+    ) -> dict[int, Tick]:
+        """Ticks for all that may listen."""
+        roster_for = self._lives.roster_for
+        return {
+            robot: Tick(robot, life.incarnation, self.tick, active, sensed.get(robot), roster_for(robot))
+            for robot, life in self._lives.listeners()
+        }
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
@@ -243,12 +232,12 @@ class World:
 
     def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
-        if self._measurements is None:
+        if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
         self._bodies.move(self._commands.velocities, self.tick)
         self._fence()
-        self._measurements = None
+        self._told = None
         self.tick += 1
         self._record.add(self._bodies.positions)
         self._decide()

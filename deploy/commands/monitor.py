@@ -81,5 +81,5 @@ def _serve(source: Source, port: int | None) -> None:
     from deploy.monitor.web.server import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:
-        print(f"{server.address}  (Ctrl-C ends it)", flush=True)
+        print(f"{server.link}  (Ctrl-C ends it)", flush=True)
         signal.pause()

@@ -78,5 +78,5 @@ def _show(recording: Recording, run: str | None, speed: float) -> None:
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)
     with closing(player), closing(serve_in_thread(player)) as server:
-        typer.echo(f"{server.address}  (Ctrl-C ends it)")
+        typer.echo(f"{server.link}  (Ctrl-C ends it)")
         threading.Event().wait()

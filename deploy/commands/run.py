@@ -38,6 +38,9 @@ def run(
         Path | None,
         typer.Option(metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."),
     ] = None,
+    open_to_all: Annotated[
+        bool, typer.Option("--open", help="Hosts that others can reach may do without --secure.")
+    ] = False,
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
@@ -75,7 +78,9 @@ def run(
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
     hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
-    options = RunOptions(transport, mode, router, run_name, secure, hosts_table, pace, restarts(restart))
+    options = RunOptions(
+        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart)
+    )
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, options, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

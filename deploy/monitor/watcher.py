@@ -136,7 +136,7 @@ class Watcher(SharedView):
         }
         try:
             reply = self._bus.ask(
-                world_key(self._run, "control"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
+                world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
             )
             steering = msgspec.msgpack.decode(reply, type=Steering)
         except (BusError, msgspec.DecodeError):

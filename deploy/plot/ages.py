@@ -10,7 +10,7 @@ import numpy as np
 from agents.peers.link import Link
 from agents.peers.state import addressed_to
 from deploy.recording.reader import Recording
-from protocol.messages import Measurement, State
+from protocol.messages import State, Tick
 from protocol.scenario.model import Link as LinkFaults
 
 
@@ -20,12 +20,12 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
     newest = dict.fromkeys(ids, -1)
-    for measurement in recording.said(Measurement):
-        robot = measurement.robot
-        if measurement.position is not None:
-            newest[robot] = max(newest[robot], measurement.stamp)
-        if newest[robot] >= 0 and measurement.tick in row:
-            ages[row[measurement.tick], ids.index(robot)] = measurement.tick - newest[robot]
+    for told in recording.said(Tick):
+        robot, sense = told.robot, told.sense
+        if sense is not None and sense.position is not None:
+            newest[robot] = max(newest[robot], sense.stamp)
+        if newest[robot] >= 0 and told.tick in row:
+            ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]
     return ticks, ages * recording.scenario.time.step
 
 

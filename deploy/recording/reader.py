@@ -22,7 +22,7 @@ from deploy.recording.form import from_object
 from deploy.recording.mcap.contents import Contents, contents
 from protocol.errors import KeyGrammarError, RecordingError
 from protocol.keys import parse
-from protocol.messages import Clock, Command, Health, Measurement, Message, State, Truth
+from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from world.world import World
@@ -116,9 +116,9 @@ class Recording:
         return list(self.said(Clock))
 
     @property
-    def measurements(self) -> dict[int, list[Measurement]]:
+    def told(self) -> dict[int, list[Tick]]:
         """What each robot was told, by robot."""
-        return self._by_robot(Measurement)
+        return self._by_robot(Tick)
 
     @property
     def states(self) -> dict[int, list[State]]:

@@ -189,5 +189,5 @@ class Recorder:
 def _every_tick(run: str, robots: Iterable[int]) -> Iterator[str]:
     """The keys under which most is said."""
     for robot in robots:
-        for stream in ("measurement", "state", "command"):
+        for stream in ("tick", "state", "command"):
             yield robot_key(run, robot, stream)

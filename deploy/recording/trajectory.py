@@ -1,6 +1,6 @@
 """The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
 
-Truths are for whoever watches, and the network may drop them. Measurements it may not, and each says what
+Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
 its robot really did during the tick before: added to where the disk was, that is where it was next, to the
 last bit.
 """
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from deploy.recording.reader import Recording
 from protocol.errors import RecordingError
-from protocol.messages import Command, Measurement, Vector
+from protocol.messages import Command, Tick, Vector
 from world.judge.trajectory import TrajectoryDigest
 
 _Plane = Sequence[Vector] | NDArray[np.float64]  # where each robot is, m, in the order of ids
 
 
 class Trajectory(NamedTuple):
-    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from measurements."""
+    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
 
     sha256: str
     restored: int
@@ -31,7 +31,7 @@ class Trajectory(NamedTuple):
     @property
     def remark(self) -> str:
         """What has to be said of it; empty if every tick was recorded."""
-        return f" ({self.restored} ticks worked out from the measurements)" if self.restored else ""
+        return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
 
 
 def trajectory(recording: Recording) -> Trajectory:
@@ -68,11 +68,11 @@ class _Moves:
         self._path, self._ids = recording.path, recording.scenario.ids
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: set[tuple[int, int]] = set()
-        for _, _, message in recording.entries.of(Measurement, Command):
+        for _, _, message in recording.entries.of(Tick, Command):
             if isinstance(message, Command) and message.tick + 1 in ticks:
                 self._commanded.add((message.robot, message.tick))
-            elif isinstance(message, Measurement) and message.tick in ticks and not message.over:
-                self._said[message.tick][message.robot] = message.displacement
+            elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
+                self._said[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""

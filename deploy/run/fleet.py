@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from deploy.processes import table
+from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
@@ -133,7 +134,11 @@ class Fleet:
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
-        return None if hosts is None else HostSpawners(hosts, places(hosts), self._options.run)
+        if hosts is None:
+            return None
+        if (roster := Membership(self._options.secure).roster()) is not None:
+            check_fit(roster, hosts)
+        return HostSpawners(hosts, places(hosts), self._options.run)
 
     def _link(self, multi_host: MultiHost) -> MultiHost:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""
@@ -294,7 +299,7 @@ class Fleet:
 
     @property
     def _has_begun(self) -> bool:
-        return self._clock is not None and (self._clock.tick > 0 or self._clock.turn > 0)
+        return self._clock is not None and (self._clock.tick > 0 or self._clock.run_number > 0)
 
     @property
     def _complete(self) -> bool:

@@ -143,6 +143,13 @@ class LocalFleet:
             self._recorder.close()
         return self._reports
 
+    def step(self) -> bool:
+        """Run until the open tick is over, and say whether another follows: False once there is a verdict."""
+        world = self.world.world
+        tick = world.tick
+        self.network.run(lambda: world.tick > tick or bool(world.verdict))
+        return not world.verdict
+
 
 class Operator:
     """Carries out the scheduled process faults, as a supervisor does with real processes."""

@@ -99,7 +99,7 @@ def _robots(result: Mapping[str, Any]) -> Table:
     for robot in result["robots"]:
         row = processes.get(f"robot-{robot}", {})
         arrived = "yes" if robot in result["arrived"] else "no"
-        ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "excursions")]
+        ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "lateral_deviation")]
         listing.add_row(str(robot), arrived, *ways, *_process_cells(row))
     for name, row in processes.items():
         if name == "world" or is_router(name):

@@ -69,7 +69,14 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",
 }
-_INNER = (messages.Proposal, messages.Answer, messages.Roster, messages.Member, messages.Down)
+_INNER = (
+    messages.Proposal,
+    messages.Answer,
+    messages.Sense,
+    messages.Roster,
+    messages.Member,
+    messages.Standing,
+)
 
 
 def page() -> str:
@@ -190,8 +197,8 @@ def _comments() -> dict[tuple[str, str], str]:
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
     parts = ["## Requests", ""]
-    for name, module in (("scenario", joining), ("control", steering)):
-        parts += [f"### `disknav/<run>/world/{name}`", "", inspect.getdoc(module) or "", ""]
+    for name, module in (("robot/<id>/join", joining), ("world/steering", steering)):
+        parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]
     return "\n".join(parts)
 
 

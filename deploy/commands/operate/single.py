@@ -42,9 +42,10 @@ def robot(
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
     membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
-    # A fresh interpreter: a robot carries neither this command line nor its libraries.
+    # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
+    # the working directory, where a folder may be called `agents`, too.
     arguments = [endpoint, _run(membership, run), str(robot_id), *([] if secure is None else [str(secure)])]
-    os.execv(sys.executable, [sys.executable, "-m", "agents.process", *arguments])
+    os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
 def world(
@@ -87,6 +88,7 @@ def router(
     ] = None,
     connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
     secure: Secure = None,
+    host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
     ] = False,
@@ -101,7 +103,7 @@ def router(
     from deploy.processes.router_config import router_config
 
     membership = Membership(secure)
-    connection = membership.router(() if listen is None else (listen,), connect or ())
+    connection = membership.router(() if listen is None else (listen,), connect or (), host)
     if print_config:
         sys.stdout.write(router_config(connection, membership.default_router))
         return

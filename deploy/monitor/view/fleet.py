@@ -94,7 +94,7 @@ class View:
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
-        down = {each.robot for each in clock.down}
+        down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active
 

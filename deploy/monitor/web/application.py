@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from hmac import compare_digest
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -22,11 +23,15 @@ from protocol.steering import Steer
 
 PAGE = Path(__file__).parent / "page"
 _HEADERS = {
-    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:",
+    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; frame-ancestors 'none'",
     "cache-control": "no-cache",
     "x-content-type-options": "nosniff",
     "referrer-policy": "no-referrer",
 }
+
+
+_ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
 
 
 class FixedHeaders:
@@ -44,8 +49,8 @@ class FixedHeaders:
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
 
 
-def application(source: Source, hosts: list[str]) -> Starlette:
-    """The page for `source`, answering under the host names `hosts` only."""
+def application(source: Source, hosts: list[str], token: str) -> Starlette:
+    """The page for `source`, answering under the host names `hosts` only; who has `token` may steer."""
     stream = FrameStream(source)
 
     async def live(socket: WebSocket) -> None:
@@ -57,7 +62,7 @@ def application(source: Source, hosts: list[str]) -> Starlette:
         try:
             async with asyncio.TaskGroup() as tasks:
                 sending = tasks.create_task(_send(socket, stream))
-                await _listen(socket, source)
+                await _listen(socket, source, may_steer=_knows(socket, token))
                 sending.cancel()
         except* WebSocketDisconnect:
             pass
@@ -79,6 +84,10 @@ def _same_origin(socket: WebSocket) -> bool:
     return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
 
 
+def _knows(socket: WebSocket, token: str) -> bool:
+    return compare_digest(socket.query_params.get("token", "").encode(), token.encode())
+
+
 async def _send(socket: WebSocket, stream: FrameStream) -> None:
     number, known = 0, -1
     while True:
@@ -89,13 +98,22 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         await socket.send_text(frame.decode())
 
 
-async def _listen(socket: WebSocket, source: Source) -> None:
-    """Pass on what the viewer asks for; returns when it leaves. What is malformed is told and ignored."""
+async def _listen(socket: WebSocket, source: Source, *, may_steer: bool) -> None:
+    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
+    look, is told and ignored."""
     while True:
         try:
             text = await socket.receive_text()
-            source.steer(msgspec.json.decode(text, type=Steer))
+            order = msgspec.json.decode(text, type=Steer)
+            if may_steer:
+                source.steer(order)
+            else:
+                await _refuse(socket, _ONLY_LOOKS)
         except WebSocketDisconnect:
             return
         except (msgspec.DecodeError, KeyError) as error:
-            await socket.send_text(msgspec.json.encode({"kind": "refused", "text": str(error)}).decode())
+            await _refuse(socket, str(error))
+
+
+async def _refuse(socket: WebSocket, text: str) -> None:
+    await socket.send_text(msgspec.json.encode({"kind": "refused", "text": text}).decode())

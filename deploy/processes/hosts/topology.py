@@ -33,7 +33,9 @@ class MultiHost:
         """The router of a host: linked with those of all hosts before it in the table."""
         before = self.hosts.hosts[: self.hosts.hosts.index(host)]
         listen = self._endpoint(host.listen or host.address, host.port)
-        connection = self.membership.router((listen,), [self._router_of(other) for other in before])
+        connection = self.membership.router(
+            (listen,), [self._router_of(other) for other in before], host.name
+        )
         return self._moved(connection, host)
 
     def world(self) -> Connection:

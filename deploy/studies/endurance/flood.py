@@ -74,7 +74,11 @@ def _measure(
     flooder: Flooder | None = None
 
     def watch(clock: Clock) -> None:
-        if flooder is None or over() or not intervals.on_clock(time.monotonic(), clock.turn, clock.tick):
+        if (
+            flooder is None
+            or over()
+            or not intervals.on_clock(time.monotonic(), clock.run_number, clock.tick)
+        ):
             return
         done = len(intervals.rates)
         if done % 2:

@@ -439,7 +439,7 @@ ITSELF = (
         "missed-odometry",
         "a tick whose odometry was missed may have led as far as any",
         (
-            Edit(_ESTIMATE, 'self._settle(self.shape.widened(self._max_step), "")', "pass"),
+            Edit(_ESTIMATE, "self._widen(self._max_step)", "pass"),
             Edit(
                 _ESTIMATE,
                 "self._history.append(Move(0.0, 0.0, self._max_step))",

@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 from agents.peers.state import addressed_to
-from protocol.messages import Command, Measurement, State
+from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
 from tests.agents.lines.product import Product
 
@@ -85,10 +85,10 @@ class Skirmish:
             if rng.random() < self.trouble:
                 self._trouble(robot)
         told = world.open_tick()
-        for robot, measurement in told.items():
+        for robot, tick in told.items():
             process = self.processes.get(robot)
             if process is not None and rng.random() >= 0.3 * self.loss:
-                process.queue.append(measurement)
+                process.queue.append(tick)
         self.before = list(world.truth.positions)
 
     def _together(self, awake: list[_Process]) -> None:
@@ -156,16 +156,16 @@ class Skirmish:
             self._join(robot)
 
     def _open(self, process: _Process) -> None:
-        """Handle Measurements up to the next that opens a tick, as `RobotNode` does."""
+        """Handle Ticks up to the next that opens a tick, as `RobotNode` does."""
         process.opened = False
         while process.queue and not process.opened:
-            measurement = process.queue.popleft()
+            tick = process.queue.popleft()
             core = process.core
-            if core.has_ended(measurement):
+            if core.has_ended(tick):
                 if self.processes.get(core.robot) is process and self.world._lives.of[core.robot].fenced:
                     self._live(process, core.robot)
-            elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
-                process.state = core.measure(measurement)
+            elif tick.incarnation == core.incarnation and tick.tick > core.tick:
+                process.state = core.begin(tick)
                 process.opened = True
                 self._publish(process.state)
 
@@ -211,7 +211,7 @@ class _Process:
 
     def __init__(self) -> None:
         self.core: Any = None
-        self.queue: deque[Measurement] = deque()
+        self.queue: deque[Tick] = deque()
         self.asleep = 0  # ticks
         self.opened = False
         self.state: State | None = None

@@ -24,7 +24,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import RecordingError
 from protocol.keys import everything, parse
-from protocol.messages import Measurement, Message, Result
+from protocol.messages import Message, Result, Tick
 from tests.deploy.recording.recorded import record
 
 
@@ -85,7 +85,7 @@ def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording)
     last = int(recording.truths.ticks[-1])
     found = verify(_without_truths(recording, {5, 6, 20, last}))
     assert found == (recording.result["trajectory_sha256"], 3)
-    assert found.remark == " (3 ticks worked out from the measurements)"
+    assert found.remark == " (3 ticks worked out from odometry)"
     every = _without_truths(recording, set(range(1, last + 1)))
     assert verify(every) == (recording.result["trajectory_sha256"], last - 1)
 
@@ -97,7 +97,7 @@ def test_a_tick_that_nobody_knows_is_an_error_of_its_own(recording):
 
 
 def _is_measurement(message: Message, robot: int, tick: int) -> bool:
-    return isinstance(message, Measurement) and (message.robot, message.tick) == (robot, tick)
+    return isinstance(message, Tick) and (message.robot, message.tick) == (robot, tick)
 
 
 def test_without_a_result_there_is_nothing_to_compare(recording):

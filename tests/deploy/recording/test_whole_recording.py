@@ -60,7 +60,7 @@ def test_what_is_read_is_what_was_run(recorded):
     assert found.truths.clearance.min() == report["min_clearance"]
     assert np.array_equal(found.truths.positions[0], [spec.start for spec in ROBOTS])
     for spec in ROBOTS:
-        told = [measurement.tick for measurement in found.measurements[spec.id] if not measurement.over]
+        told = [tick.tick for tick in found.told[spec.id] if not tick.over]
         assert told == [command.tick for command in found.commands[spec.id]] == list(range(report["ticks"]))
         assert [state.tick for state in found.states[spec.id]] == list(range(report["ticks"]))
         assert found.health[spec.id]

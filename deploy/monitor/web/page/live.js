@@ -1,4 +1,5 @@
 // The websocket: overviews and frames come in, steering goes out; opened again when it breaks.
+// The token that lets this page steer stands after the # of its address.
 const RETRY = 1000; // ms
 
 export class Live {
@@ -9,7 +10,7 @@ export class Live {
 
   open() {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    this.socket = new WebSocket(`${scheme}//${location.host}/live`);
+    this.socket = new WebSocket(`${scheme}//${location.host}/live?token=${encodeURIComponent(location.hash.slice(1))}`);
     this.socket.onmessage = (event) => this.receive(JSON.parse(event.data));
     this.socket.onclose = () => {
       this.handlers.lost();

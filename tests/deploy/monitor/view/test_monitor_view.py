@@ -14,7 +14,7 @@ from deploy.monitor.terminal import table
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import HISTORY, View
 from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Clock, Down, Health, Message, Truth
+from protocol.messages import Clock, Health, Message, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Time
 from protocol.steering import Steering
 
@@ -34,7 +34,7 @@ def view(*, alive: bool = True, lockstep: bool = True) -> View:
 
 
 def clock(
-    tick: int, active: tuple[int, ...] = (1, 2, 3), verdict: str = "", down: tuple[Down, ...] = ()
+    tick: int, active: tuple[int, ...] = (1, 2, 3), verdict: str = "", down: tuple[Standing, ...] = ()
 ) -> Clock:
     return Clock(tick, tick * 0.05, active, down, verdict)
 
@@ -92,7 +92,7 @@ def test_a_dead_robot_is_an_alarm_at_once_and_the_others_are_not() -> None:
 
 def test_a_fenced_robot_is_an_alarm_until_it_takes_part_again() -> None:
     it = view()
-    down = (Down(3, 1, (0.1, 0.0)),)
+    down = (Standing(3, 1, (0.1, 0.0)),)
     it.on_message(clock(5, active=(1, 2), down=down), 0.0)
     assert statuses(it, 0.0)[2] == "fenced"
     it.on_message(clock(9, active=(1, 2, 3), down=down), 0.1)
@@ -225,7 +225,7 @@ ids = st.integers(1, 5)  # some of them no robot of the scenario
 number = st.floats(-10.0, 10.0)
 place = st.tuples(number, number)
 several = st.lists(ids).map(tuple)
-downs = st.lists(st.builds(Down, ids, st.integers(0, 3), place)).map(tuple)
+downs = st.lists(st.builds(Standing, ids, st.integers(0, 3), place)).map(tuple)
 heard_of = st.lists(st.tuples(ids, st.integers(0, 99))).map(tuple)
 ticks = st.integers(0, 99)
 messages = st.one_of(

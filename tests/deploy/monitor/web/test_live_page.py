@@ -95,7 +95,7 @@ def shown(
     with served(watcher) as server:
         it = Shown(context.new_page(), fleet, watcher)
         it.on_message()
-        it.page.goto(server.address)
+        it.page.goto(server.link)
         it.page.wait_for_selector("#verdict:has-text('Looking')")  # nothing can be missed from here on
         with running(fleet):
             it.page.wait_for_selector("#robots tr")

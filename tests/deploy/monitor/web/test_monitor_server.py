@@ -28,7 +28,8 @@ from tests.deploy.monitor.watched import PATIENCE, ring, running, served
 
 
 def live(server: Server, **options: Any) -> ClientConnection:
-    return connect(server.address.replace("http", "ws") + "/live", **options)
+    """A viewer with the token."""
+    return connect(server.link.replace("http", "ws").replace("/#", "/live?token="), **options)
 
 
 def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
@@ -111,6 +112,22 @@ def test_a_page_of_another_site_cannot_steer(origin: str) -> None:
             assert news(viewer, "frame")["phase"] == "searching"
 
 
+@pytest.mark.parametrize("query", ["", "?token=", "?token=guess", "?token=%00%ff"])
+def test_who_has_no_token_may_only_look(query: str) -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with (
+        running(fleet),
+        served(watcher) as server,
+        connect(server.address.replace("http", "ws") + "/live" + query) as viewer,
+    ):
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"pause": true}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        tick = news(viewer, "frame")["tick"]
+        assert news(viewer, "frame", lambda it: it["tick"] > tick + 2)["phase"] == "running"
+
+
 def test_only_the_own_host_name_is_answered() -> None:
     with served(watch_local(LocalNetwork(), "r")) as server:
         request = urllib.request.Request(server.address, headers={"Host": "evil.example"})
@@ -120,7 +137,9 @@ def test_only_the_own_host_name_is_answered() -> None:
 
 def fetch(url: str) -> str:
     with urllib.request.urlopen(url, timeout=PATIENCE) as response:
-        assert "default-src 'self'" in response.headers["content-security-policy"]
+        policy = response.headers["content-security-policy"]
+        assert "default-src 'self'" in policy
+        assert "frame-ancestors 'none'" in policy
         return str(response.read().decode())
 
 

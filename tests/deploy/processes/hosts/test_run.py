@@ -20,8 +20,6 @@ from deploy.library.load import load
 from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.processes.hosts.remote import GREETING
 from deploy.run.local import LocalFleet
-from deploy.security.keystore import create
-from deploy.security.roster import Roster
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
@@ -126,8 +124,9 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     server: Server, tmp_path: Path
 ) -> None:
     keys, record = tmp_path / "keys", tmp_path / "run.mcap"
-    create(keys, Roster("yard", SCENARIO.ids))
     hosts, _ = table(server, tmp_path)
+    made = disknav("keys", "new", keys, "-s", "figure-1", "--hosts", hosts, "--run", "yard")
+    assert made.returncode == 0, made.stderr
     done = disknav("run", "figure-1", "--hosts", hosts, "--secure", keys, "--record", record, "--json", "-")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
