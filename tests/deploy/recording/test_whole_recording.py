@@ -1,16 +1,20 @@
 """Recordings: what is written is what was said, and any MCAP reader reads it."""
 
 import json
+import tracemalloc
 
 import numpy as np
 from mcap.reader import make_reader
 
+from deploy.recording.mcap.contents import contents
 from deploy.recording.reader import read
 from deploy.recording.trajectory import trajectory
+from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Sample
 from protocol.codec import encode
-from protocol.keys import everything, parse
+from protocol.keys import everything, parse, robot_key
+from protocol.messages import Command
 from protocol.streams import STREAMS
 from tests.deploy.recording.recorded import ROBOTS, scenario
 
@@ -100,3 +104,21 @@ def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
         reader = make_reader(file, validate_crcs=True)
         assert sum(1 for _ in reader.iter_messages()) == found.counts.total() == len(list(found.entries))
         assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 4
+
+
+def test_reading_takes_no_more_memory_for_a_longer_recording(tmp_path):
+    peaks = []
+    keys = {spec.id: robot_key("r", spec.id, "command") for spec in ROBOTS}
+    for ticks in (1000, 5000):
+        path = tmp_path / f"{ticks}.mcap"
+        file = RecordingFile(path)
+        file.begin("r", scenario())
+        for tick in range(ticks):
+            file.write([(key, encode(Command(robot, 1, tick, (0.1, 0.2)))) for robot, key in keys.items()])
+        file.finish()
+        found = contents(path)
+        tracemalloc.start()
+        assert sum(1 for _ in found.messages()) == 3 * ticks
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 2.0 * peaks[0]
