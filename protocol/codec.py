@@ -16,6 +16,7 @@ from protocol.messages import (
     AnyMessage,
     Clock,
     Command,
+    GoalStatus,
     Health,
     Sense,
     State,
@@ -61,6 +62,7 @@ def _is_finite(message: AnyMessage) -> bool:
         total = abs(message.velocity[0]) + abs(message.velocity[1])
     elif isinstance(message, Tick) and message.roster is None:
         total = 0.0 if message.sense is None else sum(map(abs, _sense_numbers(message.sense)))
+        total += 0.0 if message.goal is None else abs(message.goal[0]) + abs(message.goal[1])
     else:
         return all(map(_is_sane, _numbers(message)))
     return _is_sane(total) or all(map(_is_sane, _numbers(message)))
@@ -118,6 +120,7 @@ def _sense_numbers(sense: Sense) -> tuple[float, ...]:
 
 def _tick_numbers(tick: Tick) -> Iterator[float]:
     yield from () if tick.sense is None else _sense_numbers(tick.sense)
+    yield from tick.goal or ()
     for member in () if tick.roster is None else tick.roster.members:
         yield from (member.radius, member.bound, *(member.position or ()))
 
@@ -132,6 +135,8 @@ def _watched_numbers(message: AnyMessage) -> Iterator[float]:
         yield message.phi
         for position in message.positions:
             yield from position
+    elif isinstance(message, GoalStatus):
+        yield from message.goal
     elif isinstance(message, Health):
         yield message.bound
         for _, nx, ny, limit in message.lines:

@@ -100,6 +100,8 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     active: tuple[Id, ...]  # robots that state and command this tick
     sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
+    goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
+    halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
 
 
@@ -142,6 +144,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
+    halted: bool = False  # whether an emergency stop is in force: everybody stands
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
@@ -169,10 +172,24 @@ class Health(Message, frozen=True, array_like=True, gc=False):
     note: str = ""  # for people
 
 
+Errand = Literal["under way", "arrived", "cancelled", "given up"]
+
+
+class GoalStatus(Message, frozen=True, array_like=True, gc=False):
+    """World about one robot's goal: whenever an order is accepted, a point reached, or an end made of it."""
+
+    robot: Id  # whose goal it is
+    tick: Count  # when this came to hold
+    number: Count  # of the order, counted by robot; 0 for the scenario's goal
+    status: Errand  # under way; arrived at the last point; cancelled; given up: its time was over
+    goal: Vector  # m, where it goes or stays
+    ahead: Count = 0  # points after this one; those of a patrol without end
+
+
 class Result(Message, frozen=True, array_like=True, gc=False):
     """World to the launcher at the end: what it judged. `report` is a JSON object."""
 
     report: str  # JSON text
 
 
-AnyMessage = Tick | State | Command | Clock | Truth | Health | Result
+AnyMessage = Tick | State | Command | Clock | Truth | Health | GoalStatus | Result

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, Health, Message, Result, State, Tick, Truth
+from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -30,10 +30,11 @@ class Stream(NamedTuple):
 
 
 class Question(NamedTuple):
-    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.steering`)."""
+    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.steering`,
+    `protocol.goals`)."""
 
     name: str
-    asked_by: str  # "itself", the robot in the key; or "monitor"
+    asked_by: str  # "itself", the robot in the key; "monitor", or "operator"
 
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
@@ -55,8 +56,24 @@ _STREAMS = (
         "truth", Truth, "world", (), "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024
     ),
     Stream("health", Health, "robot", ("itself",), "every 0.5 s, and at the end", False, True, 128 * 1024),
+    Stream(
+        "goalstatus",
+        GoalStatus,
+        "world",
+        (),
+        "when an order is accepted, and at every point",
+        False,
+        True,
+        1024,
+    ),
     Stream("result", Result, "world", (), "once, at the end", True, False, 4 * 1024 * 1024),
 )
 
 STREAMS = {stream.name: stream for stream in _STREAMS}
-QUESTIONS = (Question("join", "itself"), Question("scenario", "monitor"), Question("steering", "monitor"))
+QUESTIONS = (
+    Question("join", "itself"),
+    Question("goal", "operator"),
+    Question("scenario", "monitor"),
+    Question("steering", "monitor"),
+    Question("halt", "operator"),
+)

@@ -19,6 +19,8 @@ from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
+from protocol.goals import GoalReply, decode_order, encode_reply
+from protocol.halt import Halted, decode_halt, encode_halted
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
@@ -98,9 +100,10 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario"):
+        for stream in ("steering", "scenario", "halt"):
             bus.serve(world_key(run, stream))
-        bus.serve(every_robot(run, "join"))
+        for question in ("join", "goal"):
+            bus.serve(every_robot(run, question))
         bus.announce(world_key(run, "alive"))
         if current.world.verdict:
             self._end()
@@ -179,6 +182,10 @@ class WorldNode:
             address = parse(request.key)
             if address.stream == "steering":
                 return self._steer(request.payload)
+            if address.stream == "halt":
+                return self._halt(request.payload)
+            if address.stream == "goal" and address.robot is not None:
+                return self._order(address.robot, request.payload)
             return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
@@ -186,6 +193,33 @@ class WorldNode:
             reason, text = error.reason, str(error)
         self._run.rejected[reason] += 1
         return joining.encode_reply(joining.Refusal(text))
+
+    def _order(self, robot: int, payload: bytes) -> bytes:
+        """An order of where to go, or the question how things stand."""
+        world = self._run.world
+        try:
+            order = decode_order(payload)
+        except MessageError as error:
+            self._run.rejected[error.reason] += 1
+            return encode_reply(GoalReply(False, text=str(error)), payload)
+        status = world.goal_status(robot)
+        if order is None:
+            known = GoalReply(status is not None, text="" if status else f"no robot {robot}", status=status)
+            return encode_reply(known, payload)
+        if self._run.phase is not Phase.RUNNING:
+            return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
+        reply = world.order(robot, order)
+        self._publishers.goals(world.goal_news())
+        return encode_reply(reply, payload)
+
+    def _halt(self, payload: bytes) -> bytes:
+        """The emergency stop, its release, or the question whether it is in force."""
+        world = self._run.world
+        asked = decode_halt(payload)
+        if asked is not None:
+            world.halt(asked.halt)
+            self._inform(due=True)
+        return encode_halted(Halted(world.halted, world.tick), payload)
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
@@ -263,6 +297,7 @@ class WorldNode:
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
+        self._publishers.goals(run.world.goal_news())
         run.opened = False
         if run.world.verdict:
             self._end()

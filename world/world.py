@@ -12,11 +12,25 @@ from typing import Any
 
 import msgspec
 
-from protocol.messages import Command, Sense, Standing, Tick, Truth
+from protocol.goals import GoalOrder, GoalReply
+from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
-from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
+from world.coordinator.inputs import (
+    Closed,
+    Ended,
+    Expected,
+    GivenUp,
+    Halted,
+    Input,
+    Joined,
+    Lost,
+    Opened,
+    Ordered,
+    checksum,
+)
 from world.coordinator.lives import Lives
+from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
@@ -33,6 +47,7 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        halted: whether an emergency stop is in force.
         note: is told every input that this world has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
             (`world.shell.replay`).
@@ -50,12 +65,14 @@ class World:
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
         self._bodies = Bodies(scenario)
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
+        self._missions = Missions(scenario)
         goals = Goals(scenario)
         self._record = Record(scenario, goals, self._bodies.positions)
         self._judge = Judge(scenario, goals)
@@ -219,9 +236,54 @@ class World:
         """Ticks for all that may listen."""
         roster_for = self._lives.roster_for
         return {
-            robot: Tick(robot, life.incarnation, self.tick, active, sensed.get(robot), roster_for(robot))
+            robot: Tick(
+                robot,
+                life.incarnation,
+                self.tick,
+                active,
+                sensed.get(robot),
+                roster_for(robot),
+                self._missions.goal(robot),
+                self.halted,
+            )
             for robot, life in self._lives.listeners()
         }
+
+    def order(self, robot: int, order: GoalOrder) -> GoalReply:
+        """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
+        refusal = self._missions.refusal(robot, order, self._lives.standing)
+        if refusal:
+            return GoalReply(False, text=refusal)
+        position = self._bodies.positions[self._bodies.ids.index(robot)]
+        reply = self._missions.accept(robot, order, self.tick, position)
+        self._redirect(robot)
+        self._noted(Ordered(robot, order))
+        return reply
+
+    def _redirect(self, robot: int) -> None:
+        goal = self._missions.goal(robot)
+        assert goal is not None
+        self._record.redirect(robot, goal)
+        self._judge.disturb(self.tick)
+
+    def goal_status(self, robot: int) -> GoalStatus | None:
+        """How things stand with a robot's goal; None if there is no such robot."""
+        if robot not in self._bodies.ids:
+            return None
+        status = self._missions.status(robot)
+        if status.number == 0 and robot in self._judge.arrived(self._bodies.positions):
+            return msgspec.structs.replace(status, tick=self.tick, status="arrived")
+        return status
+
+    def goal_news(self) -> list[GoalStatus]:
+        """What came of orders since this was last asked for."""
+        return self._missions.news()
+
+    def halt(self, halted: bool) -> None:
+        """Have everybody stand, from the open tick on, or release them."""
+        if halted != self.halted:
+            self.halted = halted
+            self._noted(Halted(halted))
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
@@ -235,7 +297,7 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move(self._commands.velocities, self.tick)
+        self._bodies.move({} if self.halted else self._commands.velocities, self.tick)
         self._fence()
         self._told = None
         self.tick += 1
@@ -250,10 +312,16 @@ class World:
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
-        if not self.verdict:
+        if self.halted:
+            self._judge.disturb(self.tick)
+        for robot in self._missions.advance(self.tick, self._bodies.ids, self._bodies.positions):
+            self._redirect(robot)
+        if not self.verdict and not self._scenario.time.endless:
             up = self._lives.up
             alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
-            verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
+            verdict, reason = self._judge.judge(
+                self.tick, self._bodies.positions, up, alone, pending=self._missions.pending
+            )
             if verdict:
                 self._finish(verdict, reason)
 

@@ -115,7 +115,9 @@ class Fleet:
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
         record = None if self._writer is None or options.restarts else (options.run, self._writer)
-        router = table.router(membership.router(), record, options.restarts)
+        router = table.router(
+            membership.router(() if options.listen is None else (options.listen,)), record, options.restarts
+        )
         self._supervisor.start([router])
         endpoint = self._supervisor.report(table.ROUTER, _START)
         connection, *others = router.arguments  # whoever comes after it is to be found where it was

@@ -62,9 +62,9 @@ class LocalFleet:
         self.robots: dict[int, LocalBus] = {}
         for robot in joining or scenarios[0].ids:
             self.start(robot)
-        operator = self.network.connect()
-        operator.subscribe(world_key(run, "clock"))
-        operator.node = Operator(self, FaultSchedule(scenarios), watch)
+        faults = self.network.connect()
+        faults.subscribe(world_key(run, "clock"))
+        faults.node = FaultInjector(self, FaultSchedule(scenarios), watch)
 
     def start_world(self) -> None:
         """Start the world's node, where the journal says that it was."""
@@ -151,7 +151,7 @@ class LocalFleet:
         return not world.verdict
 
 
-class Operator:
+class FaultInjector:
     """Carries out the scheduled process faults, as a supervisor does with real processes."""
 
     def __init__(self, fleet: LocalFleet, schedule: FaultSchedule, watch: Watcher | None) -> None:

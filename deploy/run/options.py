@@ -50,10 +50,13 @@ class RunOptions:
     open: bool = False  # hosts that others can reach may be without keys
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a process that fails is started again: robot, world or router
+    listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+        if self.router is not None and self.transport != "routed":
+            raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):

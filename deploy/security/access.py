@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from deploy.security.roster import MONITOR, WORLD, Roster, robot_role, router_role
+from deploy.security.roster import MONITOR, OPERATOR, WORLD, Roster, robot_role, router_role
 from protocol.keys import ROBOT_STREAMS, every_robot, everything, robot_key, world_key
 from protocol.streams import QUESTIONS, STREAMS
 
@@ -58,7 +58,9 @@ def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
 
 def _speakers(roster: Roster, host: str) -> dict[str, tuple[str, ...]]:
     """Who may be at the other end of a link of this router -> the roles for which it speaks."""
-    clients = roster.behind(host) if roster.homes else (WORLD, MONITOR, *map(robot_role, roster.robots))
+    clients = (
+        roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))
+    )
     routers = {router_role(other): roster.behind(other) for other in roster.homes if other != host}
     return {**routers, **{role: (role,) for role in clients}}
 
@@ -67,7 +69,9 @@ def _rules(run: str, role: str) -> Iterator[Rule]:
     if role == WORLD:
         yield from _world(run)
     elif role == MONITOR:
-        yield from _monitor(run)
+        yield from _watcher(run, MONITOR, _questions("monitor"))
+    elif role == OPERATOR:
+        yield from _watcher(run, OPERATOR, [*_questions("monitor"), *_questions("operator")])
     elif role.startswith("robot-"):
         yield from _robot(run, int(role.removeprefix("robot-")))
 
@@ -93,11 +97,12 @@ def _world(run: str) -> Iterator[Rule]:
     yield _rule(WORLD, "watch", _WATCH, [every_robot(run, _ALIVE)])
 
 
-def _monitor(run: str) -> Iterator[Rule]:
-    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls."""
-    yield _rule(MONITOR, "subscribe", _SUBSCRIBE, [everything(run)])
-    yield _rule(MONITOR, "ask", _ASK, [_key(run, name) for name in _questions("monitor")])
-    yield _rule(MONITOR, "watch", _WATCH, [everything(run)])
+def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
+    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
+    operator may also send robots elsewhere."""
+    yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
+    yield _rule(role, "ask", _ASK, [_key(run, name) for name in questions])
+    yield _rule(role, "watch", _WATCH, [everything(run)])
 
 
 def _published_by(publisher: str) -> list[str]:

@@ -12,7 +12,7 @@ from protocol.errors import CertificateError
 from protocol.keys import checked_run
 
 ROSTER = "roster.json"
-WORLD, ROUTER, MONITOR = "world", "router", "monitor"
+WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +42,8 @@ class Roster:
 
     @property
     def roles(self) -> tuple[str, ...]:
-        """Every role: routers, world, monitor, then `robot-1` and so on."""
-        return (*self.routers, WORLD, MONITOR, *map(robot_role, self.robots))
+        """Every role: routers, world, monitor, operator, then `robot-1` and so on."""
+        return (*self.routers, WORLD, MONITOR, OPERATOR, *map(robot_role, self.robots))
 
     def behind(self, host: str) -> tuple[str, ...]:
         """Roles whose processes are clients of the router of `host`.
@@ -56,7 +56,7 @@ class Roster:
                 f"the keys of the run {self.run} are not for a host {host!r}, "
                 f"but for {', '.join(self.homes) or 'one router'}"
             )
-        others = (WORLD, MONITOR) if host == self.world else ()
+        others = (WORLD, MONITOR, OPERATOR) if host == self.world else ()
         return (*others, *map(robot_role, self.homes[host].robots))
 
 

@@ -43,7 +43,7 @@ def keys() -> list[str]:
 def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) -> None:
     writable = {key for key in keys() if allowed(role, "put", key)}
     names = {name for name, stream in STREAMS.items() if stream.publisher == role.partition("-")[0]}
-    if role in ("router", "monitor"):  # another router has no business at the only one
+    if role in ("router", "monitor", "operator"):  # another router has no business at the only one
         assert writable == set()
     elif role == "world":
         assert {parse(key).stream for key in writable} == names
@@ -57,17 +57,24 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join"))
+        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/goal", "/halt"))
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 
 @pytest.mark.parametrize("role", ROSTER.roles[1:])
 def test_a_token_stands_for_oneself(role: str) -> None:
     tokens = {key for key in keys() if allowed(role, "liveliness_token", key)}
-    own = {"world": {world_key("demo", "alive")}, "monitor": set()}
+    own = {"world": {world_key("demo", "alive")}, "monitor": set(), "operator": set()}
     for robot in ROSTER.robots:
         own[f"robot-{robot}"] = {robot_key("demo", robot, "alive")}
     assert tokens == own[role]
+
+
+def test_only_an_operator_sends_robots_elsewhere() -> None:
+    goal = robot_key("demo", 1, "goal")
+    assert [role for role in ROSTER.roles[1:] if allowed(role, "query", goal)] == ["operator"]
+    assert [r for r in ROSTER.roles[1:] if allowed(r, "query", world_key("demo", "halt"))] == ["operator"]
+    assert all(allowed("operator", "query", world_key("demo", name)) for name in ("scenario", "steering"))
 
 
 def test_robots_neither_steer_nor_read_each_others_commands() -> None:
