@@ -32,7 +32,7 @@ def info(
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
     summary = _summary(found)
-    json_output.write_json({**summary, "streams": dict(found.counts()), "result": found.result}, json_file)
+    json_output.write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
     if not json_output.is_standard_output(json_file):
         Console().print(Group(_grid(summary), _streams(found)))
 
