@@ -7,6 +7,7 @@ const HUES = 6;
 const SHORTEST = 40; // ms that a move between two frames is drawn over
 const LONGEST = 160;
 
+const distance = ([x, y], [u, v]) => Math.hypot(x - u, y - v);
 const worst = (earlier, later) => [later[0], Math.min(earlier[1], later[1]), later[2]];
 
 export class Model {
@@ -39,6 +40,7 @@ export class Model {
     this.robots.forEach((robot, index) => {
       robot.from = robot.to;
       robot.row = frame.robots[index] ?? null;
+      robot.goal = robot.row?.goal ?? robot.goal;
     });
     frame.samples.filter((sample) => sample[0] > this.tick).forEach((sample) => this.append(sample));
   }
@@ -52,9 +54,20 @@ export class Model {
     });
   }
 
-  // Where a robot is drawn: on its way between the last two frames.
+  robot(id) {
+    return this.robots.find((robot) => robot.id === id) ?? null;
+  }
+
+  // From the disk of a robot to the nearest other one, or to the boundary, m, where both were last.
+  clearance(robot) {
+    const gaps = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - robot.radius - other.radius);
+    return Math.min(this.overview.radius - Math.hypot(...robot.to) - robot.radius, ...gaps);
+  }
+
+  // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun
+  // before the frame came.
   place(robot, now) {
-    const share = Math.min(1, (now - this.received) / this.period);
+    const share = Math.min(1, Math.max(0, (now - this.received) / this.period));
     return robot.from.map((part, axis) => part + (robot.to[axis] - part) * share);
   }
 
