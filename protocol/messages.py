@@ -101,6 +101,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
+    halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
 
 
@@ -143,6 +144,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
+    halted: bool = False  # whether an emergency stop is in force: everybody stands
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

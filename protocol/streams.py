@@ -75,4 +75,5 @@ QUESTIONS = (
     Question("goal", "operator"),
     Question("scenario", "monitor"),
     Question("steering", "monitor"),
+    Question("halt", "operator"),
 )

@@ -54,7 +54,9 @@ proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, n
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "tick": st.builds(Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans()),
+    "tick": st.builds(
+        Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()
+    ),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
     ),
@@ -118,5 +120,6 @@ ONE: dict[str, Message] = {
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
+    "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),
     "result": Result("{}"),
 }

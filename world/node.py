@@ -20,6 +20,7 @@ from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.goals import GoalReply, decode_order, encode_reply
+from protocol.halt import Halted, decode_halt, encode_halted
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
@@ -99,7 +100,7 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario"):
+        for stream in ("steering", "scenario", "halt"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))
@@ -181,6 +182,8 @@ class WorldNode:
             address = parse(request.key)
             if address.stream == "steering":
                 return self._steer(request.payload)
+            if address.stream == "halt":
+                return self._halt(request.payload)
             if address.stream == "goal" and address.robot is not None:
                 return self._order(address.robot, request.payload)
             return joining.encode_reply(self._answer(address, request.payload))
@@ -208,6 +211,15 @@ class WorldNode:
         reply = world.order(robot, order)
         self._publishers.goals(world.goal_news())
         return encode_reply(reply, payload)
+
+    def _halt(self, payload: bytes) -> bytes:
+        """The emergency stop, its release, or the question whether it is in force."""
+        world = self._run.world
+        asked = decode_halt(payload)
+        if asked is not None:
+            world.halt(asked.halt)
+            self._inform(due=True)
+        return encode_halted(Halted(world.halted, world.tick), payload)
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)

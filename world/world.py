@@ -21,6 +21,7 @@ from world.coordinator.inputs import (
     Ended,
     Expected,
     GivenUp,
+    Halted,
     Input,
     Joined,
     Lost,
@@ -46,6 +47,7 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        halted: whether an emergency stop is in force.
         note: is told every input that this world has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
             (`world.shell.replay`).
@@ -63,6 +65,7 @@ class World:
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
         self._bodies = Bodies(scenario)
@@ -241,6 +244,7 @@ class World:
                 sensed.get(robot),
                 roster_for(robot),
                 self._missions.goal(robot),
+                self.halted,
             )
             for robot, life in self._lives.listeners()
         }
@@ -275,6 +279,12 @@ class World:
         """What came of orders since this was last asked for."""
         return self._missions.news()
 
+    def halt(self, halted: bool) -> None:
+        """Have everybody stand, from the open tick on, or release them."""
+        if halted != self.halted:
+            self.halted = halted
+            self._noted(Halted(halted))
+
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self._commands.accept(command)
@@ -287,7 +297,7 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move(self._commands.velocities, self.tick)
+        self._bodies.move({} if self.halted else self._commands.velocities, self.tick)
         self._fence()
         self._told = None
         self.tick += 1
@@ -302,6 +312,8 @@ class World:
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
+        if self.halted:
+            self._judge.disturb(self.tick)
         for robot in self._missions.advance(self.tick, self._bodies.ids, self._bodies.positions):
             self._redirect(robot)
         if not self.verdict and not self._scenario.time.endless:

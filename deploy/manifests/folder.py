@@ -9,8 +9,8 @@ from typing import Literal
 from deploy.manifests import compose, kubernetes
 from deploy.manifests.plan import KEYS, Plan
 from deploy.manifests.systemd import systemd
-from deploy.security.membership import missing_library
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
@@ -26,7 +26,7 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     create(folder / KEYS, plan.roster, hosts=_hosts(orchestrator, plan), days=days)
     for name, text in _files(orchestrator, plan, folder / KEYS).items():
         path = folder / name

@@ -15,7 +15,8 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
 from protocol.goals import GoalOrder, GoalReply, decode_reply
-from protocol.keys import checked_run, robot_key
+from protocol.halt import Halt, Halted, decode_halted
+from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus
 
 ANSWER = 5.0  # s within which a world answers
@@ -40,6 +41,11 @@ class Operator:
         """How things stand with a robot's goal; raises as `order` does."""
         return self._ask(robot, b"")
 
+    def halt(self, halt: bool | None = None) -> Halted:
+        """Have everybody stand, release them, or (None) ask whether they stand; raises as `order` does."""
+        request = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
+        return decode_halted(self._answer(world_key(self._run, "halt"), request))
+
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """What came of an order: waits until it is arrived, cancelled, given up, or followed by another.
 
@@ -62,8 +68,11 @@ class Operator:
         return status
 
     def _ask(self, robot: int, payload: bytes) -> GoalReply:
+        return decode_reply(self._answer(robot_key(self._run, robot, "goal"), payload))
+
+    def _answer(self, key: str, request: bytes) -> bytes:
         try:
-            return decode_reply(self._bus.ask(robot_key(self._run, robot, "goal"), payload, ANSWER))
+            return self._bus.ask(key, request, ANSWER)
         except BusError as error:
             raise BusError(f"no world of run {self._run!r} answers: {error}") from error
 

@@ -55,6 +55,8 @@ class RunOptions:
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+        if self.router is not None and self.transport != "routed":
+            raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):

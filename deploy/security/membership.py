@@ -11,6 +11,7 @@ from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, rout
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
+from protocol.installation import missing_library
 
 DEFAULT_PORT = 7447
 
@@ -102,7 +103,7 @@ class Membership:
         try:
             from deploy.security.inspection import inspect
         except ModuleNotFoundError as error:
-            raise missing_library() from error
+            raise missing_library("a certificate", "cryptography", "secure") from error
         found = credentials(self.directory, role)
         inspect(found, role)
         return found
@@ -114,8 +115,3 @@ class Membership:
             if self.directory is not None and not endpoint.startswith("tls/"):
                 raise UsageError(f"{endpoint} is not protected by certificates: with --secure, use tls/")
         return tuple(endpoints)
-
-
-def missing_library() -> UsageError:
-    """What to tell who lacks the library for certificates."""
-    return UsageError("certificates need the library cryptography: pip install 'disknav[secure]'")

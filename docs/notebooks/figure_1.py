@@ -33,7 +33,7 @@ axes.set(xlabel="x, m", ylabel="y, m", title=f"{run.verdict} after {run.result['
 # How far each robot was moved aside, and how close any two disks came:
 
 # %%
-{robot: f"{1000 * aside:.0f} mm" for robot, aside in run.result["excursions"].items()}
+{robot: f"{1000 * aside:.0f} mm" for robot, aside in run.result["lateral_deviation"].items()}
 
 # %%
 f"{1000 * run.trajectory.clearance.min():.1f} mm"

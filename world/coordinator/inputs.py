@@ -65,9 +65,15 @@ class Ordered(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="order
     order: GoalOrder
 
 
+class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt"):
+    """See `World.halt`."""
+
+    halted: bool
+
+
 _encode = msgspec.msgpack.encode
 
-Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Ordered | Ended
+Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Ordered | Halted | Ended
 
 
 def checksum(positions: Sequence[Vector]) -> int:

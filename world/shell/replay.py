@@ -10,7 +10,7 @@ from typing import NamedTuple
 from protocol.errors import JoinError, JournalError
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
-from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Ordered
+from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Halted, Input, Joined, Lost, Ordered
 from world.shell.journal import Began, Journal, Seated
 from world.shell.run import Run
 from world.world import World
@@ -74,6 +74,8 @@ def _follow(world: World, entry: Input) -> bool:
         world.give_up_waiting(entry.robot, entry.reason)
     elif isinstance(entry, Ordered):
         return world.order(entry.robot, entry.order).accepted
+    elif isinstance(entry, Halted):
+        world.halt(entry.halted)
     elif isinstance(entry, Ended):
         world.finish(entry.verdict, entry.reason)
     else:

@@ -62,6 +62,7 @@ class Run:
             truth.phi,
             world.reason,
             world.founded,
+            world.halted,
         )
 
     def is_marked(self) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import msgspec
 import typer
 
+from deploy.commands import options
+from deploy.output import json_output
 from deploy.output.exit_status import EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
@@ -32,11 +33,9 @@ def goal(
     ] = None,
     cancel: Annotated[bool, typer.Option("--cancel", help="Stay where it is.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Return only when an end has come of it.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")] = False,
-    router: Annotated[str | None, typer.Option(help="Endpoint of the fleet's router.")] = None,
-    secure: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Certificates from `disknav keys new DIR`.")
-    ] = None,
+    json_file: options.Json = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
 ) -> None:
     """Send a robot of a running fleet elsewhere, cancel what it is doing, or ask how it stands.
 
@@ -47,6 +46,9 @@ def goal(
     """
     from deploy.run.operator import operating
 
+    json_output.check(json_file)
+    if not points:
+        options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
     order = _order(points or [], queue, patrol, within, cancel)
     if patrol and wait:
         raise UsageError("--wait: a patrol has no end; leave out --patrol or --wait")
@@ -57,7 +59,13 @@ def goal(
         ended = reply.status
         if wait and order is not None and reply.accepted:
             ended = operator.outcome(robot, reply.number, _PATIENCE)
-    _say(reply, ended, json)
+    content = {
+        **msgspec.to_builtins(reply),
+        "status": None if ended is None else msgspec.structs.asdict(ended),
+    }
+    json_output.write_json(content, json_file)
+    if not json_output.is_standard_output(json_file):
+        _say(reply, ended)
     failed = not reply.accepted or (wait and (ended is None or ended.status != "arrived"))
     if failed and not (cancel and reply.accepted):
         raise typer.Exit(EXIT_OTHERWISE)
@@ -84,11 +92,7 @@ def _order(
         raise MessageError("shape", f"that is no order: {error}") from None
 
 
-def _say(reply: GoalReply, status: GoalStatus | None, json: bool) -> None:
-    if json:
-        content = {**msgspec.to_builtins(reply), "status": None if status is None else _fields(status)}
-        print(msgspec.json.encode(content).decode())
-        return
+def _say(reply: GoalReply, status: GoalStatus | None) -> None:
     if not reply.accepted:
         print(f"refused: {reply.text}")
         return
@@ -98,7 +102,3 @@ def _say(reply: GoalReply, status: GoalStatus | None, json: bool) -> None:
         x, y = status.goal
         ahead = f", {status.ahead} more after it" if status.ahead else ""
         print(f"robot {status.robot}: {status.status}, ({x:g}, {y:g}){ahead}")
-
-
-def _fields(status: GoalStatus) -> dict[str, object]:
-    return msgspec.structs.asdict(status)

@@ -7,11 +7,12 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.run.options import fresh_run_name
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 
-app = typer.Typer(help="Make the certificates of a run.", no_args_is_help=True)
+app = typer.Typer(name="keys", help="Make the certificates of a run.", no_args_is_help=True)
 
 
 @app.callback()
@@ -25,9 +26,7 @@ def new(
     scenario: Annotated[
         str, typer.Option("--scenario", "-s", help="A scenario file or library name: its robots take part.")
     ],
-    run: Annotated[
-        str | None, typer.Option(help="Name of the run that the keys are for; a fresh one unless given.")
-    ] = None,
+    run: options.FreshRun = None,
     host: Annotated[
         list[str] | None,
         typer.Option(help="Name or address, besides those of this host, of the one router; repeatable."),
@@ -52,13 +51,13 @@ def new(
     from deploy.library.load import read
     from deploy.processes.hosts.protection import roster_of
     from deploy.processes.hosts.table import read_hosts
-    from deploy.security.membership import missing_library
     from deploy.security.roster import Roster
+    from protocol.installation import missing_library
 
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     name = fresh_run_name() if run is None else checked_run(run)
     ids = read(scenario).ids
     if hosts is not None and host:

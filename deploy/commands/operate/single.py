@@ -10,30 +10,19 @@ from typing import Annotated, Any
 
 import typer
 
-from deploy.run.options import Mode
+from deploy.commands import options
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.title import entitle
 
-Router = Annotated[
-    str | None, typer.Option(help="Endpoint of the router; tcp/127.0.0.1:7447, or tls/ with --secure.")
-]
-Run = Annotated[
-    str | None, typer.Option(help="Name of the run, the same for the whole fleet; the roster's if --secure.")
-]
-Secure = Annotated[
-    Path | None,
-    typer.Option(metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."),
-]
-
 
 def robot(
     robot_id: Annotated[int, typer.Argument(metavar="ID", help="The robot's id in the scenario.")],
-    run: Run = None,
-    router: Router = None,
-    secure: Secure = None,
+    run: options.RunName = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
@@ -49,15 +38,13 @@ def robot(
 
 
 def world(
-    scenario: Annotated[str, typer.Argument(help="A scenario file or a library name.")],
-    run: Run = None,
-    router: Router = None,
-    mode: Annotated[Mode, typer.Option(help="Who sets the pace: the robots or the wall clock.")] = "lockstep",
-    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
-    setting: Annotated[
-        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
-    ] = None,
-    secure: Secure = None,
+    scenario: options.Scenario,
+    run: options.RunName = None,
+    router: options.Router = None,
+    mode: options.ModeOption = "lockstep",
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    secure: options.Secure = None,
     journal: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
@@ -87,7 +74,7 @@ def router(
         str | None, typer.Option(help="Endpoint to listen on; the first free port from 7447 unless given.")
     ] = None,
     connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
-    secure: Secure = None,
+    secure: options.Secure = None,
     host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from deploy.monitor.source import Source
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 if TYPE_CHECKING:
     import uvicorn
 
 HOST = "127.0.0.1"
-_INSTALL = 'the live page needs libraries that are not installed: pip install "disknav[web]"'
 
 
 class Server:
@@ -53,7 +53,7 @@ def serve_in_thread(source: Source, port: int | None = None) -> Server:
 
         from deploy.monitor.web.application import application
     except ImportError as error:
-        raise UsageError(f"{_INSTALL} ({error})") from error
+        raise missing_library("the live page", error.name or str(error), "web") from error
     listener = _listener(port)
     token = token_urlsafe(16)
     app = application(source, [HOST, "localhost"], token)

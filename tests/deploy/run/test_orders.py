@@ -121,6 +121,10 @@ def test_serve_and_send(tmp_path: Path) -> None:
             until(answering(operator), 30.0)
             reply = operator.order(1, GoalOrder((PLACE, (0.1, 0.1))))
             assert operator.outcome(1, reply.number, 60.0).status == "arrived"
+            assert operator.halt(True).halted
+            stopped = operator.order(1, GoalOrder((PLACE,), within=1.0))
+            assert operator.outcome(1, stopped.number, 60.0).status == "given up"  # it could not move
+            assert not operator.halt(False).halted
             assert "out of the workspace" in operator.order(1, GoalOrder(((9.0, 0.0),))).text
             assert "no robot 7" in operator.order(7, GoalOrder((PLACE,))).text
         bus = ZenohBus(Connection(connect=(endpoint,)))  # as any client of zenoh

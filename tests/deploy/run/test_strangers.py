@@ -21,7 +21,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.joining import Refusal, decode_reply
-from protocol.keys import world_key
+from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -42,8 +42,8 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
     replies: list[bytes] = []
     for pattern in PATTERNS:
         handle(Request(f"disknav/local/{pattern}", b"", replies.append))
-    for stream in ("scenario", "steering"):
-        handle(Request(world_key("local", stream), HUGE, replies.append))
+    for key in (robot_key("local", 1, "join"), world_key("local", "steering")):
+        handle(Request(key, HUGE, replies.append))
     assert rejected == {"key": 10, "identity": 4, "oversize": 2}
     assert all(isinstance(decode_reply(reply), Refusal) for reply in replies)
     report = fleet.execute()[0]

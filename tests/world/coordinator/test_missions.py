@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from protocol.errors import MessageError
 from protocol.goals import LIMIT, MOST_POINTS, GoalOrder, GoalReply, decode_order, encode_reply, is_json
-from protocol.messages import GoalStatus, Standing, Vector
+from protocol.messages import Command, GoalStatus, Standing, Vector
 from tests.world.driving import STEP, advance, joined, two
 from world.coordinator.missions import Missions
 from world.world import World
@@ -120,6 +120,25 @@ def test_a_goal_upon_anothers_is_accepted_with_a_warning() -> None:
     reply = joined(two()).order(1, GoalOrder(((0.1, -0.05),)))
     assert reply.accepted
     assert "robot 2" in reply.text
+
+
+def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
+    world = joined(two())
+    advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
+    before = world.truth.positions
+    world.open_tick()
+    world.halt(True)  # in the middle of a tick, with commands on their way
+    for robot in world.active:
+        world.accept(Command(robot, 1, 1, (0.1, 0.0)))
+    world.close_tick()
+    for _ in range(40):  # far longer than what counts as a deadlock
+        assert world.open_tick()[1].halted
+        advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
+    assert (world.truth.positions, world.verdict) == (before, "")
+    world.halt(False)
+    assert not world.open_tick()[1].halted
+    advance(world, {1: (0.1, 0.0)})
+    assert world.truth.positions[0] == (before[0][0] + 0.1 * STEP, before[0][1])
 
 
 points = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))

@@ -1,4 +1,5 @@
 // What the page knows: the scenario, the newest frame, and the past of positions, clearance and phi.
+import { distance, gap } from "./geometry.js";
 import { Thinned } from "./thinned.js";
 
 const HISTORY = 2048;
@@ -7,7 +8,6 @@ const HUES = 6;
 const SHORTEST = 40; // ms that a move between two frames is drawn over
 const LONGEST = 160;
 
-const distance = ([x, y], [u, v]) => Math.hypot(x - u, y - v);
 const worst = (earlier, later) => [later[0], Math.min(earlier[1], later[1]), later[2]];
 
 export class Model {
@@ -58,10 +58,11 @@ export class Model {
     return this.robots.find((robot) => robot.id === id) ?? null;
   }
 
-  // From the disk of a robot to the nearest other one, or to the boundary, m, where both were last.
+  // From the disk of a robot to the nearest other one, thing or wall, m, where all were last.
   clearance(robot) {
-    const gaps = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - robot.radius - other.radius);
-    return Math.min(this.overview.radius - Math.hypot(...robot.to) - robot.radius, ...gaps);
+    const { room, things } = this.overview;
+    const disks = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - other.radius);
+    return Math.min(-gap(room, robot.to), ...things.map((thing) => gap(thing, robot.to)), ...disks) - robot.radius;
   }
 
   // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun

@@ -68,8 +68,12 @@ class Shown:
     def spot(self, x: float, y: float) -> tuple[float, float]:
         """Where on the screen a place of the workspace is drawn."""
         box = self.page.locator("#workspace").bounding_box()
-        scale = (min(box["width"], box["height"]) / 2 - MARGIN) / self.watcher.overview()["radius"]
+        scale = (min(box["width"], box["height"]) / 2 - MARGIN) / self.radius
         return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
+
+    @property
+    def radius(self) -> float:
+        return float(self.watcher.overview()["room"]["radius"])
 
     def hold(self) -> None:
         self.watcher.steer(Steer(pause=True))
@@ -226,7 +230,7 @@ def test_a_click_sends_the_selected_robot_and_who_comes_late_sees_where(browser:
         it.page.mouse.click(*it.spot(0.0, -0.1))
         it.page.keyboard.up("Shift")
         it.page.wait_for_selector("#value-goal:has-text('then 1 more')")
-        radius = it.watcher.overview()["radius"]
+        radius = it.radius
         it.page.mouse.click(*it.spot(0.0, 0.98 * radius))
         it.page.wait_for_selector("#answer[data-tone='bad']:has-text('out of the workspace')")
         it.page.mouse.click(*it.spot(0.95 * radius, 0.95 * radius))  # a corner, where nobody can go
@@ -326,7 +330,7 @@ PLACES = """async () => {
   const { Model } = await import('/model.js');
   const model = new Model();
   const robot = { id: 1, radius: 0.1, start: [0, 0], goal: [1, 1], trail: [] };
-  model.begin({ scenario: 's', run: 'r', radius: 1, robots: [robot], history: [], tick: -1 });
+  model.begin({ scenario: 's', run: 'r', room: {}, things: [], robots: [robot], history: [], tick: -1 });
   const frame = (tick, place) => ({ robots: [{ goal: [1, 1] }], samples: [[tick, tick, 1, 1, [place]]] });
   model.take(frame(1, [0.2, 0.4]), 1000);
   model.take(frame(2, [0.4, 0.2]), 1100);

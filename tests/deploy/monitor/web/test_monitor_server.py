@@ -199,5 +199,5 @@ def test_a_server_that_is_closed_is_gone() -> None:
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
-    with pytest.raises(UsageError, match=r"pip install \"disknav\[web\]\""):
+    with pytest.raises(UsageError, match=r"uvicorn.*pip install .*\[web\]"):
         serve_in_thread(watch_local(LocalNetwork(), "r"))

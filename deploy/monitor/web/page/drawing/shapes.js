@@ -4,6 +4,26 @@ const LEGIBLE = 8; // px, radius of a disk with room for its number
 const SEEN = 12; // px, least radius of a ring
 const NEAR = 3; // gaps of more radii than that have no line worth seeing
 
+// The edge of a disk or of a polygon.
+export function outline(space, { center, radius, points }) {
+  const path = new Path2D();
+  if (points) points.forEach((point, i) => (i ? path.lineTo(...space.point(point)) : path.moveTo(...space.point(point))));
+  else path.arc(...space.point(center), radius * space.scale, 0, 2 * Math.PI);
+  path.closePath();
+  return path;
+}
+
+export function drawThing(space, thing) {
+  const { context } = space;
+  const path = outline(space, thing);
+  context.fillStyle = context.strokeStyle = space.colour("muted");
+  context.globalAlpha = 0.3;
+  context.fill(path);
+  context.globalAlpha = 1;
+  context.lineWidth = 1.25;
+  context.stroke(path);
+}
+
 export function drawTrail(space, robot, place, stress) {
   const { context } = space;
   const points = [...robot.trail.items.slice(0, -1), place];
