@@ -124,7 +124,7 @@ def shown(
         it.page.goto(server.link)
         it.page.wait_for_selector("#verdict:has-text('Looking')")  # nothing can be missed from here on
         with running(fleet):
-            it.page.wait_for_selector("#robots tr")
+            it.page.wait_for_selector("#robots tr", state="attached")
             yield it
         assert it.complaints == []
         context.close()
