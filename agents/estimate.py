@@ -1,9 +1,9 @@
 """Where this robot can be: set-membership with a convex polygon.
 
-A measurement says: at tick `stamp` the truth was within `error` of `position`. Odometry, which is
-immediate and exact, carries that to the present. So the truth lies in every such disk at once; what
-else is known of it, that it is inside the workspace and on the own side of every obeyed line, cuts
-the set further (`confine`). An empty set says that a stated bound is wrong.
+A measurement says: at tick `stamp` the truth was within `bound` of `position`. Odometry, which is
+immediate and off by at most its own bound, carries that to the present. So the truth lies in every such
+disk at once; what else is known of it, that it is inside the workspace and on the own side of every obeyed
+line, cuts the set further (`confine`). An empty set says that a stated bound is wrong.
 
 Exact measurements leave a point, and nothing of the above is done for it.
 """
@@ -18,7 +18,7 @@ from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import DIRECTIONS, SIDES, Polygon, around
-from protocol.messages import Measurement
+from protocol.messages import Sense
 
 HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
 _ULP: Final = (
@@ -43,10 +43,10 @@ class Estimate:
     """The own position as the set of all places where the robot can be.
 
     Args:
-        error: largest error of a measurement, noise bound plus bias, m.
-        max_step: the most that the robot can really move in one tick, m; what is assumed of a tick
-            whose odometry was missed.
+        max_step: the most that the robot can really move until it stands, if it is given a velocity for one
+            tick, m; what is assumed of ticks whose odometry was missed.
         trusting: whether to begin anew from the newest measurement when two contradict each other.
+        coasts: whether it may move on in ticks without a command, `max_step` in all.
         oldest: age of the oldest measurement that may come, ticks.
 
     Attributes:
@@ -57,13 +57,15 @@ class Estimate:
         contradiction: which measurement contradicted what, "" if none ever did.
     """
 
-    def __init__(self, error: float, max_step: float, trusting: bool = False, oldest: int = 0) -> None:
+    def __init__(
+        self, max_step: float, trusting: bool = False, oldest: int = 0, coasts: bool = False
+    ) -> None:
         self.bound = math.inf
         self.shape: Polygon | None = None
         self.contradiction = ""
-        self._error = error
         self._max_step = max_step
         self._trusting = trusting
+        self._coast = max_step if coasts else 0.0
         self._tick: int | None = None
         self.x = self.y = 0.0
         self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
@@ -93,21 +95,21 @@ class Estimate:
         own = nx * self.x + ny * self.y
         return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
-    def update(self, measurement: Measurement) -> None:
-        """Take in one tick's odometry and measurement; a tick that is not newer is ignored.
+    def update(self, tick: int, sense: Sense) -> None:
+        """Take in the odometry and the measurement of `tick`; one that is not newer is ignored.
 
         Nothing is known of moves before the first tick of this life, so a measurement older than that is
         of no use.
         """
         if self._tick is not None:
-            if measurement.tick <= self._tick:
+            if tick <= self._tick:
                 return
-            self._move(measurement.displacement, measurement.tick - self._tick)
-        self._tick = measurement.tick
-        if measurement.position is not None and not self.lost:
-            seen = self._carried(measurement.position, measurement.tick - measurement.stamp)
+            self._move(sense, tick - self._tick)
+        self._tick = tick
+        if sense.position is not None and not self.lost:
+            seen = self._carried(sense.position, sense.bound, tick - sense.stamp)
             if seen is not None:
-                self._learn(seen, measurement.stamp)
+                self._learn(seen, sense.stamp)
 
     def confine(self, side: HalfPlane, source: str) -> bool:
         """Take in that the truth is in a half-plane, which `source` says; whether that was news."""
@@ -125,17 +127,17 @@ class Estimate:
         self._settle(left, source)
         return True
 
-    def _move(self, displacement: Vector, passed: int) -> None:
-        """Apply odometry. Of missed ticks only the first can have moved it: there was no command after."""
+    def _move(self, sense: Sense, passed: int) -> None:
+        """Apply odometry. There was no command in missed ticks but the first, so that all of them together
+        have not led further than `max_step`."""
         if passed > 1:
             self._history.append(Move(0.0, 0.0, self._max_step))
-            self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, self._kept))
-            if self.shape is not None:
-                self._settle(self.shape.widened(self._max_step), "")
-            elif self.known:
-                self._begin(Move(self.x, self.y, self._max_step), self._newest)
-        dx, dy = displacement
-        self._history.append(Move(dx, dy, 0.0))
+            self._history.extend([Move(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))
+            self._widen(self._max_step)
+        dx, dy = sense.displacement
+        self._history.append(Move(dx, dy, sense.displacement_bound))
+        if sense.displacement_bound > 0.0:
+            self._widen(sense.displacement_bound)
         if self.bound == math.inf:
             return
         self.x += dx
@@ -145,12 +147,19 @@ class Estimate:
             self.shape.margin = self._slack
             self.bound = self.shape.radius
 
-    def _carried(self, position: Vector, age: int) -> Move | None:
+    def _widen(self, by: float) -> None:
+        """The truth has moved by at most so much, m, nobody knows where."""
+        if self.shape is not None:
+            self._settle(self.shape.widened(by), "")
+        elif self.known:
+            self._begin(Move(self.x, self.y, by), self._newest)
+
+    def _carried(self, position: Vector, bound: float, age: int) -> Move | None:
         """What a measurement of `age` ticks ago says of the present."""
         if not 0 <= age <= len(self._history):
             return None
         x, y = position
-        spread = self._error
+        spread = bound
         for back in range(-age, 0):
             move = self._history[back]
             x, y, spread = x + move.x, y + move.y, spread + move.spread

@@ -1,6 +1,6 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
-Lock-step: the State goes out when the Measurement arrives, the Command when the States of all that
+Lock-step: the State goes out when the Tick arrives, the Command when the States of all that
 take part are there. When the world tells the same tick again, both go out again, or instead of the
 Command whose States are missing. Real time: both go out at once, and nobody is waited for. When a run
 ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
@@ -24,7 +24,7 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Health, Measurement, State
+from protocol.messages import Health, State, Tick
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
@@ -43,6 +43,7 @@ class RobotNode:
         run: name of the run.
         robot: own id.
         patience: s, see PATIENCE.
+        wait: s that there may be no world yet.
         say: takes what a person should know.
 
     Raises:
@@ -57,13 +58,14 @@ class RobotNode:
         robot: int,
         *,
         patience: float = PATIENCE,
+        wait: float = PATIENCE,
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._patience, self._say = patience, say
+        self._patience, self._wait, self._say = patience, wait, say
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
@@ -115,10 +117,12 @@ class RobotNode:
     @property
     def _bearable(self) -> float:
         """For how long nobody may answer, s; when all is over, only if the world said that it may be back."""
+        if self.core is None:
+            return self._wait
         return self._away if self._over else max(self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:
-        return self._bus.ask(world_key(self._run, "scenario"), request, _ASK_TIMEOUT)
+        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, _ASK_TIMEOUT)
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation)
@@ -142,7 +146,7 @@ class RobotNode:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
-        bus.subscribe(robot_key(run, robot, "measurement"))
+        bus.subscribe(robot_key(run, robot, "tick"))
         bus.subscribe(*[robot_key(run, i, "state") for i in scenario.ids if i != robot])
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
@@ -183,10 +187,10 @@ class RobotNode:
         if core is None or self._ended:
             return
         if heard is not None and peer is not None:
-            if heard.incarnation >= peer.oldest:  # else it is of an earlier turn
+            if heard.incarnation >= peer.oldest:  # else it is of an earlier run
                 self._on_state(core, heard)
-        elif isinstance(message, Measurement):
-            self._on_measurement(core, message)
+        elif isinstance(message, Tick):
+            self._on_tick(core, message)
         elif isinstance(message, State):
             self._rejected["identity"] += 1  # of nobody who takes part
 
@@ -195,20 +199,20 @@ class RobotNode:
         if not self._commanded and core.complete:
             self._command()
 
-    def _on_measurement(self, core: Robot, measurement: Measurement) -> None:
+    def _on_tick(self, core: Robot, tick: Tick) -> None:
         self._heard_world = time.monotonic()
-        if measurement.over and measurement.incarnation >= core.incarnation:
+        if tick.over and tick.incarnation >= core.incarnation:
             self._over = True
             self._rejoin()
-        elif core.has_ended(measurement) or measurement.incarnation > core.incarnation:
+        elif core.has_ended(tick) or tick.incarnation > core.incarnation:
             self._rejoin()  # fenced, or replaced by another process
-        elif measurement.tick == core.tick:
+        elif tick.tick == core.tick:
             self._repeat()
-            core.reconsider(measurement)
+            core.reconsider(tick)
             if not self._commanded:
                 self._command_or_complain(core)
-        elif measurement.incarnation == core.incarnation and measurement.tick > core.tick:
-            self._said_state = encode(core.measure(measurement))
+        elif tick.incarnation == core.incarnation and tick.tick > core.tick:
+            self._said_state = encode(core.begin(tick))
             if core.note and not self._noted:
                 self._noted = True
                 self._say(core.note)

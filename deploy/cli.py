@@ -9,6 +9,7 @@ from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.software import compiled
 from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
+from protocol.installation import is_checkout
 
 _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 
@@ -21,7 +22,8 @@ def main() -> None:
         signal.signal(signal.SIGHUP, signal.default_int_handler)
     try:
         with uninterrupted():  # modules that Cython made swallow an interruption of their import
-            compiled.check()
+            if is_checkout():  # what pip unpacks has the times of unpacking
+                compiled.check()
             from deploy.commands.application import app
         app()
     except _INVALID as error:

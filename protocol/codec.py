@@ -16,9 +16,11 @@ from protocol.messages import (
     AnyMessage,
     Clock,
     Command,
+    GoalStatus,
     Health,
-    Measurement,
+    Sense,
     State,
+    Tick,
     Truth,
 )
 from protocol.reader import reader
@@ -58,10 +60,9 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = abs(message.velocity[0]) + abs(message.velocity[1])
-    elif isinstance(message, Measurement) and message.roster is None:
-        total = abs(message.displacement[0]) + abs(message.displacement[1])
-        if message.position is not None:
-            total += abs(message.position[0]) + abs(message.position[1])
+    elif isinstance(message, Tick) and message.roster is None:
+        total = 0.0 if message.sense is None else sum(map(abs, _sense_numbers(message.sense)))
+        total += 0.0 if message.goal is None else abs(message.goal[0]) + abs(message.goal[1])
     else:
         return all(map(_is_sane, _numbers(message)))
     return _is_sane(total) or all(map(_is_sane, _numbers(message)))
@@ -89,8 +90,8 @@ def _numbers(message: AnyMessage) -> Iterator[float]:
         return _state_numbers(message)
     if isinstance(message, Command):
         return iter(message.velocity)
-    if isinstance(message, Measurement):
-        return _measurement_numbers(message)
+    if isinstance(message, Tick):
+        return _tick_numbers(message)
     return _watched_numbers(message)
 
 
@@ -107,24 +108,36 @@ def _state_numbers(state: State) -> Iterator[float]:
         yield line.offset
 
 
-def _measurement_numbers(measurement: Measurement) -> Iterator[float]:
-    yield from measurement.displacement
-    if measurement.position is not None:
-        yield from measurement.position
-    for member in () if measurement.roster is None else measurement.roster.members:
+def _sense_numbers(sense: Sense) -> tuple[float, ...]:
+    motion = sense.motion
+    return (
+        *(sense.position or ()),
+        sense.bound,
+        *sense.displacement,
+        sense.displacement_bound,
+        *(() if motion is None else (*motion.velocity, motion.heading, *motion.stop)),
+    )
+
+
+def _tick_numbers(tick: Tick) -> Iterator[float]:
+    yield from () if tick.sense is None else _sense_numbers(tick.sense)
+    yield from tick.goal or ()
+    for member in () if tick.roster is None else tick.roster.members:
         yield from (member.radius, member.bound, *(member.position or ()))
 
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:
     if isinstance(message, Clock):
         yield from (message.time, message.clearance, message.phi)
-        for down in message.down:
-            yield from down.position
+        for each in message.standing:
+            yield from each.position
     elif isinstance(message, Truth):
         yield message.clearance
         yield message.phi
         for position in message.positions:
             yield from position
+    elif isinstance(message, GoalStatus):
+        yield from message.goal
     elif isinstance(message, Health):
         yield message.bound
         for _, nx, ny, limit in message.lines:

@@ -1,8 +1,9 @@
-"""How a robot joins a run: a request under `world/scenario`, and the world's reply.
+"""How a robot joins a run: a request under its own `join` key, and the world's reply.
 
-Both are msgpack maps (the one place where a reader without this code may want to ask, too):
-request `{"robot": id, "session": text, "health": Health | nil}`, reply one of `Admission`,
-`Refusal`, `Wait`, `Finished`, told apart by `"reply"`. An empty request gets the scenario alone.
+Both are msgpack maps: request `{"session": text, "health": Health | nil}`, reply one of `Admission`,
+`Refusal`, `Wait`, `Finished`, told apart by `"reply"`. Which robot asks is said by the key alone, so that a
+router's rules decide who may. Who only watches asks under `world/scenario`, and is told an `Overview`:
+scenario, lockstep, and goals, the `GoalStatus` of every robot that was ordered elsewhere.
 
 `session` is a text of the process's own choosing, the same for all its requests. Who asks again is
 admitted as the same life, for a reply may be lost, until `health` says that this life is over.
@@ -10,20 +11,29 @@ admitted as the same life, for a reply may be lost, until `health` says that thi
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import msgspec
 
 from protocol.errors import MessageError
-from protocol.messages import Count, Health, Id
+from protocol.messages import Count, GoalStatus, Health, Id
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 
-class Join(msgspec.Struct, frozen=True):
-    """A robot asks to take part. `session` tells two processes with one id apart."""
+class Request(msgspec.Struct, frozen=True):
+    """What a robot says under its `join` key. `session` tells two processes with one id apart."""
+
+    session: str
+    health: Health | None = None  # of the run that this process has just ended
+
+
+class Join(NamedTuple):
+    """A robot asks to take part: what it said, and as which robot its key lets it speak."""
 
     robot: Id
     session: str
-    health: Health | None = None  # of the run that this process has just ended
+    health: Health | None = None
 
 
 class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
@@ -32,7 +42,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier turn
+    oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
     away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
 
 
@@ -56,10 +66,14 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 
 
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
-    """For those who only watch; only a lock-step run can be steered."""
+    """For those who only watch; only a lock-step run can be steered.
+
+    `goals`: of robots that were ordered elsewhere, how things stand now; all others go by the scenario.
+    """
 
     scenario: Scenario
     lockstep: bool
+    goals: tuple[GoalStatus, ...] = ()
 
 
 Reply = Admission | Refusal | Wait | Finished | Overview
@@ -67,23 +81,26 @@ Reply = Admission | Refusal | Wait | Finished | Overview
 LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
 
 _encode = msgspec.msgpack.encode
-_request = msgspec.msgpack.Decoder(Join)
+_request = msgspec.msgpack.Decoder(Request)
 _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
 
 
 def encode_request(join: Join) -> bytes:
     """Payload of a request."""
-    return _encode(join)
+    return _encode(Request(join.session, join.health))
 
 
-def decode_request(payload: bytes) -> Join:
-    """Read a request; raises MessageError."""
+def decode_request(robot: Id, payload: bytes) -> Join:
+    """Read a request that was made under the `join` key of `robot`; raises MessageError."""
     if len(payload) > LIMIT:
         raise MessageError("oversize", f"join request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
-        return _request.decode(payload)
+        request = _request.decode(payload)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise MessageError("shape", f"join request: {error}") from None
+    if request.health is not None and request.health.robot != robot:
+        raise MessageError("identity", f"join request of robot {robot}: health of {request.health.robot}")
+    return Join(robot, request.session, request.health)
 
 
 def encode_reply(reply: Reply) -> bytes:

@@ -6,11 +6,11 @@ Grammar::
            | "disknav/" run "/world/" world-stream
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer >= 1, no leading zero    a robot writes under its own id only
-    robot-stream = "measurement" | "state" | "command" | "health" | "alive"
-    world-stream = "clock" | "truth" | "result" | "scenario" | "control" | "alive"
+    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
+    world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "halt" | "alive"
 
-`alive` keys are liveliness tokens, `scenario` and `control` are queryables, all others are published streams
-(declared with types and rates in `protocol.streams`).
+`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering` and `halt` are queryables, all
+others are published streams (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 from protocol.errors import KeyGrammarError
 
-ROBOT_STREAMS = ("measurement", "state", "command", "health", "alive")
-WORLD_STREAMS = ("clock", "truth", "result", "scenario", "control", "alive")
+ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join", "alive")
+WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "alive")
 
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(

@@ -13,7 +13,7 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
-VERSION = 2
+VERSION = 3
 HIGHEST_ID: Final = 999_999_999
 
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
@@ -50,7 +50,7 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
     seen: Count  # highest number that it has answered
 
 
-class Down(msgspec.Struct, frozen=True, array_like=True, gc=False):
+class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A fenced robot: that life never moves again, its disk stands where it is."""
 
     robot: Id  # who stands there
@@ -80,18 +80,37 @@ class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
 
 
-class Measurement(Message, frozen=True, array_like=True, gc=False):
-    """World to one robot, opens a tick: all commands of earlier ticks are settled."""
+class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a base says that it does as a tick begins, in the frame that it takes for the world's."""
+
+    velocity: Vector  # m/s, of the robot's control point, the centre of its disk
+    heading: float  # rad, the direction that it faces
+    stop: Vector  # m, from here to where it stands if it hears nothing more
+
+
+class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a base and a localisation say of one robot; a plant that is simulated speaks for both."""
+
+    position: Vector | None  # m, as measured; None when the measurement is missing
+    stamp: Count  # tick at which `position` was true, not later than the one that begins
+    bound: Size  # m, the truth of then is at most this far from `position`
+    displacement: Vector  # m, odometry: really executed during the previous tick, immediate
+    displacement_bound: Size = 0.0  # m, what was executed is at most this far from `displacement`
+    motion: BaseMotion | None = None  # what the base does; None if it stands whenever a tick begins
+
+
+class Tick(Message, frozen=True, array_like=True, gc=False):
+    """Coordinator to one robot, opens a tick: all commands of earlier ticks are settled."""
 
     robot: Id  # who is addressed
-    incarnation: Count  # the life that is addressed
+    incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    position: Vector | None  # m, as the sensor saw it; None when the measurement is missing
-    stamp: Count  # tick at which `position` was true, <= tick
-    displacement: Vector  # m, really executed during the previous tick (odometry, immediate and exact)
     active: tuple[Id, ...]  # robots that state and command this tick
-    roster: Roster | None = None  # the newest one, until this life has acknowledged it
-    over: bool = False  # the run has ended: join again, as a new life or to learn that there is no more
+    sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
+    roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
+    goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
+    halted: bool = False  # an emergency stop is in force: command no motion
+    over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
 
 
 class State(Message, frozen=True, array_like=True, gc=False):
@@ -126,13 +145,14 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the tick that begins, or that is waited for
     time: Size  # s, simulated time at its start
     active: tuple[Id, ...]  # robots that state and command this tick
-    down: tuple[Down, ...]  # fenced robots
+    standing: tuple[Standing, ...]  # fenced robots
     verdict: str  # empty while the run goes on
-    turn: Count = 0  # which of the scenarios that this world judges one after another
+    run_number: Count = 0  # which of the scenarios that this world judges one after another
     clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap
     phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
+    halted: bool = False  # whether an emergency stop is in force: everybody stands
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
@@ -160,10 +180,24 @@ class Health(Message, frozen=True, array_like=True, gc=False):
     note: str = ""  # for people
 
 
+Errand = Literal["under way", "arrived", "cancelled", "given up"]
+
+
+class GoalStatus(Message, frozen=True, array_like=True, gc=False):
+    """World about one robot's goal: whenever an order is accepted, a point reached, or an end made of it."""
+
+    robot: Id  # whose goal it is
+    tick: Count  # when this came to hold
+    number: Count  # of the order, counted by robot; 0 for the scenario's goal
+    status: Errand  # under way; arrived at the last point; cancelled; given up: its time was over
+    goal: Vector  # m, where it goes or stays
+    ahead: Count = 0  # points after this one; those of a patrol without end
+
+
 class Result(Message, frozen=True, array_like=True, gc=False):
     """World to the launcher at the end: what it judged. `report` is a JSON object."""
 
     report: str  # JSON text
 
 
-AnyMessage = Measurement | State | Command | Clock | Truth | Health | Result
+AnyMessage = Tick | State | Command | Clock | Truth | Health | GoalStatus | Result

@@ -1,10 +1,13 @@
-"""Streams: each declared once, with its type, direction, rate and how the network shall treat it."""
+"""Streams and questions: each declared once, with its type, direction, rate and treatment by the network.
+
+A router's access rules follow from this page (`deploy.security.access`).
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, Health, Measurement, Message, Result, State, Truth
+from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -12,34 +15,65 @@ class Stream(NamedTuple):
 
     `reliable`: a publisher waits for room rather than drop (congestion control BLOCK); the others
     are for whoever watches, and a slow watcher loses samples instead of holding up the fleet.
+    `heard_by`: who besides monitors, which hear everything, may subscribe; who publishes a sign of life
+    hears it, too, for the probe beside it has no other certificate.
     """
 
     name: str
     message: type[Message]
     publisher: str  # "world" or "robot"
+    heard_by: tuple[str, ...]  # of "itself", the robot in the key; "robots", all of them; "world"
     rate: str
     reliable: bool
     recorded: bool
     limit: int  # largest payload accepted, bytes
 
 
+class Question(NamedTuple):
+    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.steering`,
+    `protocol.goals`)."""
+
+    name: str
+    asked_by: str  # "itself", the robot in the key; "monitor", or "operator"
+
+
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("measurement", Measurement, "world", _EACH_TICK, True, True, 128 * 1024),
-    Stream("state", State, "robot", _EACH_TICK, True, True, 128 * 1024),
-    Stream("command", Command, "robot", _EACH_TICK, True, True, 1024),
+    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 128 * 1024),
+    Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
+    Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 1024),
     Stream(
         "clock",
         Clock,
         "world",
+        ("world",),
         "at most every 0.05 s, at ticks with a process fault, every 0.1 s while the world waits",
         False,
         True,
         64 * 1024,
     ),
-    Stream("truth", Truth, "world", "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024),
-    Stream("health", Health, "robot", "every 0.5 s, and at the end", False, True, 128 * 1024),
-    Stream("result", Result, "world", "once, at the end", True, False, 4 * 1024 * 1024),
+    Stream(
+        "truth", Truth, "world", (), "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024
+    ),
+    Stream("health", Health, "robot", ("itself",), "every 0.5 s, and at the end", False, True, 128 * 1024),
+    Stream(
+        "goalstatus",
+        GoalStatus,
+        "world",
+        (),
+        "when an order is accepted, and at every point",
+        False,
+        True,
+        1024,
+    ),
+    Stream("result", Result, "world", (), "once, at the end", True, False, 4 * 1024 * 1024),
 )
 
 STREAMS = {stream.name: stream for stream in _STREAMS}
+QUESTIONS = (
+    Question("join", "itself"),
+    Question("goal", "operator"),
+    Question("scenario", "monitor"),
+    Question("steering", "monitor"),
+    Question("halt", "operator"),
+)

@@ -8,17 +8,20 @@ from hypothesis import strategies as st
 
 from protocol.messages import (
     Answer,
+    BaseMotion,
     Clock,
     Command,
-    Down,
+    GoalStatus,
     Health,
-    Measurement,
     Member,
     Message,
     Proposal,
     Result,
     Roster,
+    Sense,
+    Standing,
     State,
+    Tick,
     Truth,
 )
 
@@ -34,7 +37,7 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     return st.lists(one, max_size=3).map(tuple)
 
 
-downs = several(st.builds(Down, ids, counts, vectors))
+downs = several(st.builds(Standing, ids, counts, vectors))
 members = several(
     st.builds(
         Member,
@@ -50,9 +53,11 @@ members = several(
 rosters = st.none() | st.builds(Roster, counts, members)
 proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
 answers = several(st.builds(Answer, ids, counts, counts, counts))
+motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
+senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
-    "measurement": st.builds(
-        Measurement, ids, counts, counts, positions, counts, vectors, several(ids), rosters, st.booleans()
+    "tick": st.builds(
+        Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()
     ),
     "state": st.builds(
         State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
@@ -85,13 +90,22 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         several(st.tuples(ids, numbers, numbers, numbers)),
         st.text(max_size=9),
     ),
+    "goalstatus": st.builds(
+        GoalStatus,
+        ids,
+        counts,
+        counts,
+        st.sampled_from(["under way", "arrived", "cancelled", "given up"]),
+        vectors,
+        counts,
+    ),
     "result": st.builds(Result, st.text(max_size=50)),
 }
 
-_DOWN = (Down(2, 1, (0.3, 0.4)),)
+_DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
 ONE: dict[str, Message] = {
-    "measurement": Measurement(1, 2, 3, None, 3, (0.1, 0.2), (1, 3), _ROSTER),
+    "tick": Tick(1, 2, 3, (1, 3), Sense(None, 3, 0.01, (0.1, 0.2)), _ROSTER),
     "state": State(
         1,
         2,
@@ -108,5 +122,6 @@ ONE: dict[str, Message] = {
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
+    "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),
     "result": Result("{}"),
 }

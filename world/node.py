@@ -19,7 +19,9 @@ from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.goals import GoalReply, decode_order, encode_reply
+from protocol.halt import Halted, decode_halt, encode_halted
+from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from protocol.steering import decode_steer
@@ -29,8 +31,9 @@ from world.shell.journal import Began
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
+from world.shell.run import Phase, Run
 from world.shell.shutdown import Shutdown
-from world.shell.turn import Phase, Turn
+from world.world import World
 
 
 class WorldNode:
@@ -82,7 +85,7 @@ class WorldNode:
         self._failures = FailureDetector(
             self._admissions,
             self._pacing,
-            self._publishers.measurements,
+            self._publishers.ticks,
             gathering=gathering,
             patience=patience,
             grace=0.0 if past is None else GRACE,
@@ -90,32 +93,39 @@ class WorldNode:
             say=say,
         )
         self._shutdown = Shutdown(self._admissions, self._pacing)
-        turn = Turn(0, scenarios[0], {}) if past is None else past.turn
-        self._scenarios = iter(scenarios[turn.number + 1 :])
-        self._begin(turn)
+        current = Run(0, scenarios[0], {}) if past is None else past.run
+        self._scenarios = iter(scenarios[current.number + 1 :])
+        self._begin(current)
         if past is not None:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("control", "scenario"):
+        for stream in ("steering", "scenario", "halt"):
             bus.serve(world_key(run, stream))
+        for question in ("join", "goal"):
+            bus.serve(every_robot(run, question))
         bus.announce(world_key(run, "alive"))
-        if turn.world.verdict:
+        if current.world.verdict:
             self._end()
 
     def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, session in past.sessions.items():
-            life = past.turn.world.incarnations[robot]
-            if past.turn.world.goes_on(robot, life):
+            life = past.run.world.incarnations[robot]
+            if past.run.world.goes_on(robot, life):
                 self._admissions.resume(robot, session, life)
 
-    def _begin(self, turn: Turn) -> None:
-        self._turn = turn
+    def _begin(self, run: Run) -> None:
+        self._run = run
         self._admissions.forget_reports()
         self._publishers.published = 0
         self._pacing.wait()
+
+    @property
+    def world(self) -> World:
+        """The world of the present run."""
+        return self._run.world
 
     @property
     def deadline(self) -> float:
@@ -134,14 +144,14 @@ class WorldNode:
             self._advance()
 
     def _on_command(self, key: str, payload: bytes) -> None:
-        turn = self._turn
+        run = self._run
         try:
             message = decode(key, payload)
         except MessageError as error:
-            turn.rejected[error.reason] += 1
+            run.rejected[error.reason] += 1
             return
-        turn.received += 1
-        if isinstance(message, Command) and turn.world.accept(message) and turn.world.complete:
+        run.received += 1
+        if isinstance(message, Command) and run.world.accept(message) and run.world.complete:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -149,9 +159,9 @@ class WorldNode:
         if robot is None:
             return
         if event.alive:
-            self._failures.arrive(robot, self._turn)
+            self._failures.arrive(robot, self._run)
         else:
-            self._failures.miss(robot, self._turn)
+            self._failures.miss(robot, self._run)
         self._advance()
 
     def _robot_of(self, key: str) -> int | None:
@@ -159,25 +169,57 @@ class WorldNode:
         try:
             robot = parse(key).robot
         except KeyGrammarError:
-            self._turn.rejected["key"] += 1
+            self._run.rejected["key"] += 1
             return None
         if robot not in self._admissions.slots:
-            self._turn.rejected["identity"] += 1
+            self._run.rejected["identity"] += 1
             return None
         return robot
 
     def _reply(self, request: Request) -> bytes:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
-            if parse(request.key).stream == "control":
+            address = parse(request.key)
+            if address.stream == "steering":
                 return self._steer(request.payload)
-            return joining.encode_reply(self._answer(request.payload))
+            if address.stream == "halt":
+                return self._halt(request.payload)
+            if address.stream == "goal" and address.robot is not None:
+                return self._order(address.robot, request.payload)
+            return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
         except MessageError as error:
             reason, text = error.reason, str(error)
-        self._turn.rejected[reason] += 1
+        self._run.rejected[reason] += 1
         return joining.encode_reply(joining.Refusal(text))
+
+    def _order(self, robot: int, payload: bytes) -> bytes:
+        """An order of where to go, or the question how things stand."""
+        world = self._run.world
+        try:
+            order = decode_order(payload)
+        except MessageError as error:
+            self._run.rejected[error.reason] += 1
+            return encode_reply(GoalReply(False, text=str(error)), payload)
+        status = world.goal_status(robot)
+        if order is None:
+            known = GoalReply(status is not None, text="" if status else f"no robot {robot}", status=status)
+            return encode_reply(known, payload)
+        if self._run.phase is not Phase.RUNNING:
+            return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
+        reply = world.order(robot, order)
+        self._publishers.goals(world.goal_news())
+        return encode_reply(reply, payload)
+
+    def _halt(self, payload: bytes) -> bytes:
+        """The emergency stop, its release, or the question whether it is in force."""
+        world = self._run.world
+        asked = decode_halt(payload)
+        if asked is not None:
+            world.halt(asked.halt)
+            self._inform(due=True)
+        return encode_halted(Halted(world.halted, world.tick), payload)
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
@@ -185,30 +227,32 @@ class WorldNode:
             self._pacing.steering.apply(steer)
         return msgspec.msgpack.encode(self._pacing.steering)
 
-    def _answer(self, payload: bytes) -> joining.Reply:
-        if not payload:
-            return self._admissions.overview(self._turn)
-        join = joining.decode_request(payload)
-        refusal = self._admissions.refusal(join, self._turn)
+    def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
+        if asked.stream == "scenario":
+            return self._admissions.overview(self._run)
+        if asked.robot is None or asked.stream != "join":
+            raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
+        join = joining.decode_request(asked.robot, payload)
+        refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
             return refusal
-        self._failures.supersede(join, self._turn)
-        self._shutdown.take_report(join, self._turn)
+        self._failures.supersede(join, self._run)
+        self._shutdown.take_report(join, self._run)
         self._conclude_in_time()
-        reply = self._shutdown.reply(join, self._turn)
-        return self._admissions.enlist(join, self._turn) if reply is None else reply
+        reply = self._shutdown.reply(join, self._run)
+        return self._admissions.enlist(join, self._run) if reply is None else reply
 
     # -- the clock
 
     def wake(self, now: float) -> None:
         self._pacing.look_again(now)
-        self._failures.look(now, self._turn)
-        if self._turn.phase is not Phase.RUNNING:
+        self._failures.look(now, self._run)
+        if self._run.phase is not Phase.RUNNING:
             self._announce_end()
-        elif self._lockstep or not self._turn.opened:
+        elif self._lockstep or not self._run.opened:
             self._inform(due=True)
-            self._failures.wait(now, self._turn)
-            if self._turn.world.verdict:
+            self._failures.wait(now, self._run)
+            if self._run.world.verdict:
                 self._end()
         else:
             self._close()
@@ -216,45 +260,46 @@ class WorldNode:
 
     def _advance(self) -> None:
         """Do all that can be done now."""
-        while self._turn.phase is Phase.RUNNING:
-            if not self._turn.opened and not self._open():
+        while self._run.phase is Phase.RUNNING:
+            if not self._run.opened and not self._open():
                 return
-            if not (self._turn.world.complete and self._lockstep):
+            if not (self._run.world.complete and self._lockstep):
                 return
             self._close()
         self._conclude_in_time()
-        if self._shutdown.is_over(self._turn):
+        if self._shutdown.is_over(self._run):
             self.finished = True
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
-        turn = self._turn
-        measurements = self._failures.gather(turn)
-        if measurements is None:
+        run = self._run
+        ticks = self._failures.gather(run)
+        if ticks is None:
             return False
-        if self._pacing.holds(turn.world.tick, turn.scenario.time.step):
+        if self._pacing.holds(run.world.tick, run.scenario.time.step):
             self._inform(due=False)
             return False
-        turn.opened = True
-        if turn.world.tick == 0:
-            turn.began = self._pacing.now()
+        run.opened = True
+        if run.world.tick == 0:
+            run.began = self._pacing.now()
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
-        self._pacing.begin(turn.world.tick, turn.scenario.time.step)
-        self._publishers.measurements(measurements)  # first: the robots compute while this process judges
-        self._inform(due=turn.world.tick == 0 or turn.is_marked() or not self._lockstep)
+        self._pacing.begin(run.world.tick, run.scenario.time.step)
+        self._publishers.ticks(ticks)  # first: the robots compute while this process judges
+        self._inform(due=run.world.tick == 0 or run.is_marked() or not self._lockstep)
         return True
 
     def _inform(self, *, due: bool) -> None:
         """Tell those who watch, if it is `due` for its own sake or again."""
         if due or self._publishers.is_due:
-            self._publishers.watched(self._turn.clock(), self._turn.world.news())
+            self._publishers.watched(self._run.clock(), self._run.world.news())
 
     def _close(self) -> None:
-        turn = self._turn
-        turn.world.close_tick()
-        turn.opened = False
-        if turn.world.verdict:
+        run = self._run
+        run.world.close_tick()
+        self._publishers.goals(run.world.goal_news())
+        run.opened = False
+        if run.world.verdict:
             self._end()
 
     # -- the end
@@ -262,44 +307,44 @@ class WorldNode:
     def interrupt(self, verdict: str, reason: str) -> None:
         """End everything from outside, for example on Ctrl-C; the report stays readable."""
         self._scenarios = iter(())
-        if self._turn.phase is Phase.RUNNING:
-            self._turn.world.finish(verdict, reason)
+        if self._run.phase is Phase.RUNNING:
+            self._run.world.finish(verdict, reason)
             self._end()
         self._conclude()
         self.finished = True
 
     def _end(self) -> None:
-        self._shutdown.begin(self._turn)
+        self._shutdown.begin(self._run)
         self._announce_end()
 
     def _announce_end(self) -> None:
         """Whoever has not heard that the run is over hears it (again)."""
         self._inform(due=True)
-        self._publishers.measurements(self._shutdown.final_measurements(self._turn))
+        self._publishers.ticks(self._shutdown.final_ticks(self._run))
 
     def _conclude_in_time(self) -> None:
-        if self._shutdown.is_reported(self._turn):
+        if self._shutdown.is_reported(self._run):
             self._conclude()
 
     def _conclude(self) -> None:
         """Publish the result and go on to the next run, if there is one."""
-        if self._turn.phase is not Phase.SHUTDOWN:
+        if self._run.phase is not Phase.SHUTDOWN:
             return
-        report = self._shutdown.report(self._turn, self._publishers.published)
+        report = self._shutdown.report(self._run, self._publishers.published)
         self.reports.append(report)
         self._tell(report)
         self._publishers.result(report)
         following = next(self._scenarios, None)
         if following is None:
-            self._shutdown.close(self._turn)
+            self._shutdown.close(self._run)
         else:
             self._begin(self._next(following))
 
-    def _next(self, scenario: Scenario) -> Turn:
-        """The turn after this one."""
-        number, world = self._turn.number + 1, self._turn.world
-        turn = Turn(number, scenario, world.incarnations, world.version)
+    def _next(self, scenario: Scenario) -> Run:
+        """The run after this one."""
+        number, world = self._run.number + 1, self._run.world
+        run = Run(number, scenario, world.incarnations, world.version)
         if self._journal is not None:
             self._journal.begin(number, world.incarnations, world.version, self._failures.expected)
-            turn.world.note = self._journal.note
-        return turn
+            run.world.note = self._journal.note
+        return run

@@ -12,7 +12,7 @@ from world.coordinator.lives import Lives
 from world.judge.contacts import Contact
 from world.judge.measures import normalised_length
 from world.judge.record import Record
-from world.sensing import Sensor
+from world.sensing.position import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message
 
@@ -31,7 +31,7 @@ def report(
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
-    excursions: largest distance of each robot from the segment between its start and its goal.
+    lateral_deviation: largest distance of each robot from the segment between its start and its goal.
 
     Args:
         verdict: and its reason.
@@ -55,13 +55,15 @@ def report(
         "min_clearance": record.clearance,
         "nrl": normalised_length(record.goals, paths),
         "path_lengths": {str(robot): length for robot, length in paths.items()},
-        "excursions": {str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)},
+        "lateral_deviation": {
+            str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)
+        },
         "tight": record.tight,
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
         "missed_commands": commands.missed,
         "rejected_commands": dict(commands.refused),
-        "down": [fenced.robot for fenced in lives.down],
+        "down": [fenced.robot for fenced in lives.standing],
         "faults": _faults(scenario, lives, list(sensors)),
         "phi": {"first": record.first_phi, "last": truth.phi, "increases": record.increases},
         "positions": {

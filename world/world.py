@@ -7,24 +7,39 @@ One tick: `open_tick` (and `join` for whoever is awaited), `accept` commands, `c
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
 
-from protocol.messages import Command, Down, Measurement, Truth, Vector
+from protocol.goals import GoalOrder, GoalReply
+from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth, Vector
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
-from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost, Opened, checksum
+from world.coordinator.inputs import (
+    Closed,
+    Ended,
+    Expected,
+    GivenUp,
+    Halted,
+    Input,
+    Joined,
+    Lost,
+    Opened,
+    Ordered,
+    checksum,
+)
 from world.coordinator.lives import Lives
+from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
 from world.judge.verdict import Judge
-from world.plants.integrator import Bodies
+from world.plants.choice import plant_of
+from world.plants.integrator import STANDING
 from world.report import report
-from world.sensing import Sensor
-
-_Sensed = Mapping[int, tuple[Vector | None, int]]
+from world.sensing.odometry import Odometer
+from world.sensing.position import Sensor
 
 
 class World:
@@ -34,6 +49,7 @@ class World:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
         verdict, reason: empty while the run goes on.
+        halted: whether an emergency stop is in force.
         note: is told every input that this world has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
             (`world.shell.replay`).
@@ -51,16 +67,19 @@ class World:
         self.active: tuple[int, ...] = ()
         self.verdict = ""
         self.reason = ""
+        self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
-        self._bodies = Bodies(scenario)
+        self._plant = plant_of(scenario)
+        self._odometers = {robot: Odometer(scenario, robot, self._plant.slips) for robot in scenario.ids}
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
+        self._missions = Missions(scenario)
         goals = Goals(scenario)
-        self._record = Record(scenario, goals, self._bodies.positions)
+        self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
         self._judge = Judge(scenario, goals)
-        self._measurements: dict[int, Measurement] | None = None  # of the open tick
+        self._told: dict[int, Tick] | None = None  # of the open tick
 
     @property
     def truth(self) -> Truth:
@@ -74,12 +93,12 @@ class World:
     @property
     def checksum(self) -> int:
         """Of where every disk is, to the last bit."""
-        return checksum(self._bodies.positions)
+        return checksum(self._plant.positions)
 
     @property
     def is_open(self) -> bool:
         """Whether `tick` has begun."""
-        return self._measurements is not None
+        return self._told is not None
 
     @property
     def incarnations(self) -> dict[int, int]:
@@ -97,9 +116,9 @@ class World:
         return self._lives.founded
 
     @property
-    def down(self) -> tuple[Down, ...]:
+    def standing(self) -> tuple[Standing, ...]:
         """Fenced lives: fixed disks until that robot joins again."""
-        return self._lives.down
+        return self._lives.standing
 
     @property
     def awaiting_join(self) -> frozenset[int]:
@@ -124,9 +143,7 @@ class World:
         Raises:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
-        incarnation = self._lives.join(
-            robot, heard=self.tick - 1 if self._measurements is None else self.tick
-        )
+        incarnation = self._lives.join(robot, heard=self.tick - 1 if self._told is None else self.tick)
         self._noted(Joined(robot, incarnation))
         return incarnation
 
@@ -158,10 +175,9 @@ class World:
     def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)
         self._commands.drop(robot)
-        if self._measurements is not None:
+        if self._told is not None:
             replace = msgspec.structs.replace
-            told = self._measurements
-            self._measurements = {other: replace(told[other], active=self.active) for other in told}
+            self._told = {other: replace(told, active=self.active) for other, told in self._told.items()}
 
     def expect(self, robot: int) -> None:
         """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
@@ -181,14 +197,14 @@ class World:
         lacking, self._commands.lacking = self._commands.lacking, {}
         return blamed(self.active, self._commands.waiting, lacking)
 
-    def open_tick(self) -> dict[int, Measurement]:
+    def open_tick(self) -> dict[int, Tick]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
 
         The scenario's process faults of this tick happen first, those of the first tick once all are there:
         whatever the order of joining, everybody begins the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
-        if self._measurements is None:
+        if self._told is None:
             self._noted(Opened())
             if not self._begun():
                 return {}
@@ -198,41 +214,79 @@ class World:
                 return {robot: told for robot, told in self._tell(self._lives.up).items() if robot in awaited}
             self.active = self._lives.up
             self._commands.open(self.tick, self.active)
-            self._measurements = self._tell(self.active, self._sense())
-        return self._measurements
+            self._told = self._tell(self.active, self._sense())
+        return self._told
 
     def _begun(self) -> bool:
         """Whether the run has begun, or begins now."""
         if not self.founded and not self.awaiting_join:
-            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+            self._lives.found(dict(zip(self._plant.ids, self._plant.positions, strict=True)))
         return self.founded
 
-    def _sense(self) -> _Sensed:
-        """One measurement of every robot, those who do not listen included: sensors keep running."""
-        sensors = self._sensors.items()
-        return {
-            robot: sensor.measure(self.tick, position)
-            for (robot, sensor), position in zip(sensors, self._bodies.positions, strict=True)
-        }
+    def _sense(self) -> dict[int, Sense]:
+        """Of every robot, those who do not listen included: sensors keep running."""
+        sensed = {}
+        for index, (robot, place) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            sensor = self._sensors[robot]
+            position, stamp = sensor.measure(self.tick, place)
+            moved, bound, motion = self._odometers[robot].read(self._plant.report(index), self.tick)
+            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+        return sensed
 
-    def _tell(self, active: tuple[int, ...], sensed: _Sensed | None = None) -> dict[int, Measurement]:
-        """Measurements for all that may listen; without positions unless `sensed` has them."""
-        tick = self.tick
-        moved = dict(zip(self._bodies.ids, self._bodies.displacements, strict=True))
-        told = {}
-        for robot, life in self._lives.listeners():
-            position, stamp = sensed[robot] if sensed else (None, tick)
-            told[robot] = Measurement(
+    def _tell(
+        self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
+    ) -> dict[int, Tick]:
+        """Ticks for all that may listen."""
+        roster_for = self._lives.roster_for
+        return {
+            robot: Tick(
                 robot,
                 life.incarnation,
-                tick,
-                position,
-                stamp,
-                moved[robot],
+                self.tick,
                 active,
-                self._lives.roster_for(robot),
+                sensed.get(robot),
+                roster_for(robot),
+                self._missions.goal(robot),
+                self.halted,
             )
-        return told
+            for robot, life in self._lives.listeners()
+        }
+
+    def order(self, robot: int, order: GoalOrder) -> GoalReply:
+        """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
+        refusal = self._missions.refusal(robot, order, self._lives.standing)
+        if refusal:
+            return GoalReply(False, text=refusal)
+        position = self._plant.positions[self._plant.ids.index(robot)]
+        reply = self._missions.accept(robot, order, self.tick, position)
+        self._redirect(robot)
+        self._noted(Ordered(robot, order))
+        return reply
+
+    def _redirect(self, robot: int) -> None:
+        goal = self._missions.goal(robot)
+        assert goal is not None
+        self._record.redirect(robot, goal)
+        self._judge.disturb(self.tick)
+
+    def goal_status(self, robot: int) -> GoalStatus | None:
+        """How things stand with a robot's goal; None if there is no such robot."""
+        if robot not in self._plant.ids:
+            return None
+        status = self._missions.status(robot)
+        if status.number == 0 and robot in self._judge.arrived(self._plant.positions):
+            return msgspec.structs.replace(status, tick=self.tick, status="arrived")
+        return status
+
+    def goal_news(self) -> list[GoalStatus]:
+        """What came of orders since this was last asked for."""
+        return self._missions.news()
+
+    def halt(self, halted: bool) -> None:
+        """Have everybody stand, from the open tick on, or release them."""
+        if halted != self.halted:
+            self.halted = halted
+            self._noted(Halted(halted))
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
@@ -243,28 +297,41 @@ class World:
 
     def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
-        if self._measurements is None:
+        if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move(self._commands.velocities, self.tick)
+        self._plant.move(self._obeyed(), self.tick)
         self._fence()
-        self._measurements = None
+        self._told = None
         self.tick += 1
-        self._record.add(self._bodies.positions)
+        self._record.add(self._plant.positions, self._plant.between)
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
 
+    def _obeyed(self) -> dict[int, Vector]:
+        """What the bases are told in this tick; while all are halted, to brake."""
+        if self.halted:
+            return dict.fromkeys(self._plant.ids, STANDING)
+        commands = self._commands.velocities
+        return {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
+
     def _fence(self) -> None:
-        for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
-            if robot not in self._commands.velocities:
+        for index, (robot, position) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            if robot not in self._commands.velocities and self._plant.stands(index):
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
-        if not self.verdict:
+        if self.halted:
+            self._judge.disturb(self.tick)
+        for robot in self._missions.advance(self.tick, self._plant.ids, self._plant.positions):
+            self._redirect(robot)
+        if not self.verdict and not self._scenario.time.endless:
             up = self._lives.up
-            alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
-            verdict, reason = self._judge.judge(self.tick, self._bodies.positions, up, alone)
+            alone = len(up) < len(self._plant.ids) and self._lives.gone_for_good(self.tick - 1)
+            verdict, reason = self._judge.judge(
+                self.tick, self._plant.positions, up, alone, pending=self._missions.pending
+            )
             if verdict:
                 self._finish(verdict, reason)
 
@@ -289,9 +356,9 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._bodies.positions),
+            arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
-            lengths=self._bodies.lengths,
+            lengths=self._plant.lengths,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
-from protocol.errors import UsageError
+from protocol.installation import missing_library
 from protocol.scenario.model import Scenario
 
 _LIBRARIES = {"orca": "pyrvo", "barrier": "daqp"}
@@ -43,7 +43,4 @@ def require(law: str) -> None:
     """
     library = _LIBRARIES.get(law)
     if library is not None and find_spec(library) is None:
-        raise UsageError(
-            f'control.law = "{law}" needs the library {library}, which is not installed: '
-            'pip install "disknav[peers]"'
-        )
+        raise missing_library(f'control.law = "{law}"', library, "peers")

@@ -6,8 +6,10 @@ import math
 
 from agents.laws.view import View
 from agents.navigation import pace
+from agents.navigation.attraction import Attraction
 from agents.navigation.deadlock import Progress, barred, circling
 from agents.navigation.flow import Flow, desired_velocity
+from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
 from agents.peers.state import PeerState
 from protocol.scenario.model import Scenario
@@ -16,12 +18,19 @@ Vector = tuple[float, float]
 
 
 class GradientLaw:
-    """One robot's slice of the gradient of the navigation function."""
+    """One robot's slice of the gradient of the navigation function.
+
+    Attributes:
+        aim: where the last `look` saw the goal pull, m.
+        obstacles: what stood then and is no robot, as disks.
+    """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._radius = spec.radius
-        self._workspace, self._k = scenario.workspace.radius, scenario.k
+        self._room, self._k = scenario.workspace.shape, scenario.k
+        self._workspace = round_boundary(self._room)
+        self._attraction = Attraction(self._room, spec.radius)
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
@@ -31,6 +40,8 @@ class GradientLaw:
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
         # Of the present tick; see `look`.
+        self.aim = self._goal = spec.goal
+        self.obstacles: list[Peer] = []
         self._peers: list[Peer] = []
         self._moving: list[PeerState] = []
         self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -45,9 +56,12 @@ class GradientLaw:
 
     def look(self, view: View) -> None:
         """Take in who is where; before anything else in a tick."""
-        (x, y), (gx, gy) = view.position, view.goal
-        self._peers, self._moving = view.neighbours.disks(), view.neighbours.moving()
-        self._slice = Slice(view.goal, self._radius, self._workspace, self._k, self._peers)
+        x, y = view.position
+        self.obstacles = standing(self._room, view.things, x, y)
+        self._peers, self._moving = [*view.neighbours.disks(), *self.obstacles], view.neighbours.moving()
+        self._goal, self.aim = view.goal, self._attraction.aim(view.position, view.goal, view.things)
+        self._slice = Slice(self.aim, self._radius, self._workspace, self._k, self._peers)
+        gx, gy = self.aim
         self._begin = self._slice.gradient(x, y)
         self._away = math.hypot(x - gx, y - gy)
         self._scale = self._pace(math.hypot(self._begin.dx, self._begin.dy))
@@ -58,14 +72,14 @@ class GradientLaw:
         """See `agents.laws.law.Law`; before the first tick the attraction alone."""
         if self._slice is None:
             return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
-        self._slice.goal = goal
+        self._slice.goal = self.aim if goal == self._goal else goal
         return self._slice.norm(*position)
 
     def flow(self, view: View, strength: float) -> Vector:
         """The flow's mean velocity over the period, m/s, with an escape of this `strength`, 0 to 1."""
         drift = (0.0, 0.0)
         if strength > 0.0:
-            vx, vy = circling(view.position, view.goal, self._radius, self._peers)
+            vx, vy = circling(view.position, self.aim, self._radius, self._peers)
             drift = (strength * self._free * vx, strength * self._free * vy)
         assert self._slice is not None
         return desired_velocity(
@@ -90,7 +104,7 @@ class GradientLaw:
             desired=wanted,
             free=self._free,
             gamma=self._away**2 + gamma,
-            barred=lambda: barred(view.position, view.goal, self._radius, self._peers),
+            barred=lambda: barred(view.position, self.aim, self._radius, self._peers),
             latency=(view.tick - oldest) * self._period,
         )
 

@@ -8,14 +8,14 @@ deadlock, it follows the gradient flow instead.
 from __future__ import annotations
 
 import math
-from typing import final
+from typing import Final, final
 
 from agents.laws.gradient import GradientLaw
 from agents.laws.velocity_obstacle import reciprocal
 from agents.laws.velocity_program import nearest
 from agents.laws.view import View
 from agents.lines.line import HalfPlane
-from agents.peers.state import PeerState
+from protocol.geometry import Disk
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -28,6 +28,7 @@ SLOW: float = 0.5  # of the free speed: who gets nearer to the goal by less than
 MARGIN: float = 0.0125  # of the contact distance
 LATE: float = 3.0  # times what a robot drives during the age of a State: lines lag by round trips
 LATEST: float = 0.5  # of the contact distance: by no more than this
+_APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
 
 
 @final
@@ -38,9 +39,10 @@ class ReciprocalLaw:
         spec, control = scenario.spec(robot), scenario.control
         self._gradient = GradientLaw(scenario, robot)
         self._radius = spec.radius
-        self._room = scenario.workspace.radius - spec.radius
+        room = scenario.workspace.shape
+        self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
         self._speed, self._period = control.speed, scenario.time.step
-        self._lap = max(each.radius for each in scenario.robots) / control.speed
+        self._horizon = HORIZON * max(each.radius for each in scenario.robots) / control.speed
         self._wish: Vector = (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
@@ -57,67 +59,85 @@ class ReciprocalLaw:
 
     def _reciprocal(self, view: View) -> Vector | None:
         """The reciprocal velocity, if it leads on."""
-        ex, ey = view.goal[0] - view.position[0], view.goal[1] - view.position[1]
+        (x, y), (gx, gy) = view.position, self._gradient.aim
+        ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)
         if away <= NEAR * self._radius:
             return None
         rate = min(self._speed / away, 1.0 / self._period)
         px, py = rate * ex, rate * ey
-        limits = self._limits(view)
+        limits = self._walls(x, y)
+        walls = len(limits)
+        limits += self._obstacles(view)
         barring = _violated(px, py, limits)
         if barring == 0:
             return px, py
         turn = min(TURN * barring, MOST)
         cosine, sine = math.cos(turn), math.sin(turn)
-        vx, vy = nearest((cosine * px - sine * py, sine * px + cosine * py), limits, self._speed, 1)[0]
+        wish = cosine * px - sine * py, sine * px + cosine * py
+        vx, vy = nearest(wish, limits, self._speed, walls)
         return (vx, vy) if vx * ex + vy * ey >= SLOW * rate * away * away else None
 
-    def _limits(self, view: View) -> list[HalfPlane]:
-        """Of velocities: the boundary first, then peers, the nearest first."""
+    def _walls(self, x: float, y: float) -> list[HalfPlane]:
+        """Of velocities that come near what is straight, or the boundary: half the way to it in a tick."""
+        limits: list[HalfPlane] = []
+        if self._rim > 0.0:
+            distance = math.hypot(x, y)
+            if distance > 0.0:
+                limits.append(self._wall(x / distance, y / distance, self._rim - distance))
+        for point in self._gradient.obstacles:
+            rx, ry = point.x - x, point.y - y
+            distance = math.hypot(rx, ry)
+            if point.radius == 0.0 and distance > 0.0:
+                limits.append(self._wall(rx / distance, ry / distance, distance - self._radius))
+        return limits
+
+    def _wall(self, nx: float, ny: float, room: float) -> HalfPlane:
+        return HalfPlane(nx, ny, max(0.0, room) / (2.0 * self._period))
+
+    def _obstacles(self, view: View) -> list[HalfPlane]:
+        """Of velocities, one for every disk within reach, the nearest first."""
         x, y = view.position
-        reach = 2.0 * self._speed * HORIZON * self._lap
-        found: list[tuple[float, int, HalfPlane]] = []
-        standing = view.neighbours.standing
+        found: list[tuple[float, HalfPlane]] = []
         for state in view.neighbours.moving():
-            if not state.placed:
-                continue
-            age = (view.tick - state.tick) * self._period
-            rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-            contact = self._radius + state.radius
-            room = math.hypot(rx, ry) - contact
-            if room <= reach:
-                late = min(LATE * self._speed * age, LATEST * contact)
-                contact *= 1.0 + MARGIN
-                found.append((room, state.robot, self._half_plane(rx, ry, contact + late, state)))
-        for robot, member in standing.items():
+            if state.placed:
+                age = (view.tick - state.tick) * self._period
+                rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
+                late = min(LATE * self._speed * age, LATEST * (self._radius + state.radius))
+                self._add(found, rx, ry, state.radius, late, state.vx, state.vy, 0.5)
+        for member in view.neighbours.standing.values():
             if member.position is not None:
                 rx, ry = member.position[0] - x, member.position[1] - y
-                contact = self._radius + member.radius
-                room = math.hypot(rx, ry) - contact
-                if room <= reach:
-                    found.append((room, robot, self._half_plane(rx, ry, contact * (1.0 + MARGIN), None)))
+                self._add(found, rx, ry, member.radius, 0.0, 0.0, 0.0, 1.0)
+        for disk in self._gradient.obstacles:
+            if disk.radius > 0.0:
+                self._add(found, disk.x - x, disk.y - y, disk.radius, 0.0, 0.0, 0.0, 1.0)
         found.sort(key=_nearness)
-        return [self._wall(x, y), *[each[2] for each in found]]
+        return [each[1] for each in found]
 
-    def _half_plane(self, rx: float, ry: float, contact: float, state: PeerState | None) -> HalfPlane:
-        distance = math.hypot(rx, ry)
-        if distance <= contact:
-            contact = 0.999999 * distance
+    def _add(
+        self,
+        found: list[tuple[float, HalfPlane]],
+        rx: float,
+        ry: float,
+        radius: float,
+        late: float,
+        ux: float,
+        uy: float,
+        share: float,
+    ) -> None:
+        """The half-plane for a disk at (rx, ry) from the own centre, if it can be met within the horizon."""
+        contact, distance = self._radius + radius, math.hypot(rx, ry)
+        room = distance - contact
+        if distance == 0.0 or room > 2.0 * self._speed * self._horizon:
+            return
+        contact = min((1.0 + MARGIN) * contact + late, _APART * distance)
         vx, vy = self._wish
-        horizon = HORIZON * self._lap
-        if state is None:
-            return reciprocal(rx, ry, contact, vx, vy, 0.0, 0.0, horizon, 1.0)
-        return reciprocal(rx, ry, contact, vx, vy, state.vx, state.vy, horizon, 0.5)
-
-    def _wall(self, x: float, y: float) -> HalfPlane:
-        distance = math.hypot(x, y)
-        if distance == 0.0:
-            return HalfPlane(1.0, 0.0, 2.0 * self._speed)
-        return HalfPlane(x / distance, y / distance, max(0.0, self._room - distance) / (2.0 * self._period))
+        found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, self._horizon, share)))
 
 
-def _nearness(found: tuple[float, int, HalfPlane]) -> tuple[float, int]:
-    return found[0], found[1]
+def _nearness(found: tuple[float, HalfPlane]) -> float:
+    return found[0]
 
 
 def _violated(vx: float, vy: float, limits: list[HalfPlane]) -> int:

@@ -9,6 +9,7 @@ were nearer. They swerve early rather than slow down.
 from __future__ import annotations
 
 import math
+
 from agents.lines.line import HalfPlane
 
 EARLY: float = 0.5  # of the horizon: who would touch this early swerves

@@ -1,4 +1,4 @@
-"""The velocity nearest to a wish under half-planes and a speed limit, or else the one that violates them least.
+"""The velocity nearest to a wish under half-planes and a speed limit, or that violates them least.
 
 Two linear programs in few variables, solved one constraint after another (Seidel; de Berg et al.,
 "Computational Geometry", chapter 4), the second as of van den Berg, Guy, Lin and Manocha, "Reciprocal n-Body
@@ -17,8 +17,8 @@ Vector = tuple[float, float]
 _PARALLEL: Final = 1e-12
 
 
-def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> tuple[Vector, float]:
-    """The velocity and by how much it violates the worst half-plane, 0 if none.
+def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> Vector:
+    """The velocity, m/s.
 
     Args:
         wish: m/s.
@@ -36,14 +36,11 @@ def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int =
             if not found:
                 return _least(limits, index, (x, y), speed, hard)
             x, y = x_new, y_new
-    return (x, y), 0.0
+    return x, y
 
 
-def _least(
-    limits: Sequence[HalfPlane], begin: int, velocity: Vector, speed: float, hard: int
-) -> tuple[Vector, float]:
-    """The velocity that violates the worst of all but the hard half-planes least, from half-plane `begin` on,
-    and by how much it does, m/s."""
+def _least(limits: Sequence[HalfPlane], begin: int, velocity: Vector, speed: float, hard: int) -> Vector:
+    """The velocity that violates the worst of all but the hard half-planes least, from `begin` on."""
     x, y = velocity
     worst = 0.0
     for index in range(max(begin, hard), len(limits)):
@@ -61,12 +58,10 @@ def _least(
         if found:
             x, y = x_new, y_new
         worst = edge.nx * x + edge.ny * y - edge.limit
-    return (x, y), worst
+    return x, y
 
 
-def _farthest(
-    limits: Sequence[HalfPlane], dx: float, dy: float, speed: float
-) -> tuple[bool, float, float]:
+def _farthest(limits: Sequence[HalfPlane], dx: float, dy: float, speed: float) -> tuple[bool, float, float]:
     """The velocity farthest in the unit direction (dx, dy), if there is any."""
     x, y = dx * speed, dy * speed
     for index, edge in enumerate(limits):
@@ -80,8 +75,8 @@ def _farthest(
 def _on_edge(
     limits: Sequence[HalfPlane], index: int, speed: float, wx: float, wy: float, far: bool
 ) -> tuple[bool, float, float]:
-    """The point on the edge of one half-plane, within all earlier ones, nearest to the wish (wx, wy), or `far`
-    in that direction; and whether there is any."""
+    """The point on the edge of one half-plane, within all earlier ones, nearest to (wx, wy), or `far` in that
+    direction; and whether there is any."""
     edge = limits[index]
     nx, ny, limit = edge.nx, edge.ny, edge.limit
     square = speed * speed - limit * limit

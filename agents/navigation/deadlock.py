@@ -164,13 +164,21 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
     members = [(peer.x, peer.y) for peer in cluster(position, radius, peers)]
     if members:
         members.append(position)
-        cx, cy = (sum(axis) / len(members) for axis in zip(*members, strict=True))
+        cx, cy = _centroid(members)
     else:
         members, (cx, cy) = [position], goal
     farthest = max(math.hypot(x - cx, y - cy) for x, y in members)
     if farthest == 0.0:
         return 0.0, 0.0
     return (position[1] - cy) / farthest, (cx - position[0]) / farthest
+
+
+def _centroid(points: Sequence[Vector]) -> Vector:
+    """Added up one by one: `sum` rounds otherwise from Python 3.12 on, and trajectories would differ."""
+    x, y = 0.0, 0.0
+    for px, py in points:
+        x, y = x + px, y + py
+    return x / len(points), y / len(points)
 
 
 def _average(mean: Mean, value: Vector, weight: float) -> Mean:

@@ -2,44 +2,56 @@
 
 from __future__ import annotations
 
-import json
-import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from deploy.commands import options
+from deploy.output import json_output
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 
 if TYPE_CHECKING:
     from deploy.theory.certify.session import Outcome
     from deploy.theory.certify.verifier.replay import Replay
 
+_MINUTES = 10.0
+
 
 def certify(
-    scenario: Annotated[str | None, typer.Argument(help="A scenario file, or a library name.")] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="As for check; may be left out with --verify.",
+        ),
+    ] = None,
     k: Annotated[
         float | None,
         typer.Option("--k", min=1.0, help="Prove down to this; else as far down as time allows."),
     ] = None,
-    minutes: Annotated[float, typer.Option(min=0.0, help="Stop after this long.")] = 10.0,
+    minutes: Annotated[
+        float | None, typer.Option(min=0.0, help="Stop after this long; 10 unless given.")
+    ] = None,
     verify: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Check a certificate with arithmetic of its own.")
     ] = None,
-    file: Annotated[
-        Path | None, typer.Option(help="The certificate; SCENARIO.certificate.json unless given.")
+    out: Annotated[
+        Path | None,
+        options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given.", "--file"),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Spread the search over the Dask cluster there.")
     ] = None,
-    setting: Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")] = None,
+    setting: options.Settings = None,
     starts: Annotated[
         int | None,
         typer.Option(min=1, help="No proof: how many of so many random starts fail at the scenario's k."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the random starts.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON instead.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
+    seed: Annotated[int | None, typer.Option(min=0, help="Of the random starts; 0 unless given.")] = None,
+    json_file: options.Json = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Prove a K: for every k >= K the goal is the only minimum of phi, all else critical a saddle or maximum.
 
@@ -59,28 +71,49 @@ def certify(
     from deploy.library.load import read
     from protocol.errors import UsageError
 
+    _check_options(verify is not None, starts is not None, locals())
+    json_output.check(json_file)
+    silent = quiet or json_output.is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
         from deploy.theory.certify.certificate import Goals, fetch
         from deploy.theory.certify.verifier.replay import replay
 
         goals = None if read_scenario is None else Goals.of(read_scenario)
-        checked = replay(fetch(verify, goals), minutes, quiet)
-        _say(_verified(checked), checked.to_json(), as_json)
+        checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
+        _say(_verified(checked), checked.to_json(), json_file, silent)
         raise typer.Exit(_status(checked.enough(k), checked.interrupted))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
     if starts is not None:
-        raise typer.Exit(_statistics(scenario, setting or [], starts, seed, as_json))
+        raise typer.Exit(_statistics(scenario, setting or [], (starts, seed or 0), json_file, silent))
     from deploy.theory.certify.session import Request, to_json
     from deploy.theory.certify.session import certify as perform
 
-    outcome = perform(read_scenario, Request(scenario, k, minutes, file, scheduler, quiet))
-    _say(_found(outcome), to_json(outcome), as_json)
+    limit = _MINUTES if minutes is None else minutes
+    outcome = perform(read_scenario, Request(scenario, k, limit, out, scheduler, silent))
+    _say(_found(outcome), to_json(outcome), json_file, silent)
     raise typer.Exit(_status(outcome.proven, outcome.interrupted))
 
 
-def _statistics(name: str, settings: list[str], starts: int, seed: int, as_json: bool) -> int:
+def _check_options(verifies: bool, samples: bool, given: Mapping[str, object]) -> None:
+    """Refuse what only one of the three ways to use this command knows."""
+    search = {"--out": given["out"], "--scheduler": given["scheduler"]}
+    sample = {"--starts": given["starts"], "--seed": given["seed"]}
+    if verifies:
+        options.refuse({**search, **sample}, "--verify neither searches nor samples")
+        if given["scenario"] is None:
+            options.refuse({"--set": given["setting"]}, "there is no SCENARIO to set it in")
+    elif samples:
+        bounds = {"--k": given["k"], "--minutes": given["minutes"]}
+        options.refuse({**search, **bounds}, "--starts samples at the scenario's k: --set control.k=K")
+    else:
+        options.refuse(sample, "without --starts nothing is random")
+
+
+def _statistics(
+    name: str, settings: list[str], sample: tuple[int, int], json_file: Path | None, silent: bool
+) -> int:
     from dataclasses import asdict, replace
 
     from deploy.library.load import load
@@ -89,10 +122,10 @@ def _statistics(name: str, settings: list[str], starts: int, seed: int, as_json:
     from deploy.theory.certify.statistics import failing_fraction
 
     valid = load(name, settings)
-    with bar("random starts") as tell:
+    with bar("random starts", silent=silent) as tell:
         problem = replace(Goals.of(valid).problem, k=valid.k)
-        found = failing_fraction(problem, starts, seed, tell)
-    _say(str(found), asdict(found), as_json)
+        found = failing_fraction(problem, *sample, tell)
+    _say(str(found), asdict(found), json_file, silent)
     return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED
 
 
@@ -102,8 +135,10 @@ def _status(proven: bool, interrupted: bool) -> int:
     return EXIT_INTERRUPTED if interrupted else EXIT_OTHERWISE
 
 
-def _say(text: str, data: dict[str, object], as_json: bool) -> None:
-    sys.stdout.write((json.dumps(data, indent=2) if as_json else text) + "\n")
+def _say(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:
+    json_output.write_json(data, json_file)
+    if not silent:
+        print(text)
 
 
 def _found(outcome: Outcome) -> str:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import json
-import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+from deploy.commands import options
+from deploy.output import json_output
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from deploy.theory.check.report import Certified
     from protocol.scenario.model import Scenario
 
 
 def check(
-    scenario: Annotated[str, typer.Argument(help="A scenario file, or a library name.")],
-    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
-    setting: Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON instead.")] = False,
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    json_file: options.Json = None,
 ) -> None:
     """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
 
@@ -29,15 +30,23 @@ def check(
     from deploy.theory.check.check import report
     from deploy.theory.check.render import render
     from deploy.theory.check.report import to_json
+    from deploy.theory.check.scope import theorem_for
+    from deploy.theory.check.surrounded import surrounded
 
+    json_output.check(json_file)
     valid = load(scenario, setting or [], seed)
-    found = report(valid, _certificate(scenario, valid))
-    if as_json:
-        sys.stdout.write(json.dumps(to_json(found), indent=2) + "\n")
+    shown: RenderableType
+    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
+        found = report(valid, _certificate(scenario, valid))
+        plain, shown = to_json(found), render(found)
     else:
+        among = surrounded(valid)
+        plain, shown = among.to_json(), among.render()
+    json_output.write_json(plain, json_file)
+    if not json_output.is_standard_output(json_file):
         from rich.console import Console
 
-        Console().print(render(found))
+        Console().print(shown)
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:

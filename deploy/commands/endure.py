@@ -3,34 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
+from deploy.commands import options
 from deploy.output import json_output
 from deploy.output.bar import bar
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from deploy.run.options import RunOptions, Transport, fresh_run_name
+from deploy.run.options import RunOptions, fresh_run_name
 from deploy.security.membership import Membership
-from protocol.errors import UsageError
 
-JsonFile = Annotated[Path | None, typer.Option("--json", help="Write the result; '-' for standard output.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
+_Real = Annotated[
+    Literal["routed", "mesh"], typer.Option("--transport", help="Through a router, or directly.")
+]
 
 
 def endure(
     minutes: Annotated[
         float, typer.Option("--minutes", "-m", min=0.02, help="For how long; 30 is the whole proof.")
     ] = 1.0,
-    robots: Annotated[int, typer.Option("--robots", "-n", min=2, max=1000, help="How many.")] = 16,
-    transport: Annotated[Transport, typer.Option(help="routed or mesh.")] = "routed",
-    secure: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Certificates and access rules for swap-N's robots.")
-    ] = None,
-    json_file: JsonFile = None,
-    quiet: Quiet = False,
+    robots: Annotated[int, options.robots(2)] = 16,
+    transport: _Real = "routed",
+    secure: options.Secure = None,
+    json_file: options.Json = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Keep a real-time fleet moving at 20 Hz, and watch memory, file handles and threads of every process.
 
@@ -46,27 +44,25 @@ def endure(
     from deploy.studies.endurance.endure import Trial, table
     from deploy.studies.endurance.endure import endure as perform
 
-    if transport == "local":
-        raise UsageError("what is to endure are real processes: --transport routed or mesh")
     run = Membership(secure).run(None) or fresh_run_name()
-    options = RunOptions(transport, "realtime", run=run, secure=secure)
+    how = RunOptions(transport, "realtime", run=run, secure=secure)
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
-    with _bar("endure", silent) as tell:
-        outcome = perform(Trial(robots, minutes, options), tell)
+    with bar("endure", silent=silent) as tell:
+        outcome = perform(Trial(robots, minutes, how), tell)
     _finish(outcome, table, json_file, silent)
 
 
 def flood(
     rate: Annotated[float, typer.Option(min=1.0, help="Messages per second.")] = 10_000.0,
-    robots: Annotated[int, typer.Option("--robots", "-n", min=2, max=1000, help="How many.")] = 6,
+    robots: Annotated[int, options.robots(2)] = 6,
     rounds: Annotated[int, typer.Option(min=1, help="Stretches without, and with the flood.")] = 5,
     seconds: Annotated[float, typer.Option(min=0.1, help="How long each is.")] = 2.0,
     unprotected: Annotated[
         bool, typer.Option("--open", help="Without certificates and access rules; its rate is not judged.")
     ] = False,
-    json_file: JsonFile = None,
-    quiet: Quiet = False,
+    json_file: options.Json = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Flood a lock-step fleet with garbage, in turns with letting it alone, and see what that does to it.
 
@@ -84,13 +80,9 @@ def flood(
 
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
-    with _bar("flood", silent) as tell:
+    with bar("flood", silent=silent) as tell:
         outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected), tell)
     _finish(outcome, table, json_file, silent)
-
-
-def _bar(name: str, silent: bool) -> AbstractContextManager[Callable[[float], None]]:
-    return nullcontext(lambda _: None) if silent else bar(name)
 
 
 def _finish(

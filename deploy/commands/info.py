@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-import typer
 from rich.console import Console, Group
 from rich.table import Table
 from rich.text import Text
 
+from deploy.commands import options
+from deploy.output import json_output
 from deploy.output.bar import bar
 from protocol.errors import RecordingError
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:  # the rest of the command line does without what reading take
 
 
 def info(
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A file that `run --record` wrote.")],
+    recording: options.RecordingFile,
+    json_file: options.Json = None,
 ) -> None:
     """Say what a recording holds: scenario, verdict, streams, and whether its trajectory is the result's.
 
@@ -26,26 +28,33 @@ def info(
     """
     from deploy.recording.reader import read
 
+    json_output.check(json_file)
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
-    Console().print(Group(_summary(found), _streams(found)))
+    summary = _summary(found)
+    json_output.write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
+    if not json_output.is_standard_output(json_file):
+        Console().print(Group(_grid(summary), _streams(found)))
 
 
-def _summary(recording: Recording) -> Table:
+def _summary(recording: Recording) -> dict[str, str]:
     scenario, result = recording.scenario, recording.result or {}
-    grid = Table.grid(padding=(0, 3))
     ticks = int(recording.truths.ticks[-1])
-    rows = {
+    return {
         "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}",
         "run": recording.run,
         "verdict": f"{result['verdict']}  {result.get('reason', '')}"
         if result
         else "none: no result was recorded",
         "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
-        "messages": f"{len(recording.entries)}",
+        "messages": f"{recording.counts.total()}",
         "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
         "trajectory": _check(recording),
     }
+
+
+def _grid(rows: Mapping[str, str]) -> Table:
+    grid = Table.grid(padding=(0, 3))
     for name, value in rows.items():
         grid.add_row(Text(name, style="dim"), Text(value))
     return grid
@@ -70,6 +79,6 @@ def _streams(recording: Recording) -> Table:
     table.add_column("messages", justify="right")
     table.add_column("per tick", justify="right")
     ticks = max(1, int(recording.truths.ticks[-1]))
-    for key, count in sorted(recording.counts().items()):
+    for key, count in sorted(recording.counts.items()):
         table.add_row(key, str(count), f"{count / ticks:.2f}")
     return table

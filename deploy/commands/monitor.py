@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import signal
 from contextlib import closing
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.monitor.source import Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
@@ -22,21 +22,17 @@ _NICENESS = 10  # a fleet on the same machine first
 
 
 def monitor(
-    run: Annotated[
-        str | None,
-        typer.Option(help="Name of the run; the fleet's launcher prints it. With --secure, the roster's."),
-    ] = None,
+    run: options.RunName = None,
     router: Annotated[
         list[str] | None,
         typer.Option(
-            help="Endpoint of the fleet's router, tcp/127.0.0.1:7447 (tls/ with --secure) unless given; "
-            "repeat it for each process of a mesh."
+            metavar="ENDPOINT",
+            help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure). "
+            "Repeat it for each process of a mesh.",
         ),
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
-    secure: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Certificates from `disknav keys new DIR`.")
-    ] = None,
+    secure: options.Secure = None,
     port: Annotated[
         int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
     ] = None,
@@ -52,13 +48,18 @@ def monitor(
     """
     from deploy.monitor.attachment import attach
 
+    if not web:
+        options.refuse({"--port": port}, "it is the port of the live page: add --web")
+    if secure is not None and len(router or ()) > 1:
+        options.refuse({"--router": router}, "with --secure there is one router")
     os.nice(_NICENESS)
     membership = Membership(secure)
     name = membership.run(run)
     if name is None:
         raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
     entitle("monitor", name)
-    with closing(attach(_connection(router, membership), name)) as source:
+    role = membership.viewer if web else MONITOR
+    with closing(attach(_connection(router, membership, role), name)) as source:
         try:
             if web:
                 _serve(source, port)
@@ -70,10 +71,10 @@ def monitor(
             pass
 
 
-def _connection(endpoints: list[str] | None, membership: Membership) -> Connection:
+def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
-        return membership.client(MONITOR, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+        return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
@@ -81,5 +82,5 @@ def _serve(source: Source, port: int | None) -> None:
     from deploy.monitor.web.server import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:
-        print(f"{server.address}  (Ctrl-C ends it)", flush=True)
+        print(f"{server.link}  (Ctrl-C ends it)", flush=True)
         signal.pause()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
@@ -15,11 +16,9 @@ if TYPE_CHECKING:  # the rest of the command line does without what reading take
 
 def plot(
     recordings: Annotated[
-        list[Path], typer.Argument(metavar="RECORDING...", help="Files that `run --record` wrote.")
+        list[Path], typer.Argument(metavar="RECORDING...", help="Files that `disknav run --record` wrote.")
     ],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="File to write: .png, .svg, .pdf, or a film: .gif, .mp4.")
-    ],
+    out: Annotated[Path, options.out("Picture to write: .png, .svg, .pdf, or a film: .gif, .mp4.")],
     until: Annotated[
         float | None,
         typer.Option(min=0.0, help="Draw only so many simulated seconds: disks as they stand then."),

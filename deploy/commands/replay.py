@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 from contextlib import closing
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
@@ -16,20 +16,25 @@ if TYPE_CHECKING:  # the rest of the command line does without what reading take
 
 
 def replay(
-    recording: Annotated[Path, typer.Argument(metavar="RECORDING", help="A file that `run --record` wrote.")],
+    recording: options.RecordingFile,
     zenoh: Annotated[
         bool, typer.Option("--zenoh", help="Publish onto a network, under the recorded keys.")
     ] = False,
     router: Annotated[
         str | None,
-        typer.Option(help="Endpoint of a router to publish through; listens on a port unless given."),
+        typer.Option(
+            metavar="ENDPOINT",
+            help="Publish through the router that listens there; listens on a port itself unless given.",
+        ),
     ] = None,
     run: Annotated[
-        str | None, typer.Option(help="Name to publish under; the recorded one unless given.")
+        str | None,
+        typer.Option(metavar="NAME", help="Name of the run to play it as; the recorded one unless given."),
     ] = None,
     speed: Annotated[
-        float, typer.Option(min=0.0, help="Simulated seconds a second; 0 for as fast as possible.")
-    ] = 1.0,
+        float | None,
+        typer.Option(min=0.0, help="Simulated seconds a second; 0 for as fast as possible, 1 unless given."),
+    ] = None,
     web: Annotated[
         bool, typer.Option("--web", help="Play it on the live page; its address is printed.")
     ] = False,
@@ -43,6 +48,9 @@ def replay(
     from deploy.recording.reader import read
     from deploy.recording.replay import verify
 
+    if not (zenoh or router is not None or web):
+        options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
+    pace = 1.0 if speed is None else speed
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
     trajectory = verify(found)
@@ -51,9 +59,9 @@ def replay(
     else:
         typer.echo("no result was recorded, so there is no trajectory hash to compare with")
     if zenoh or router is not None:
-        _publish(found, router, run, speed)
+        _publish(found, router, run, pace)
     if web:
-        _show(found, run, speed)
+        _show(found, run, pace)
 
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
@@ -78,5 +86,5 @@ def _show(recording: Recording, run: str | None, speed: float) -> None:
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)
     with closing(player), closing(serve_in_thread(player)) as server:
-        typer.echo(f"{server.address}  (Ctrl-C ends it)")
+        typer.echo(f"{server.link}  (Ctrl-C ends it)")
         threading.Event().wait()

@@ -8,15 +8,10 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from protocol.scenario.model import Scenario
 
-app = typer.Typer(help="List, show and generate scenarios.", no_args_is_help=True)
-
-Seed = Annotated[int, typer.Option(min=0, help="Determines all that is random.")]
-Setting = Annotated[list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the scenario.")]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", help="File to write; standard output unless given.")
-]
+app = typer.Typer(name="scenario", help="List, show and generate scenarios.", no_args_is_help=True)
 
 
 @app.command("list")
@@ -38,9 +33,9 @@ def list_() -> None:
 
 @app.command()
 def show(
-    name: Annotated[str, typer.Argument(help="A library name such as figure-3d or swap-12, or a file.")],
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed, over the scenario's.")] = None,
-    setting: Setting = None,
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
 ) -> None:
     """Print a scenario as a TOML file, checked and complete.
 
@@ -48,17 +43,17 @@ def show(
     """
     from deploy.library.load import read
 
-    _write(read(name, setting or [], seed), None)
+    _write(read(scenario, setting or [], seed), None)
 
 
 @app.command()
 def new(
     kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
-    seed: Seed = 0,
-    output: Output = None,
-    count: Annotated[
-        int | None, typer.Option("--count", "-n", help="Number of robots (random, swap).")
+    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random.")] = 0,
+    out: Annotated[
+        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
     ] = None,
+    robots: Annotated[int | None, options.robots(1, "--count")] = None,
     density: Annotated[
         float | None, typer.Option(help="Area of the disks over the workspace's, up to 0.35 (random).")
     ] = None,
@@ -67,15 +62,15 @@ def new(
 ) -> None:
     """Generate a scenario file from a seed.
 
-    Examples: disknav scenario new random --count 12 --density 0.2 --unequal 0.3 --seed 4 -o crowd.toml;
-    disknav scenario new swap --count 8 --jitter 0.005;
+    Examples: disknav scenario new random --robots 12 --density 0.2 --unequal 0.3 --seed 4 -o crowd.toml;
+    disknav scenario new swap --robots 8 --jitter 0.005;
     disknav scenario new figure-3d --seed 9
     """
     from deploy.library.generate import generate
 
-    options = {"count": count, "density": density, "unequal": unequal, "jitter": jitter}
-    given = {key: value for key, value in options.items() if value is not None}
-    _write(generate(kind, seed, given), output)
+    wanted = {"robots": robots, "density": density, "unequal": unequal, "jitter": jitter}
+    given = {key: value for key, value in wanted.items() if value is not None}
+    _write(generate(kind, seed, given), out)
 
 
 @app.command()

@@ -8,17 +8,21 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
+from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
+from deploy.studies.request import FOUND, Request
 from deploy.studies.study import StudyName
 
 
 def study(
     name: Annotated[StudyName, typer.Argument(help="Which study.")],
     runs: Annotated[
-        int | None, typer.Option("--runs", "-n", min=1, help="Runs a cell; each study has its own default.")
+        int | None, typer.Option("--runs", min=1, help="Runs a cell; each study has its own default.")
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, help="Runs at the same time; as many as cores.")
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Runs at the same time, one a core unless given."),
     ] = None,
     scheduler: Annotated[
         str | None,
@@ -27,34 +31,30 @@ def study(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The first run's; the others follow.")] = 0,
-    setting: Annotated[
-        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over every scenario.")
-    ] = None,
+    setting: options.Settings = None,
     transport: Annotated[
         Transport | None, typer.Option(help="Real processes (routed, mesh) or all in one (local).")
     ] = None,
     random: Annotated[
         int | None, typer.Option(min=1, help="robustness: this many random fault runs instead of the grid.")
     ] = None,
-    json_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--json",
-            "--out",
-            help="Write rows and provenance; '-' for standard output. A file can be resumed.",
-        ),
-    ] = None,
+    json_file: options.Json = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
-    found: Annotated[
-        Path, typer.Option(metavar="FOLDER", help="falsify: where to keep the scenarios that it finds.")
-    ] = Path("out/falsify"),
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")] = False,
+    out: Annotated[
+        Path | None,
+        options.out(
+            f"falsify: folder for the scenarios that it finds; {FOUND} unless given.",
+            "--found",
+            metavar="FOLDER",
+        ),
+    ] = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
 
     [b]falsify[/b] is no table: it searches for a scenario that breaks what is promised, half of --runs (1000)
-    drawn anew, half mutants of near misses, and shrinks what it finds to small files in --found.
+    drawn anew, half mutants of near misses, and shrinks what it finds to small files in --out.
     With --transport routed or mesh each is run on real processes too, and compared.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
@@ -71,8 +71,16 @@ def study(
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.studies.perform import perform
-    from deploy.studies.request import Request
 
+    if name != "falsify":
+        options.refuse({"--out": out}, f"study {name} makes rows: --json FILE writes them, --plot draws them")
+    if scheduler is not None or name == "scale":
+        where = "where --scheduler says" if scheduler else "one run at a time"
+        options.refuse({"--jobs": jobs}, f"study {name} runs {where}")
+    if random is not None:
+        options.refuse({"--runs": runs}, "--random says how many runs there are")
+    if json_file is None or is_standard_output(json_file):
+        options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
     request = Request(
         name=name,
         runs=runs,
@@ -86,6 +94,6 @@ def study(
         plot=plot,
         fresh=fresh,
         quiet=quiet,
-        found=found,
+        found=FOUND if out is None else out,
     )
     raise typer.Exit(perform(request))

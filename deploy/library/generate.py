@@ -19,7 +19,7 @@ def generate(kind: str, seed: int, options: Options) -> Scenario:
     """A scenario of `kind`: "random", "swap", or a name of the library.
 
     Args:
-        options: "count", "density" and "unequal" for "random", "count" and "jitter" for "swap".
+        options: "robots", "density" and "unequal" for "random", "robots" and "jitter" for "swap".
 
     Raises:
         UsageError: no such kind, an option that this kind does not have, or one out of range.
@@ -34,7 +34,7 @@ def generate(kind: str, seed: int, options: Options) -> Scenario:
 
 def _random(seed: int, options: Options) -> Scenario:
     return random_instance(
-        int(options.get("count", _COUNT)),
+        int(options.get("robots", _COUNT)),
         seed,
         density=options.get("density", PAPER_DENSITY),
         unequal=options.get("unequal", 0.0),
@@ -42,10 +42,10 @@ def _random(seed: int, options: Options) -> Scenario:
 
 
 def _swap(seed: int, options: Options) -> Scenario:
-    return swap(int(options.get("count", _COUNT)), options.get("jitter", 0.0), seed)
+    return swap(int(options.get("robots", _COUNT)), options.get("jitter", 0.0), seed)
 
 
 _KINDS: dict[str, tuple[Callable[[int, Options], Scenario], tuple[str, ...]]] = {
-    "random": (_random, ("count", "density", "unequal")),
-    "swap": (_swap, ("count", "jitter")),
+    "random": (_random, ("robots", "density", "unequal")),
+    "swap": (_swap, ("robots", "jitter")),
 }

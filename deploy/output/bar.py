@@ -13,10 +13,10 @@ _PATIENCE = 2.0  # s without a bar
 
 
 @contextmanager
-def bar(description: str) -> Iterator[Callable[[float], None]]:
-    """Inside, tell the function that is given how much is done, from 0 to 1."""
+def bar(description: str, *, silent: bool = False) -> Iterator[Callable[[float], None]]:
+    """Inside, tell the function that is given how much is done, from 0 to 1; nothing is shown if `silent`."""
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    progress = Progress(*columns, console=Console(stderr=True), transient=True)
+    progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=silent)
     task = progress.add_task(description, total=1.0)
     began = time.monotonic()
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from deploy.recording.reader import Recording, read
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 PICTURES = (".png", ".svg", ".pdf")
 ANIMATIONS = (".gif", ".mp4")
-_INSTALL = 'pictures need matplotlib, which is not installed: pip install "disknav[plot]"'
 
 
 def check(target: Path, recordings: int = 1) -> None:
@@ -29,7 +29,7 @@ def check(target: Path, recordings: int = 1) -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:
-        raise UsageError(_INSTALL) from error
+        raise missing_library("a picture", "matplotlib", "plot") from error
 
 
 def draw(

@@ -16,7 +16,7 @@ class FaultSchedule:
 
     def __init__(self, scenarios: Sequence[Scenario]) -> None:
         self._scenarios = scenarios
-        self._turn = -1
+        self._run = -1
         self._due: list[tuple[int, int, ProcessFault]] = []
         self._out: set[int] = set()  # robots that are killed or paused
 
@@ -24,19 +24,19 @@ class FaultSchedule:
         """Faults to carry out now, in the order of their ticks; each is returned once.
 
         None before the run has begun: everybody begins it, whatever happens to them in the first tick.
-        None for a turn that there is not: the clock is a stranger's.
+        None for a run that there is not: the clock is a stranger's.
         """
-        if clock.verdict or not self._turn <= clock.turn < len(self._scenarios):
+        if clock.verdict or not self._run <= clock.run_number < len(self._scenarios):
             return []
-        faults = self._begin(clock.turn) if clock.turn > self._turn else []
+        faults = self._begin(clock.run_number) if clock.run_number > self._run else []
         while clock.founded and self._due and self._due[0][0] <= clock.tick:
             faults.append(self._due.pop(0)[-1])
         for fault in faults:
             (self._out.add if fault.event in ("kill", "pause") else self._out.discard)(fault.robot)
         return faults
 
-    def _begin(self, turn: int) -> list[ProcessFault]:
-        scenario = self._scenarios[turn]
-        self._turn = turn
+    def _begin(self, run: int) -> list[ProcessFault]:
+        scenario = self._scenarios[run]
+        self._run = run
         self._due = sorted((scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process))
         return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out)]

@@ -16,14 +16,14 @@ from protocol.bus.zenoh import ZenohBus
 
 
 class Page:
-    """A page that is being served at `address`."""
+    """A page that is being served; whoever opens `link` may steer."""
 
-    def __init__(self, address: str) -> None:
-        self.address = address
+    def __init__(self, link: str) -> None:
+        self.link = link
 
     def linger(self) -> None:
         """Stay after the run until Ctrl-C, so that its end can be looked at."""
-        print(f"{self.address} stays until Ctrl-C", file=sys.stderr, flush=True)
+        print(f"{self.link} stays until Ctrl-C", file=sys.stderr, flush=True)
         try:
             signal.pause()
         except KeyboardInterrupt:
@@ -41,9 +41,9 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
 
     source = _watch(fleet, options.run)
     server = serve_in_thread(source)
-    print(f"live page: {server.address}", file=sys.stderr, flush=True)
+    print(f"live page: {server.link}", file=sys.stderr, flush=True)
     try:
-        yield Page(server.address)
+        yield Page(server.link)
     finally:
         server.close()
         if isinstance(source, Attachment):
@@ -52,7 +52,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
 
 def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
     if isinstance(fleet, Fleet):
-        return Attachment(ZenohBus(fleet.topology.observer()), run)
+        return Attachment(ZenohBus(fleet.topology.viewer()), run)
     bus = fleet.network.connect()
     watcher = bus.node = Watcher(bus, run)
     return watcher

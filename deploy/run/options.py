@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from deploy.processes.hosts.protection import exposed
 from deploy.processes.hosts.table import HostsTable
 from protocol.errors import UsageError
 
@@ -46,16 +47,30 @@ class RunOptions:
     run: str = field(default_factory=fresh_run_name)
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
     hosts: HostsTable | None = None  # where processes run; all here unless given
+    open: bool = False  # hosts that others can reach may be without keys
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a process that fails is started again: robot, world or router
+    listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+        if self.router is not None and self.transport != "routed":
+            raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):
             raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
+        if (
+            self.hosts is not None
+            and self.secure is None
+            and not self.open
+            and (names := exposed(self.hosts))
+        ):
+            raise UsageError(
+                f"whoever reaches host {', '.join(names)} over the network could take part in the run: "
+                f"--secure DIR with keys from `disknav keys new DIR --hosts TABLE`, or --open to allow it"
+            )
 
     @property
     def lockstep(self) -> bool:

@@ -13,13 +13,13 @@ Report = dict[str, Any]
 # What the launcher and its tables rely on in a report.
 _PROMISED = {
     *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
-    *("path_lengths", "excursions", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
-    *("turn", "ticks", "sim_time", "wall_time", "messages", "missed_commands"),
+    *("path_lengths", "lateral_deviation", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
+    *("run_number", "ticks", "sim_time", "wall_time", "messages", "missed_commands"),
 }
 
 
 class Reports:
-    """One a turn, in their order, whatever arrives twice.
+    """One a run, in their order, whatever arrives twice.
 
     Attributes:
         all: those there are; the list stays the same.
@@ -31,16 +31,16 @@ class Reports:
         self._on_report = on_report
 
     def add(self, text: str) -> None:
-        """Take one, a JSON object, unless its turn has one: a world may tell it, and a later life again.
+        """Take one, a JSON object, unless its run has one: a world may tell it, and a later life again.
 
         Raises:
             MessageError: it is not JSON, or not what a world reports.
         """
         report = _read(text)
-        if any(report["turn"] == other["turn"] for other in self.all):
+        if any(report["run_number"] == other["run_number"] for other in self.all):
             return
         self.all.append(report)
-        self.all.sort(key=lambda each: int(each["turn"]))
+        self.all.sort(key=lambda each: int(each["run_number"]))
         if self._on_report is not None:
             self._on_report(report)
 

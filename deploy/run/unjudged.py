@@ -9,7 +9,7 @@ from protocol.scenario.model import Scenario
 from world.world import World
 
 _UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
-_PER_ROBOT = ("path_lengths", "excursions")
+_PER_ROBOT = ("path_lengths", "lateral_deviation")
 
 
 def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[str, Any]:
@@ -25,6 +25,6 @@ def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[s
     report.update({name: {} for name in _PER_ROBOT})
     report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)
     if last is not None:
-        report.update(turn=last.turn, ticks=last.tick, sim_time=last.time)
+        report.update(run_number=last.run_number, ticks=last.tick, sim_time=last.time)
         report["phi"]["last"] = last.phi
     return report

@@ -1,8 +1,11 @@
-"""The router's rules: who may say and hear what, from the roster and the declared streams.
+"""A router's rules: who may say and hear what, from the roster and the declared streams.
 
 Everything is denied that no rule allows. What a process sends is checked when it enters a router,
 and only what it subscribed to with leave can come back, so the way out needs one rule for all.
 A declared subscription, query or token must lie within an allowed key expression.
+
+Another host's router may say what those behind it may, and no more: whoever has a host speaks for
+its robots only, whatever its router relays. So nothing is relayed on a detour over a third host.
 """
 
 from __future__ import annotations
@@ -10,9 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from deploy.security.roster import MONITOR, ROUTER, WORLD, Roster, robot_role
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, every_robot, everything, robot_key, world_key
-from protocol.streams import STREAMS
+from deploy.security.roster import MONITOR, OPERATOR, WORLD, Roster, robot_role, router_role
+from protocol.keys import ROBOT_STREAMS, every_robot, everything, robot_key, world_key
+from protocol.streams import QUESTIONS, STREAMS
 
 Rule = dict[str, Any]
 
@@ -23,72 +26,102 @@ _SERVE = ("declare_queryable", "reply")
 _ANNOUNCE = ("liveliness_token",)
 _WATCH = ("declare_liveliness_subscriber", "liveliness_query")
 _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
-_QUERYABLES = ("scenario", "control")
 
 _ALIVE = "alive"
 
 
-def access_control(roster: Roster) -> dict[str, Any]:
-    """zenoh's `access_control` for a router of this run. Subjects are common names of certificates."""
+def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
+    """zenoh's `access_control` for the router of `host`, or the only one of this run.
+
+    Subjects are common names of certificates.
+
+    Raises:
+        CertificateError: the run has no such host.
+    """
     run = roster.run
-    roles = {
-        ROUTER: [_rule(ROUTER, "relay", _ALL, [everything(run)])],
-        WORLD: list(_world(run)),
-        MONITOR: list(_monitor(run)),
-        **{robot_role(robot): list(_robot(run, robot)) for robot in roster.robots},
-    }
+    rules = {rule["id"]: rule for role in roster.roles for rule in _rules(run, role)}
     out = _rule("anybody", "hear", _ALL, [everything(run)], flow="egress")
     return {
         "enabled": True,
         "default_permission": "deny",
-        "rules": [out, *(rule for rules in roles.values() for rule in rules)],
-        "subjects": [{"id": role, "cert_common_names": [role]} for role in roles],
+        "rules": [out, *rules.values()],
+        "subjects": [{"id": role, "cert_common_names": [role]} for role in _speakers(roster, host)],
         "policies": [
-            {"rules": [out["id"], *(rule["id"] for rule in rules)], "subjects": [role]}
-            for role, rules in roles.items()
+            {
+                "rules": [out["id"], *(rule["id"] for each in roles for rule in _rules(run, each))],
+                "subjects": [role],
+            }
+            for role, roles in _speakers(roster, host).items()
         ],
     }
 
 
-def _robot(run: str, robot: int) -> Iterator[Rule]:
-    """A robot writes under its own id, hears its measurement and everybody's state, asks for the scenario.
-
-    Its own health is for the probe beside it, which has no other certificate; so is the world's clock.
-    """
-    role = robot_role(robot)
-    own = [robot_key(run, robot, stream) for stream in ROBOT_STREAMS if _published_by(stream, "robot")]
-    yield _rule(role, "publish", _PUBLISH, own)
-    yield _rule(
-        role,
-        "subscribe",
-        _SUBSCRIBE,
-        [*(robot_key(run, robot, stream) for stream in ("measurement", "health")), every_robot(run, "state")],
+def _speakers(roster: Roster, host: str) -> dict[str, tuple[str, ...]]:
+    """Who may be at the other end of a link of this router -> the roles for which it speaks."""
+    clients = (
+        roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))
     )
-    yield _rule(role, "ask", _ASK, [world_key(run, "scenario")])
+    routers = {router_role(other): roster.behind(other) for other in roster.homes if other != host}
+    return {**routers, **{role: (role,) for role in clients}}
+
+
+def _rules(run: str, role: str) -> Iterator[Rule]:
+    if role == WORLD:
+        yield from _world(run)
+    elif role == MONITOR:
+        yield from _watcher(run, MONITOR, _questions("monitor"))
+    elif role == OPERATOR:
+        yield from _watcher(run, OPERATOR, [*_questions("monitor"), *_questions("operator")])
+    elif role.startswith("robot-"):
+        yield from _robot(run, int(role.removeprefix("robot-")))
+
+
+def _robot(run: str, robot: int) -> Iterator[Rule]:
+    """A robot writes, asks and announces itself under its own id only."""
+    role = robot_role(robot)
+    own = [_key(run, name, robot) for name in _heard_by("itself")]
+    everybodys = [_key(run, name) for name in _heard_by("robots")]
+    yield _rule(role, "publish", _PUBLISH, [_key(run, name, robot) for name in _published_by("robot")])
+    yield _rule(role, "subscribe", _SUBSCRIBE, [*own, *everybodys])
+    yield _rule(role, "ask", _ASK, [_key(run, name, robot) for name in _questions("itself")])
     yield _rule(role, "announce", _ANNOUNCE, [robot_key(run, robot, _ALIVE)])
     yield _rule(role, "watch", _WATCH, [world_key(run, _ALIVE)])
 
 
 def _world(run: str) -> Iterator[Rule]:
-    """The world writes measurements and what is its own, hears commands, answers questions."""
-    to_robots = [every_robot(run, stream) for stream in ROBOT_STREAMS if _published_by(stream, "world")]
-    own = [world_key(run, stream) for stream in WORLD_STREAMS if _published_by(stream, "world")]
-    yield _rule(WORLD, "publish", _PUBLISH, [*to_robots, *own])
-    yield _rule(WORLD, "subscribe", _SUBSCRIBE, [every_robot(run, "command"), world_key(run, "clock")])
-    yield _rule(WORLD, "serve", _SERVE, [world_key(run, stream) for stream in _QUERYABLES])
+    """The world writes what is its own, for every robot, hears commands, answers questions."""
+    yield _rule(WORLD, "publish", _PUBLISH, [_key(run, name) for name in _published_by("world")])
+    yield _rule(WORLD, "subscribe", _SUBSCRIBE, [_key(run, name) for name in _heard_by("world")])
+    yield _rule(WORLD, "serve", _SERVE, [_key(run, question.name) for question in QUESTIONS])
     yield _rule(WORLD, "announce", _ANNOUNCE, [world_key(run, _ALIVE)])
     yield _rule(WORLD, "watch", _WATCH, [every_robot(run, _ALIVE)])
 
 
-def _monitor(run: str) -> Iterator[Rule]:
-    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls."""
-    yield _rule(MONITOR, "subscribe", _SUBSCRIBE, [everything(run)])
-    yield _rule(MONITOR, "ask", _ASK, [world_key(run, stream) for stream in _QUERYABLES])
-    yield _rule(MONITOR, "watch", _WATCH, [everything(run)])
+def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
+    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
+    operator may also send robots elsewhere."""
+    yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
+    yield _rule(role, "ask", _ASK, [_key(run, name) for name in questions])
+    yield _rule(role, "watch", _WATCH, [everything(run)])
 
 
-def _published_by(stream: str, who: str) -> bool:
-    return stream in STREAMS and STREAMS[stream].publisher == who
+def _published_by(publisher: str) -> list[str]:
+    return [stream.name for stream in STREAMS.values() if stream.publisher == publisher]
+
+
+def _heard_by(hearer: str) -> list[str]:
+    return [stream.name for stream in STREAMS.values() if hearer in stream.heard_by]
+
+
+def _questions(asker: str) -> list[str]:
+    return [question.name for question in QUESTIONS if question.asked_by == asker]
+
+
+def _key(run: str, name: str, robot: int | None = None) -> str:
+    """Key of a stream or question: the world's, or of one robot, or of all."""
+    if name not in ROBOT_STREAMS:
+        return world_key(run, name)
+    return every_robot(run, name) if robot is None else robot_key(run, robot, name)
 
 
 def _rule(

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from deploy.security.certificates import Authority
-from deploy.security.roster import ROSTER, ROUTER, Roster, encoded
+from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
 from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
 
@@ -22,7 +22,8 @@ def create(
 ) -> datetime.datetime:
     """Make an authority and a certificate for every role; returns until when they are valid.
 
-    `hosts` are the names and addresses, besides those of the loopback, at which routers are reached.
+    `hosts` are the names and addresses, besides those of the loopback, at which the router is reached where
+    there is one for all; else the roster says it of each.
     The directory appears whole or not at all. `force` replaces one that is there: everything signed
     before is then worthless to the new authority.
 
@@ -58,8 +59,12 @@ def _check_replaceable(directory: Path, force: bool) -> None:
 def _fill(directory: Path, roster: Roster, hosts: Sequence[str], days: float) -> datetime.datetime:
     authority = Authority(roster.run, days)
     _write(directory / AUTHORITY, authority.certificate, 0o644)
+    homes: dict[str, Sequence[str]] = {
+        router_role(name): home.addresses for name, home in roster.homes.items()
+    } or {ROUTER: hosts}
+    names = {role: tuple(dict.fromkeys((*LOOPBACK, *reached))) for role, reached in homes.items()}
     for role in roster.roles:
-        pair = authority.issue(role, hosts=(*LOOPBACK, *hosts) if role == ROUTER else ())
+        pair = authority.issue(role, hosts=names.get(role, ()))
         _write(directory / certificate_file(role), pair.certificate, 0o644)
         _write(directory / key_file(role), pair.key, 0o600)
     _write(directory / ROSTER, encoded(roster), 0o644)

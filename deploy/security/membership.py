@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from deploy.security.access import access_control
-from deploy.security.roster import ROUTER, Roster, read
+from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
 from protocol.bus.connection import Connection
-from protocol.bus.credentials import Credentials, credentials
+from protocol.bus.credentials import Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
+from protocol.installation import missing_library
 
 DEFAULT_PORT = 7447
 
@@ -53,6 +54,13 @@ class Membership:
             )
         return roster.run
 
+    @property
+    def viewer(self) -> str:
+        """As whom a live page connects: its viewer may send robots elsewhere where the operator's key is."""
+        if self.directory is None or (self.directory / key_file(OPERATOR)).exists():
+            return OPERATOR
+        return MONITOR
+
     def client(self, role: str, routers: Sequence[str], *, timeout: float = 20.0) -> Connection:
         """Connection of `role` to the first router of `routers` that answers.
 
@@ -64,16 +72,30 @@ class Membership:
             connect=self._checked(routers), timeout=timeout, credentials=self._credentials(role)
         )
 
-    def router(self, listen: Sequence[str] = (), connect: Sequence[str] = ()) -> Connection:
-        """Connection of a router, with the rules that it enforces; raises as `client` does."""
+    def router(self, listen: Sequence[str] = (), connect: Sequence[str] = (), host: str = "") -> Connection:
+        """Connection of a router, with the rules that it enforces; raises as `client` does.
+
+        `host` is its name in the roster; unless given, the only one whose key is here.
+        """
         roster = self.roster()
-        return Connection(
-            "router",
-            self._checked(connect),
-            self._checked(listen),
-            credentials=self._credentials(ROUTER),
-            access=None if roster is None else access_control(roster),
-        )
+        connection = Connection("router", self._checked(connect), self._checked(listen))
+        if roster is None:
+            return connection
+        host = host or self._host(roster)
+        proof = self._credentials(router_role(host) if roster.homes else ROUTER)
+        return replace(connection, credentials=proof, access=access_control(roster, host))
+
+    def _host(self, roster: Roster) -> str:
+        """The host whose router's key is in the directory; none where there is one router for all."""
+        if self.directory is None or not roster.homes:
+            return ""
+        here = [host for host in roster.homes if (self.directory / key_file(router_role(host))).exists()]
+        if len(here) != 1:
+            raise UsageError(
+                f"{self.directory} has the keys of {len(here)} routers: name the host, "
+                f"one of {', '.join(roster.homes)}"
+            )
+        return here[0]
 
     def _credentials(self, role: str) -> Credentials | None:
         if self.directory is None:
@@ -81,7 +103,7 @@ class Membership:
         try:
             from deploy.security.inspection import inspect
         except ModuleNotFoundError as error:
-            raise missing_library() from error
+            raise missing_library("a certificate", "cryptography", "secure") from error
         found = credentials(self.directory, role)
         inspect(found, role)
         return found
@@ -93,8 +115,3 @@ class Membership:
             if self.directory is not None and not endpoint.startswith("tls/"):
                 raise UsageError(f"{endpoint} is not protected by certificates: with --secure, use tls/")
         return tuple(endpoints)
-
-
-def missing_library() -> UsageError:
-    """What to tell who lacks the library for certificates."""
-    return UsageError("certificates need the library cryptography: pip install 'disknav[secure]'")

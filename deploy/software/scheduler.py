@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from protocol.errors import ProcessError, UsageError
+from protocol.installation import missing_library
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,7 +24,7 @@ def connected(address: str) -> Client:
     try:
         from distributed import Client
     except ModuleNotFoundError as error:
-        raise UsageError("a cluster needs the library distributed: pip install 'disknav[cluster]'") from error
+        raise missing_library("a cluster", "distributed", "cluster") from error
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said by exceptions
     try:

@@ -62,14 +62,22 @@ is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has 
 metadata records `scenario`, `result` and `launch` hold JSON objects.
 """
 
-_UNIT = re.compile(r"(m/s|m\^2|m|s)[,;] (.*)")
+_UNIT = re.compile(r"(m/s|m\^2|m|s|rad)[,;] (.*)")
 _WORDS: dict[type, str] = {
     msgspec.inspect.BoolType: "true or false",
     msgspec.inspect.IntType: "integer",
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",
 }
-_INNER = (messages.Proposal, messages.Answer, messages.Roster, messages.Member, messages.Down)
+_INNER = (
+    messages.Proposal,
+    messages.Answer,
+    messages.Sense,
+    messages.BaseMotion,
+    messages.Roster,
+    messages.Member,
+    messages.Standing,
+)
 
 
 def page() -> str:
@@ -190,8 +198,8 @@ def _comments() -> dict[tuple[str, str], str]:
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
     parts = ["## Requests", ""]
-    for name, module in (("scenario", joining), ("control", steering)):
-        parts += [f"### `disknav/<run>/world/{name}`", "", inspect.getdoc(module) or "", ""]
+    for name, module in (("robot/<id>/join", joining), ("world/steering", steering)):
+        parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]
     return "\n".join(parts)
 
 

@@ -1,4 +1,4 @@
-"""Equilibria of the flow, found numerically: damped Newton on D = 0 from many starts.
+"""Equilibria of the flow, found numerically: nonlinear least squares on D = 0 from many starts.
 
 What is found is real (the residual is checked); that nothing was missed is not claimed.
 """
@@ -9,37 +9,34 @@ from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from deploy.theory.critical import CriticalPoint, classify
 from deploy.theory.function import Array, Problem, reduced_gradient
 from deploy.theory.hessian import reduced_jacobian
 
+_ROUNDING = 1e-15
+_ZERO = 1e-7  # |D| in units of the smallest radius, above rounding in the stiff layer
+
 
 def find_equilibrium(problem: Problem, start: Array, steps: int = 200) -> Array | None:
-    """An interior zero of D near `start` (p, 2), by Levenberg-Marquardt; None when none is reached.
+    """An interior zero of D near `start` (p, 2), by SciPy's trust region; None when none is reached.
 
-    Steps that leave free space or do not reduce |D| are shortened, so the boundary is never crossed.
+    Steps that leave free space (D is nan there) are shortened, so the boundary is never crossed.
     """
-    b, reduced = start, reduced_gradient(problem, start)
-    unit, damping = float(problem.radii.min()), 1e-3
-    for _ in range(steps):
-        size = float(np.abs(reduced).max())
-        if not np.isfinite(size) or damping > 1e12:
-            return None
-        if size < 1e-10 * unit:
-            return b
-        jacobian = reduced_jacobian(problem, b)
-        normal = jacobian.T @ jacobian
-        scale = damping * np.diag(np.maximum(np.diag(normal), 1e-12))
-        step = np.linalg.solve(normal + scale, -jacobian.T @ reduced.ravel()).reshape(b.shape)
-        trial = reduced_gradient(problem, b + step)
-        if np.linalg.norm(trial) < np.linalg.norm(reduced):  # false for nan
-            b, reduced, damping = b + step, trial, max(damping / 5.0, 1e-15)
-        elif np.abs(step).max() < 1e-14 * unit and size < 1e-7 * unit:
-            return b  # rounding in the stiff layer
-        else:
-            damping *= 4.0
-    return None
+    unit = float(problem.radii.min())
+    if not np.isfinite(reduced_gradient(problem, start)).all():
+        return None
+    found = least_squares(
+        lambda y: reduced_gradient(problem, unit * y.reshape(start.shape)).ravel() / unit,
+        start.ravel() / unit,
+        lambda y: reduced_jacobian(problem, unit * y.reshape(start.shape)),
+        ftol=_ROUNDING,
+        xtol=_ROUNDING,
+        gtol=_ROUNDING,
+        max_nfev=steps,
+    )
+    return unit * found.x.reshape(start.shape) if np.abs(found.fun).max() < _ZERO else None
 
 
 def swapped_pairs(problem: Problem) -> list[Array]:

@@ -71,7 +71,7 @@ class LocalNetwork:
 
     def server(self, key: str) -> LocalBus | None:
         """Who answers requests under `key`."""
-        return next((bus for bus in self._buses if key in bus.served), None)
+        return next((bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)), None)
 
     def leave(self, bus: LocalBus) -> None:
         """`bus` is closed: its tokens go, its subscriptions end."""
@@ -88,7 +88,7 @@ class LocalBus:
     def __init__(self, network: LocalNetwork) -> None:
         self.node: Node | None = None
         self.tokens: list[str] = []
-        self.served: set[str] = set()
+        self.served: list[re.Pattern[str]] = []
         self._network = network
         self._inbox: deque[Event] = deque()
         self._keys: set[str] = set()
@@ -126,7 +126,7 @@ class LocalBus:
                 self.put(Presence(key, True))
 
     def serve(self, key: str) -> None:
-        self.served.add(key)
+        self.served.append(_pattern(key))
 
     def announce(self, key: str) -> None:
         self.tokens.append(key)

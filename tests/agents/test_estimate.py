@@ -12,20 +12,22 @@ from hypothesis import strategies as st
 from agents.estimate import HISTORY, Estimate
 from agents.lines.line import HalfPlane
 from agents.polygon import SIDES
-from protocol.messages import Measurement
+from protocol.messages import Sense
 from world.plants.disturbance import truncated_normal
 
 REACH = 0.005
 polar = st.tuples(st.floats(0.0, 2.0 * math.pi), st.floats(0.0, 1.0))
 
 
-def measurement(
+def tell(
+    estimate: Estimate,
+    bound: float,
     tick: int,
     position: tuple[float, float] | None,
     stamp: int | None = None,
     displacement: tuple[float, float] = (0.0, 0.0),
-) -> Measurement:
-    return Measurement(1, 1, tick, position, tick if stamp is None else stamp, displacement, (1,))
+) -> None:
+    estimate.update(tick, Sense(position, tick if stamp is None else stamp, bound, displacement))
 
 
 def off(angle: float, share: float, size: float) -> tuple[float, float]:
@@ -46,7 +48,7 @@ ticks = st.lists(
 
 @given(ticks, st.sampled_from([0.0, 1e-6, 0.003, 0.05]))
 def test_truth_is_in_the_set(steps, error) -> None:
-    estimate = Estimate(error, REACH)
+    estimate = Estimate(REACH)
     truth, moved, missed = [(0.1, -0.05)], (0.0, 0.0), False
     for tick, (move, wrong, age, present) in enumerate(steps):
         if present or tick == 0:
@@ -55,7 +57,7 @@ def test_truth_is_in_the_set(steps, error) -> None:
                 x, y = truth[max(0, tick - age)]
                 ex, ey = off(*wrong, error)
                 position = (x + ex, y + ey)
-            estimate.update(measurement(tick, position, max(0, tick - (age or 0)), moved))
+            tell(estimate, error, tick, position, max(0, tick - (age or 0)), moved)
             assert estimate.contradiction == ""
             if estimate.position is not None:
                 assert math.dist(estimate.position, truth[-1]) <= estimate.bound + 1e-12
@@ -69,75 +71,75 @@ def test_truth_is_in_the_set(steps, error) -> None:
 
 @given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1)), min_size=1, max_size=20))
 def test_ideal_sensing_is_bit_identical(points) -> None:
-    estimate = Estimate(0.0, REACH)
+    estimate = Estimate(REACH)
     before = points[0]
     for tick, point in enumerate(points):
-        estimate.update(measurement(tick, point, None, (point[0] - before[0], point[1] - before[1])))
+        tell(estimate, 0.0, tick, point, None, (point[0] - before[0], point[1] - before[1]))
         before = point
         assert estimate.position == point
         assert estimate.bound == 0.0
 
 
 def test_nothing_is_known_before_the_first_measurement() -> None:
-    estimate = Estimate(0.001, REACH)
-    estimate.update(measurement(0, None))
+    estimate = Estimate(REACH)
+    tell(estimate, 0.001, 0, None)
     assert not estimate.known
     assert estimate.position is None
     assert estimate.bound == math.inf
 
 
 def test_odometry_carries_a_delayed_measurement_to_the_present() -> None:
-    estimate = Estimate(0.001, REACH)
+    estimate = Estimate(REACH)
     for tick in range(5):
-        estimate.update(measurement(tick, None, None, (0.002, 0.001)))
-    estimate.update(measurement(5, (0.5, 0.5), 2, (0.002, 0.001)))
+        tell(estimate, 0.001, tick, None, None, (0.002, 0.001))
+    tell(estimate, 0.001, 5, (0.5, 0.5), 2, (0.002, 0.001))
     assert estimate.position == pytest.approx((0.506, 0.503))
     assert estimate.bound == pytest.approx(0.001, rel=0.02)
 
 
 def test_a_measurement_from_before_this_life_is_of_no_use() -> None:
-    estimate = Estimate(0.001, REACH)
-    estimate.update(measurement(100, (0.1, 0.1), 97))
+    estimate = Estimate(REACH)
+    tell(estimate, 0.001, 100, (0.1, 0.1), 97)
     assert not estimate.known
-    estimate.update(measurement(101, (0.1, 0.1), 100))
+    tell(estimate, 0.001, 101, (0.1, 0.1), 100)
     assert estimate.known
 
 
 def test_a_measurement_older_than_the_history_is_ignored() -> None:
-    estimate = Estimate(0.001, REACH)
+    estimate = Estimate(REACH)
     for tick in range(HISTORY + 5):
-        estimate.update(measurement(tick, None))
-    estimate.update(measurement(HISTORY + 5, (0.1, 0.1), 1))
+        tell(estimate, 0.001, tick, None)
+    tell(estimate, 0.001, HISTORY + 5, (0.1, 0.1), 1)
     assert not estimate.known
 
 
 def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> None:
-    estimate = Estimate(0.001, REACH, oldest=5 * HISTORY)
+    estimate = Estimate(REACH, oldest=5 * HISTORY)
     for tick in range(5 * HISTORY + 1):
-        estimate.update(measurement(tick, None))
-    estimate.update(measurement(5 * HISTORY + 1, (0.1, 0.1), 1))
+        tell(estimate, 0.001, tick, None)
+    tell(estimate, 0.001, 5 * HISTORY + 1, (0.1, 0.1), 1)
     assert estimate.position == pytest.approx((0.1, 0.1))
 
 
 def test_repeated_noisy_measurements_shrink_the_bound() -> None:
-    estimate = Estimate(0.003, REACH)
+    estimate = Estimate(REACH)
     for tick in range(40):
-        estimate.update(measurement(tick, off(tick * 2.4, 1.0, 0.003)))
+        tell(estimate, 0.003, tick, off(tick * 2.4, 1.0, 0.003))
     assert estimate.bound < 0.001
 
 
 def test_missed_odometry_widens_the_bound_by_one_move() -> None:
-    estimate = Estimate(0.0, REACH)
-    estimate.update(measurement(0, (0.1, 0.1)))
-    estimate.update(measurement(4, None))
+    estimate = Estimate(REACH)
+    tell(estimate, 0.0, 0, (0.1, 0.1))
+    tell(estimate, 0.0, 4, None)
     assert estimate.bound == pytest.approx(REACH, rel=0.02)
     assert estimate.support(1.0, 0.0) == pytest.approx(0.1 + REACH)
 
 
 def disks(points: list[tuple[float, float]], error: float) -> Estimate:
-    estimate = Estimate(error, REACH)
+    estimate = Estimate(REACH)
     for tick, point in enumerate(points):
-        estimate.update(measurement(tick, point))
+        tell(estimate, error, tick, point)
     return estimate
 
 
@@ -175,10 +177,10 @@ def test_how_narrow_the_set_becomes(deviation, error, mean) -> None:
     found = dict.fromkeys(mean, 0.0)
     for robot in range(20):
         draw = random.Random(robot)
-        estimate = Estimate(1e-3 * error, REACH)
+        estimate = Estimate(REACH)
         for tick in range(max(mean)):
             nx, ny = truncated_normal(draw.random(), draw.random(), 1e-3 * deviation, 1e-3 * error)
-            estimate.update(measurement(tick, (0.1 + nx, ny)))
+            tell(estimate, 1e-3 * error, tick, (0.1 + nx, ny))
             if tick + 1 in found:
                 around = [estimate.shape.extent(*off(n * math.pi / 20.0, 1.0, 1.0)) for n in range(40)]
                 found[tick + 1] += 1e3 * sum(around) / 40 / 20
@@ -192,14 +194,14 @@ def test_measurements_that_exclude_each_other_are_named_and_the_rest_ignored() -
     estimate = disks([(0.1, 0.0), (0.1, 0.0), (0.107, 0.0)], 0.003)
     assert "tick 2 and the measurement of tick 0 exclude each other by 0.001 m" in estimate.contradiction
     assert estimate.lost
-    estimate.update(measurement(3, (0.105, 0.0)))
+    tell(estimate, 0.003, 3, (0.105, 0.0))
     assert estimate.position == (0.1, 0.0)
 
 
 def test_who_may_begins_anew_from_the_newest() -> None:
-    estimate = Estimate(0.003, REACH, trusting=True)
+    estimate = Estimate(REACH, trusting=True)
     for tick, x in enumerate((0.1, 0.107, 0.108)):
-        estimate.update(measurement(tick, (x, 0.0)))
+        tell(estimate, 0.003, tick, (x, 0.0))
     assert estimate.contradiction
     assert not estimate.lost
     assert estimate.position == pytest.approx((0.1075, 0.0), abs=1e-4)

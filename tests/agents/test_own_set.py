@@ -12,7 +12,7 @@ from agents.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
 from protocol.codec import decode, encode
-from protocol.messages import Measurement
+from protocol.messages import Tick
 from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time
 
 RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall
@@ -53,11 +53,13 @@ class Liar:
         self._node = node
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Sample) and event.key.endswith("measurement"):
+        if isinstance(event, Sample) and event.key.endswith("tick"):
             told = decode(event.key, event.payload)
-            assert isinstance(told, Measurement)
-            if told.tick >= 20 and told.position is not None:
-                told = structs.replace(told, position=(told.position[0] + 0.02, told.position[1]))
+            assert isinstance(told, Tick)
+            sense = told.sense
+            if told.tick >= 20 and sense is not None and sense.position is not None:
+                x, y = sense.position
+                told = structs.replace(told, sense=structs.replace(sense, position=(x + 0.02, y)))
             event = Sample(event.key, encode(told))
         self._node.handle(event)
 

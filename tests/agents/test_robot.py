@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from agents.peers.state import PeerState, addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
-from protocol.messages import Command, Measurement, State
+from protocol.messages import Command, State, Tick
 from world.world import World
 
 SCENARIO = load("swap-4")
@@ -31,13 +31,13 @@ def heard(state: State) -> PeerState:
 
 
 @cache
-def said() -> list[tuple[Measurement, dict[int, State], Command]]:
+def said() -> list[tuple[Tick, dict[int, State], Command]]:
     """What robot OWN is told and commands, tick by tick, if everybody is in step."""
     world, fleet = robots()
     ticks = []
     for _ in range(TICKS):
         told = world.open_tick()
-        states = {i: robot.measure(told[i]) for i, robot in fleet.items()}
+        states = {i: robot.begin(told[i]) for i, robot in fleet.items()}
         for i, robot in fleet.items():
             for peer in IDS:
                 if peer != i:
@@ -53,10 +53,10 @@ def said() -> list[tuple[Measurement, dict[int, State], Command]]:
 @given(orders)
 def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: list[list[int]]) -> None:
     robot = robots()[1][OWN]
-    for order, (measurement, states, command) in zip(orders, said(), strict=True):
+    for order, (opened, states, command) in zip(orders, said(), strict=True):
         for count, each in enumerate(order):
             if each == OWN:
-                assert robot.measure(measurement) == states[OWN]
+                assert robot.begin(opened) == states[OWN]
             else:
                 robot.on_state(heard(states[each]))
             told = OWN in order[: count + 1]
@@ -66,23 +66,23 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
 
 def test_who_no_longer_takes_part_is_not_awaited() -> None:
     robot = robots()[1][OWN]
-    measurement, states, _ = said()[0]
-    robot.measure(measurement)
+    opened, states, _ = said()[0]
+    robot.begin(opened)
     for peer in OTHERS[1:]:
         robot.on_state(heard(states[peer]))
     assert not robot.complete
-    robot.reconsider(Measurement(OWN, 1, 0, measurement.position, 0, (0.0, 0.0), (OWN, *OTHERS[1:])))
+    robot.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), opened.sense))
     assert robot.complete
 
 
 def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
     robot = robots()[1][OWN]
     (first, states, _), (second, _, _) = said()[:2]
-    robot.measure(first)
+    robot.begin(first)
     for peer in OTHERS:
         robot.on_state(heard(states[peer]))
     robot.command()
-    robot.measure(second)
+    robot.begin(second)
     for peer in OTHERS:
         robot.on_state(heard(states[peer]))
     assert not robot.complete

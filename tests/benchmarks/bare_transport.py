@@ -39,7 +39,7 @@ _MODULES = (
 class Payloads(NamedTuple):
     """What is sent, of the sizes that a fleet's messages have; the first byte says of which kind it is."""
 
-    measurement: bytes
+    tick: bytes
     state: bytes
     command: bytes
 
@@ -106,7 +106,7 @@ def raw_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     """One robot on raw zenoh; ends when it is told to."""
     session = _open(endpoint)
     fifo: zenoh.handlers.FifoChannel[zenoh.Sample] = zenoh.handlers.FifoChannel(4 * robots + 64)
-    measurements = session.declare_subscriber(robot_key(RUN, robot, "measurement"), fifo)
+    measurements = session.declare_subscriber(robot_key(RUN, robot, "tick"), fifo)
     states = session.declare_subscriber(every_robot(RUN, "state"), fifo)
     state = _publisher(session, robot_key(RUN, robot, "state"))
     command = _publisher(session, robot_key(RUN, robot, "command"))
@@ -128,14 +128,14 @@ def raw_world(
     commands = session.declare_subscriber(
         every_robot(RUN, "command"), zenoh.handlers.FifoChannel(4 * robots + 64)
     )
-    measurements = [_publisher(session, robot_key(RUN, i, "measurement")) for i in range(1, robots + 1)]
+    measurements = [_publisher(session, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
     tokens = session.liveliness().declare_subscriber(every_robot(RUN, "alive"), history=True)
     for _ in range(robots):
         tokens.recv()
 
     def tick() -> None:
         for measurement in measurements:
-            measurement.put(say.measurement)
+            measurement.put(say.tick)
         for _ in range(robots):
             commands.recv().payload.to_bytes()
 
@@ -149,7 +149,7 @@ def raw_world(
 def bus_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     """One robot on `ZenohBus`; ends when it is told to."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
-    measurement = robot_key(RUN, robot, "measurement")
+    measurement = robot_key(RUN, robot, "tick")
     bus.subscribe(measurement)
     bus.subscribe(*[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot])
     state = bus.publisher(STREAMS["state"], robot_key(RUN, robot, "state"))
@@ -177,8 +177,8 @@ def bus_world(
     """The world on `ZenohBus`; reports the rate."""
     bus = ZenohBus(Connection(connect=(endpoint,)))
     bus.subscribe(*[robot_key(RUN, i, "command") for i in range(1, robots + 1)])
-    stream = STREAMS["measurement"]
-    measurements = [bus.publisher(stream, robot_key(RUN, i, "measurement")) for i in range(1, robots + 1)]
+    stream = STREAMS["tick"]
+    measurements = [bus.publisher(stream, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
     bus.watch(every_robot(RUN, "alive"))
 
     def hear(kind: type[Any]) -> None:
@@ -188,7 +188,7 @@ def bus_world(
 
     def tick() -> None:
         for measurement in measurements:
-            measurement(say.measurement)
+            measurement(say.tick)
         hear(Sample)
 
     hear(Presence)

@@ -26,7 +26,7 @@ from agents.robot import Robot
 from deploy.library.load import load
 from protocol.codec import decode, encode
 from protocol.keys import robot_key
-from protocol.messages import Command, Measurement, State
+from protocol.messages import Command, Sense, State, Tick
 from protocol.scenario.model import Scenario
 from world.world import World
 
@@ -53,7 +53,7 @@ class Fleet:
     def tick(self) -> None:
         """One tick of everybody."""
         told = self.world.open_tick()
-        self.states = {i: robot.measure(told[i]) for i, robot in self.robots.items()}
+        self.states = {i: robot.begin(told[i]) for i, robot in self.robots.items()}
         for i, robot in self.robots.items():
             self._tell(i, robot)
         for robot in self.robots.values():
@@ -74,9 +74,8 @@ class Fleet:
 
         def step() -> Command:
             ahead[0] += 1
-            robot.measure(
-                Measurement(1, mine.incarnation, ahead[0], mine.position, ahead[0], (0.0, 0.0), active)
-            )
+            sense = Sense(mine.position, ahead[0], 0.0, (0.0, 0.0))
+            robot.begin(Tick(1, mine.incarnation, ahead[0], active, sense))
             for state in peers:
                 robot.on_state(addressed_to(1, _at(state, ahead[0]), self.radii[state.robot]))
             return robot.command()

@@ -191,8 +191,8 @@ def _requested(valid: Callable[[], list[bytes]]) -> Callable[[Random], bytes]:
 
 
 def _read_request(payload: bytes) -> bool:
-    join = joining.decode_request(payload)
-    assert joining.decode_request(joining.encode_request(join)) is not None
+    join = joining.decode_request(1, payload)
+    assert joining.decode_request(1, joining.encode_request(join)) == join
     return True
 
 

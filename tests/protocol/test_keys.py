@@ -73,9 +73,9 @@ def test_a_run_name_that_cannot_stand_in_a_key_is_refused(run: str) -> None:
 
 
 def test_unknown_streams_are_refused_with_the_known_ones() -> None:
-    with pytest.raises(KeyGrammarError, match="measurement, state"):
+    with pytest.raises(KeyGrammarError, match="tick, state"):
         robot_key("a", 1, "clock")
     with pytest.raises(KeyGrammarError, match="clock, truth"):
         world_key("a", "state")
-    with pytest.raises(KeyGrammarError, match="measurement, state"):
+    with pytest.raises(KeyGrammarError, match="tick, state"):
         every_robot("a", "clock")

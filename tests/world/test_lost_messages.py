@@ -11,7 +11,7 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Node
 from protocol.bus.events import Event, Sample
 from protocol.codec import decode
-from protocol.messages import AnyMessage, Command, Measurement, State
+from protocol.messages import AnyMessage, Command, State, Tick
 
 SCENARIO = load("swap-4")
 LOST_AT = (0, 7)  # ticks
@@ -22,7 +22,7 @@ class Deaf:
     """A node that does not hear the first message of a kind, from whoever it comes, at some ticks."""
 
     node: Node
-    kind: type[Measurement | State | Command]
+    kind: type[Tick | State | Command]
     missed: int = 0
 
     def handle(self, event: Event) -> None:
@@ -47,8 +47,8 @@ class Deaf:
         return self.node.finished
 
 
-@pytest.mark.parametrize(("listener", "kind"), [(2, State), (2, Measurement), (None, Command)])
-def test_what_is_lost_is_said_again(listener: int | None, kind: type[Measurement | State | Command]) -> None:
+@pytest.mark.parametrize(("listener", "kind"), [(2, State), (2, Tick), (None, Command)])
+def test_what_is_lost_is_said_again(listener: int | None, kind: type[Tick | State | Command]) -> None:
     whole = LocalFleet([SCENARIO]).execute()[0]
     fleet = LocalFleet([SCENARIO])
     bus = fleet.network._buses[0] if listener is None else fleet.robots[listener]

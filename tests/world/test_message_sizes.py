@@ -19,7 +19,7 @@ from agents.lines.separating_lines import OUTSTANDING, SeparatingLines
 from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
-from protocol.messages import HIGHEST_ID, AnyMessage, Down, Health, Proposal, Result, State
+from protocol.messages import HIGHEST_ID, AnyMessage, Health, Proposal, Result, Standing, State
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
     Control,
@@ -33,7 +33,7 @@ from protocol.scenario.model import (
 )
 from protocol.streams import STREAMS
 from world.judge.contacts import Contact
-from world.shell.turn import Turn
+from world.shell.run import Run
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often
@@ -163,40 +163,40 @@ def tell(listener: SeparatingLines, own: int, state: State) -> None:
 
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
-    turn = Turn(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
-    world = turn.world
+    run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
+    world = run.world
     for robot in IDS:
         world.join(robot)
     told = world.open_tick()
     assert len(world.active) == MOST
-    assert_fits(told[IDS[0]], robot_key("r", IDS[0], "measurement"))
-    assert_fits(turn.clock(), world_key("r", "clock"))
-    while len(world.down) < MOST:
+    assert_fits(told[IDS[0]], robot_key("r", IDS[0], "tick"))
+    assert_fits(run.clock(), world_key("r", "clock"))
+    while len(world.standing) < MOST:
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
     assert last.roster is not None
     assert [each.status for each in last.roster.members] == ["standing"] * MOST
-    assert_fits(last, robot_key("r", IDS[0], "measurement"))
+    assert_fits(last, robot_key("r", IDS[0], "tick"))
     while not world.verdict:
         world.open_tick()
         world.close_tick()
     assert str(IDS[0]) in world.reason
     assert str(IDS[-1]) in world.reason
-    assert_fits(turn.clock(), world_key("r", "clock"))
+    assert_fits(run.clock(), world_key("r", "clock"))
     assert_fits(world.truth, world_key("r", "truth"))
 
 
 def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
-    turn = Turn(0, validated(replace(crowd(), link=Link(partition=apart))), {})
-    random, world = Random(1), turn.world
+    run = Run(0, validated(replace(crowd(), link=Link(partition=apart))), {})
+    random, world = Random(1), run.world
     world._record.contacts.all.extend(
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
         for _ in range(100_000)
     )
     world._lives.applied += [(n, ProcessFault(IDS[0], n / 7.0, "restart")) for n in range(100_000)]
-    world._lives.fenced += [(n, Down(IDS[0], LIFE, POINT)) for n in range(100_000)]
-    report = turn.report([], 0, 0.0)
+    world._lives.fenced += [(n, Standing(IDS[0], LIFE, POINT)) for n in range(100_000)]
+    report = run.report([], 0, 0.0)
     assert report["collisions"] == 100_000
     assert_fits(Result(json.dumps(report)), world_key("r", "result"))

@@ -10,7 +10,7 @@ from protocol.scenario.model import Sensing
 from tests.world.driving import STEP, two
 from world.plants import disturbance
 from world.plants.disturbance import Uniforms, truncated_normal
-from world.sensing import Sensor
+from world.sensing.position import Sensor
 
 TRUTH = (0.123, -0.0456)
 
@@ -29,9 +29,9 @@ def test_the_error_of_a_measurement_never_exceeds_its_stated_bound(seed, noise, 
     faults = Sensing(noise=noise, noise_bound=noise_bound, bias=bias)
     eye = sensor(seed=seed, noise=noise, noise_bound=noise_bound, bias=bias)
     for tick in range(20):
-        (x, y), stamp = eye.measure(tick, TRUTH)
-        assert stamp == tick
-        assert math.hypot(x - TRUTH[0], y - TRUTH[1]) <= faults.bound
+        position, stamp = eye.measure(tick, TRUTH)
+        assert (stamp, eye.bound) == (tick, faults.bound)
+        assert math.dist(position, TRUTH) <= faults.bound
 
 
 def test_truncated_normal_has_the_right_distribution():

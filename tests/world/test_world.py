@@ -24,7 +24,7 @@ FIELDS = {
         "min_clearance",
         "nrl",
         "path_lengths",
-        "excursions",
+        "lateral_deviation",
         "tight",
         "ticks",
         "sim_time",
@@ -67,12 +67,13 @@ def test_measurements_lead_from_truth_to_truth_bit_for_bit():
         told = world.open_tick()
         assert world.open_tick() == told
         truth = dict(zip(world.truth.robots, world.truth.positions, strict=True))
-        for robot, measurement in told.items():
-            assert measurement.tick == measurement.stamp == tick
-            assert measurement.active == (1, 2)
-            assert (measurement.roster is None) == (tick > 0)
-            assert measurement.position == truth[robot]
-            dx, dy = measurement.displacement
+        for robot, opened in told.items():
+            sense = opened.sense
+            assert opened.tick == sense.stamp == tick
+            assert opened.active == (1, 2)
+            assert (opened.roster is None) == (tick > 0)
+            assert sense.position == truth[robot]
+            dx, dy = sense.displacement
             assert truth[robot] == (before[robot][0] + dx, before[robot][1] + dy)
         before = truth
         advance(world, toward(world, setting))
@@ -139,7 +140,7 @@ def follow_measurements(seed, reverse=False):
     for _ in range(60):
         told = world.open_tick()
         for robot, heard in sorted(told.items(), reverse=reverse):
-            x, y = heard.position or (0.0, 0.0)
+            x, y = heard.sense.position or (0.0, 0.0)
             gx, gy = setting.spec(robot).goal
             world.accept(Command(robot, 1, world.tick, ((gx - x) / 4, (gy - y) / 4)))
         world.close_tick()
@@ -187,7 +188,7 @@ def test_the_report_has_every_field_and_is_plain_json():
     assert json.loads(json.dumps(report, allow_nan=False)) == report
     assert report["faults"]["sensing"] == [
         {"delay": [0.0, 0.3], "noise": 0.002, "noise_bound": None, "bias": [0.0, 0.0]}
-        | {"dropout": 0.2, "robots": None, "contradiction": "stand"}
+        | {"dropout": 0.2, "robots": None, "heading": 0.0, "contradiction": "stand"}
     ]
     assert report["faults"]["actuation"] == {"noise": 0.1}
     assert report["faults"]["link"]["partition"] == []

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import msgspec
 
+from protocol.goals import GoalOrder
 from protocol.messages import Command, Count, Id, Vector
 
 
@@ -57,9 +58,22 @@ class Ended(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="end"):
     reason: str
 
 
+class Ordered(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="order"):
+    """See `World.order`."""
+
+    robot: Id
+    order: GoalOrder
+
+
+class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt"):
+    """See `World.halt`."""
+
+    halted: bool
+
+
 _encode = msgspec.msgpack.encode
 
-Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Ended
+Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Ordered | Halted | Ended
 
 
 def checksum(positions: Sequence[Vector]) -> int:

@@ -13,7 +13,7 @@ from enum import Enum, auto
 
 from protocol import messages
 from protocol.errors import JoinError
-from protocol.messages import Down, Vector
+from protocol.messages import Standing, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.roster import Roster
 
@@ -50,7 +50,7 @@ class Lives:
 
     def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0) -> None:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
-        self.fenced: list[tuple[int, Down]] = []  # tick and who was announced, as it happened
+        self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
         self._roster = Roster(version)
@@ -71,10 +71,10 @@ class Lives:
         return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
 
     @property
-    def down(self) -> tuple[Down, ...]:
+    def standing(self) -> tuple[Standing, ...]:
         """Disks that stand, with the lives that ended there."""
         return tuple(
-            Down(each.robot, each.incarnation, each.position)
+            Standing(each.robot, each.incarnation, each.position)
             for each in self._roster.standing
             if each.position is not None
         )
@@ -175,7 +175,7 @@ class Lives:
             life.fenced = True
             if self._roster.is_live(robot):
                 self._roster.fence(robot, position)
-            self.fenced.append((tick + 1, Down(robot, life.incarnation, position)))
+            self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
             if life.status is Status.UP:
                 life.status = Status.LOST
 

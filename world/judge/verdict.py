@@ -41,7 +41,12 @@ class Judge:
         ]
 
     def judge(
-        self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], gone_for_good: bool
+        self,
+        tick: int,
+        positions: Sequence[Vector],
+        up: tuple[int, ...],
+        gone_for_good: bool,
+        pending: bool = False,
     ) -> tuple[str, str]:
         """Verdict and reason at the start of `tick`, `("", "")` while the run goes on.
 
@@ -49,9 +54,10 @@ class Judge:
             positions: in the order of ids, m.
             up: ids of robots that take part.
             gone_for_good: whether those that are not up will not come back.
+            pending: whether somebody has another goal after the present one.
         """
         arrived = self.arrived(positions)
-        if len(arrived) == len(self._ids):
+        if len(arrived) == len(self._ids) and not pending:
             return "arrived", "all robots are at their goals"
         if gone_for_good and set(up) <= set(arrived):
             return "aborted", _aborted(self._ids, up)
@@ -61,6 +67,10 @@ class Judge:
         if tick >= self._limit:
             return "timeout", f"{self._texts[1]} are over; {_not_there(self._ids, arrived)}"
         return "", ""
+
+    def disturb(self, tick: int) -> None:
+        """Somebody was given another goal at `tick`: who stood still until then may move now."""
+        self._moved = max(self._moved, tick)
 
     def _follow(self, tick: int, positions: Sequence[Vector]) -> None:
         """Take note of robots that got away from where they were last noted."""

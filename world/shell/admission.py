@@ -18,7 +18,7 @@ from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
 from world.shell.journal import Journal, Seated
-from world.shell.turn import Turn
+from world.shell.run import Run
 
 AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
 RESERVATION = 2.0  # s between admission and liveliness token
@@ -65,25 +65,25 @@ class Admissions:
         journal: Journal | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
-        self._run, self._lockstep, self._clock = run, lockstep, clock
+        self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
 
     # -- who asks
 
-    def refusal(self, join: joining.Join, turn: Turn) -> joining.Refusal | None:
+    def refusal(self, join: joining.Join, run: Run) -> joining.Refusal | None:
         """Why this process cannot take part at all; None if it can."""
-        robot, run = join.robot, self._run
+        robot, name = join.robot, self._name
         slot = self.slots.get(robot)
         if slot is None:
-            return joining.Refusal(f"robot {robot} is not in scenario {turn.scenario.name!r} of run {run!r}")
+            return joining.Refusal(f"robot {robot} is not in scenario {run.scenario.name!r} of run {name!r}")
         if slot.present and slot.session not in ("", join.session):
-            return joining.Refusal(f"robot {robot} is already running in run {run!r}; use another id or run")
+            return joining.Refusal(f"robot {robot} is already running in run {name!r}; use another id or run")
         return None
 
-    def enlist(self, join: joining.Join, turn: Turn) -> joining.Reply:
+    def enlist(self, join: joining.Join, run: Run) -> joining.Reply:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
-        robot, world, slot = join.robot, turn.world, self.slots[join.robot]
+        robot, world, slot = join.robot, run.world, self.slots[join.robot]
         if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if world.is_paused(robot):
@@ -94,7 +94,7 @@ class Admissions:
             world.lost(robot, "showed no sign of life after it was admitted; another process came")
         elif slot.session and world.goes_on(robot, slot.granted):
             if _lived(join) < slot.granted:
-                return self._admission(slot, turn)
+                return self._admission(slot, run)
             world.lost(robot)  # as the process itself says
         if self._journal is not None:
             self._journal.note(Seated(robot, join.session))
@@ -103,15 +103,17 @@ class Admissions:
         except JoinError as error:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
-        return self._admission(slot, turn)
+        return self._admission(slot, run)
 
-    def overview(self, turn: Turn) -> joining.Overview:
+    def overview(self, run: Run) -> joining.Overview:
         """For those who only watch."""
-        return joining.Overview(turn.scenario, self._lockstep)
+        statuses = (run.world.goal_status(robot) for robot in run.scenario.ids)
+        goals = tuple(status for status in statuses if status is not None and status.number)
+        return joining.Overview(run.scenario, self._lockstep, goals)
 
-    def _admission(self, slot: Slot, turn: Turn) -> joining.Admission:
+    def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
-        return joining.Admission(slot.granted, self._lockstep, turn.scenario, turn.oldest, away)
+        return joining.Admission(slot.granted, self._lockstep, run.scenario, run.oldest, away)
 
     # -- who is there
 

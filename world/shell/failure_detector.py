@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from protocol.joining import Join
-from protocol.messages import Measurement
+from protocol.messages import Tick
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.shell.turn import Phase, Turn
+from world.shell.run import Phase, Run
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
@@ -22,12 +22,12 @@ GRACE = 5.0  # s that a robot's token may be missing in a run whose processes ar
 
 
 class FailureDetector:
-    """What is done about robots that are missing, by the world of the turn at hand.
+    """What is done about robots that are missing, by the world of the run at hand.
 
     Args:
         admissions: whose tokens are there.
         pacing: the wait that begins again when somebody comes back.
-        tell: sends each robot its measurement.
+        tell: sends each robot its Tick.
         gathering: s that robots have to join.
         patience: s that an open tick of lock-step waits for a command.
         grace: s that a token may be missing before its process is given up, 0 for none.
@@ -42,7 +42,7 @@ class FailureDetector:
         self,
         admissions: Admissions,
         pacing: Pacing,
-        tell: Callable[[Mapping[int, Measurement]], None],
+        tell: Callable[[Mapping[int, Tick]], None],
         *,
         gathering: float = GATHERING,
         patience: float = PATIENCE,
@@ -57,111 +57,111 @@ class FailureDetector:
 
     # -- tokens
 
-    def arrive(self, robot: int, turn: Turn) -> None:
+    def arrive(self, robot: int, run: Run) -> None:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
         self._admissions.arrive(robot)
-        if turn.opened and self._pacing.lockstep and not self._admissions.missing():
+        if run.opened and self._pacing.lockstep and not self._admissions.missing():
             self._pacing.begin_again()
-            self._tell(turn.world.open_tick())
+            self._tell(run.world.open_tick())
 
-    def miss(self, robot: int, turn: Turn) -> None:
+    def miss(self, robot: int, run: Run) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
-        if self._grace and turn.world.goes_on(robot, self._admissions.slots[robot].granted):
+        if self._grace and run.world.goes_on(robot, self._admissions.slots[robot].granted):
             self._admissions.miss(robot)
         else:
-            self._gone(robot, turn)
+            self._gone(robot, run)
 
-    def supersede(self, join: Join, turn: Turn) -> None:
+    def supersede(self, join: Join, run: Run) -> None:
         """A process asks to join: one that is missing from its seat does not come back."""
         robot = join.robot
         if robot in self._admissions.missing() and join.session != self._admissions.slots[robot].session:
-            self._gone(robot, turn)
+            self._gone(robot, run)
 
-    def look(self, now: float, turn: Turn) -> None:
+    def look(self, now: float, run: Run) -> None:
         """Give up whoever has been missing for longer than the grace. While others are missing who may come
         back, no patience runs out, except by the clock of real time: nobody else can go on, either."""
         for robot in self._admissions.missing(self._grace):
-            self._gone(robot, turn)
-        by_the_clock = turn.opened and not self._pacing.lockstep
+            self._gone(robot, run)
+        by_the_clock = run.opened and not self._pacing.lockstep
         if self._admissions.missing() and not by_the_clock:
             self._pacing.since = now
 
-    def _gone(self, robot: int, turn: Turn) -> None:
+    def _gone(self, robot: int, run: Run) -> None:
         self._admissions.leave(robot)
-        self._give_up({robot: "has gone: it ended, or is cut off"}, turn)
-        self._expect(robot, turn)
+        self._give_up({robot: "has gone: it ended, or is cut off"}, run)
+        self._expect(robot, run)
 
     # -- gathering and answers
 
-    def gather(self, turn: Turn) -> dict[int, Measurement] | None:
+    def gather(self, run: Run) -> dict[int, Tick] | None:
         """What robots are told when the next tick opens; None while it waits for somebody. Real time waits
         for nobody once it has begun; who comes later joins then."""
-        world = turn.world
+        world = run.world
         if not world.founded and self._admissions.absent():
             return None
-        measurements = world.open_tick()
-        if not self._absent(turn):
-            return measurements
+        ticks = world.open_tick()
+        if not self._absent(run):
+            return ticks
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario wants back must learn that it has to join again
             awaited = world.awaiting_join
-            self._tell({robot: m for robot, m in measurements.items() if robot in awaited})
+            self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
         for robot in world.awaiting_join:
             world.give_up_waiting(robot)
         return world.open_tick()
 
-    def wait(self, now: float, turn: Turn) -> None:
+    def wait(self, now: float, run: Run) -> None:
         """A tick has not ended, or not opened: tell it again, and in time give up whoever it waits for."""
-        if turn.opened:
+        if run.opened:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
-                self._lose_patience(turn)
+                self._lose_patience(run)
             elif self._pacing.repeats():
-                self._tell(turn.world.open_tick())
-        elif not self._absent(turn):
+                self._tell(run.world.open_tick())
+        elif not self._absent(run):
             self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
-            self._give_up_gathering(turn)
+            self._give_up_gathering(run)
 
-    def _absent(self, turn: Turn) -> frozenset[int]:
+    def _absent(self, run: Run) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
-        world, absent = turn.world, self._admissions.absent()
+        world, absent = run.world, self._admissions.absent()
         return world.awaiting_join | (absent & frozenset(world.active) if world.founded else absent)
 
-    def _lose_patience(self, turn: Turn) -> None:
+    def _lose_patience(self, run: Run) -> None:
         """Give up who is sick, and have patience with the others."""
-        blamed = turn.world.blamed()
+        blamed = run.world.blamed()
         for robot in blamed:
             self._admissions.blame(robot)
         self._pacing.begin_again()
-        self._give_up(blamed, turn)
+        self._give_up(blamed, run)
 
-    def _give_up_gathering(self, turn: Turn) -> None:
+    def _give_up_gathering(self, run: Run) -> None:
         """Who is absent has not come in time; a run that has not begun does not begin."""
-        world, absent = turn.world, sorted(self._absent(turn))
+        world, absent = run.world, sorted(self._absent(run))
         if world.tick == 0:
             names = ", ".join(map(str, absent))
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
         reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
             if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
-                self._tell_person(robot, reason, turn)
+                self._tell_person(robot, reason, run)
 
-    def _give_up(self, robots: Mapping[int, str], turn: Turn) -> None:
+    def _give_up(self, robots: Mapping[int, str], run: Run) -> None:
         """These do not take part any more, with the reasons; whoever waits for their states must know."""
-        world, running = turn.world, turn.phase is Phase.RUNNING
+        world, running = run.world, run.phase is Phase.RUNNING
         for robot, reason in robots.items():
             if world.lost(robot, reason if running else "") and running:
-                self._tell_person(robot, reason, turn)
-        if turn.opened and self._pacing.lockstep:
+                self._tell_person(robot, reason, run)
+        if run.opened and self._pacing.lockstep:
             waiting = world.waiting
             self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
 
-    def _expect(self, robot: int, turn: Turn) -> None:
+    def _expect(self, robot: int, run: Run) -> None:
         """Wait for the next life of a robot that is started again."""
-        if turn.phase is Phase.RUNNING and self.expected[robot] < self._restarts:
+        if run.phase is Phase.RUNNING and self.expected[robot] < self._restarts:
             self.expected[robot] += 1
-            turn.world.expect(robot)
+            run.world.expect(robot)
 
-    def _tell_person(self, robot: int, reason: str, turn: Turn) -> None:
-        self._say(f"tick {turn.world.tick}: gives up robot {robot}, which {reason}")
+    def _tell_person(self, robot: int, reason: str, run: Run) -> None:
+        self._say(f"tick {run.world.tick}: gives up robot {robot}, which {reason}")

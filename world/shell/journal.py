@@ -1,4 +1,4 @@
-"""The world's checkpoint: a file of all that it was told in the present turn, in order.
+"""The world's checkpoint: a file of all that it was told in the present run, in order.
 
 What is noted is written before anything that follows from it is announced; only commands, and attempts to
 open a tick or to join, wait for what comes after them: they can be made again. So each tick is one write to
@@ -6,7 +6,7 @@ the system, which keeps it when this process is killed. It is not forced to the 
 the machine was last started is refused.
 
 The first record (`world.shell.records`) is a `Head`, all others are lists of entries; msgpack. A torn last
-one is cut off. A new turn begins a new file, in the place of the old one.
+one is cut off. A new run begins a new file, in the place of the old one.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class Head(msgspec.Struct, frozen=True):
     run: str
     scenarios: str  # digest of all of them
     boot: str  # names the time since the machine was started; empty where the system has no such name
-    turn: Count = 0  # which of the scenarios
-    incarnations: dict[Id, Count] = {}  # newest of every robot when the turn began
+    number: Count = 0  # which of the scenarios
+    incarnations: dict[Id, Count] = {}  # newest of every robot when the run began
     version: Count = 0  # newest of the roster then
-    expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier turns waited
+    expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier runs waited
 
 
 class Seated(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="seat"):
@@ -69,8 +69,8 @@ class Journal:
         say: is told if the journal cannot be kept any longer.
 
     Attributes:
-        head: of the present turn.
-        past: what was noted in the present turn before this process opened the file.
+        head: of the present run.
+        past: what was noted in the present run before this process opened the file.
         kept: whether it can be written; once it cannot the file is removed, so that nobody goes on from it.
 
     Raises:
@@ -127,9 +127,9 @@ class Journal:
                 self._abandon(error)
 
     def begin(
-        self, turn: int, incarnations: Mapping[int, int], version: int, expected: Mapping[int, int]
+        self, number: int, incarnations: Mapping[int, int], version: int, expected: Mapping[int, int]
     ) -> None:
-        """Begin the next turn: what was noted so far has come to its end.
+        """Begin the next run: what was noted so far has come to its end.
 
         Raises:
             JournalError: as `note`.
@@ -138,7 +138,7 @@ class Journal:
             return
         head = msgspec.structs.replace(
             self.head,
-            turn=turn,
+            number=number,
             incarnations=dict(incarnations),
             version=version,
             expected=dict(expected),

@@ -12,7 +12,7 @@ import msgspec
 from protocol.bus.bus import Bus
 from protocol.codec import encode
 from protocol.keys import robot_key, world_key
-from protocol.messages import Clock, Measurement, Result, Truth
+from protocol.messages import Clock, GoalStatus, Result, Tick, Truth
 from protocol.streams import STREAMS
 
 CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
@@ -22,7 +22,7 @@ class Publishers:
     """The world's publishers.
 
     Attributes:
-        published: measurements sent in this turn.
+        published: Ticks sent in this run.
     """
 
     def __init__(self, bus: Bus, run: str, robots: Iterable[int]) -> None:
@@ -31,15 +31,23 @@ class Publishers:
         self._clock, self._truth, self._result = (
             bus.publisher(STREAMS[name], world_key(run, name)) for name in ("clock", "truth", "result")
         )
-        self._measurement = {
-            robot: bus.publisher(STREAMS["measurement"], robot_key(run, robot, "measurement"))
+        self._goal = {
+            robot: bus.publisher(STREAMS["goalstatus"], robot_key(run, robot, "goalstatus"))
             for robot in robots
         }
+        self._tick = {
+            robot: bus.publisher(STREAMS["tick"], robot_key(run, robot, "tick")) for robot in robots
+        }
 
-    def measurements(self, told: Mapping[int, Measurement]) -> None:
+    def goals(self, news: Iterable[GoalStatus]) -> None:
+        """Tell what came of orders."""
+        for status in news:
+            self._goal[status.robot](encode(status))
+
+    def ticks(self, told: Mapping[int, Tick]) -> None:
         """Tell each robot its own."""
-        for robot, measurement in told.items():
-            self._measurement[robot](encode(measurement))
+        for robot, tick in told.items():
+            self._tick[robot](encode(tick))
         self.published += len(told)
 
     @property

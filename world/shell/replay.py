@@ -10,20 +10,20 @@ from typing import NamedTuple
 from protocol.errors import JoinError, JournalError
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
-from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Input, Joined, Lost
+from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Halted, Input, Joined, Lost, Ordered
 from world.shell.journal import Began, Journal, Seated
-from world.shell.turn import Turn
+from world.shell.run import Run
 from world.world import World
 
 _TOLD = 256  # ticks after which the truths of a replay, which nobody is told again, are thrown away
 
 
 class Resumed(NamedTuple):
-    """Where a journal ends: the present turn, and by robot the session of its newest life in it, and for
+    """Where a journal ends: the present run, and by robot the session of its newest life in it, and for
     how many next lives the world has waited so far. What follows is noted in the journal."""
 
     journal: Journal
-    turn: Turn
+    run: Run
     sessions: Mapping[int, str]
     expected: Mapping[int, int]
 
@@ -35,7 +35,7 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
         JournalError: the journal does not lead where it says it led.
     """
     head = journal.head
-    turn = Turn(head.turn, scenarios[head.turn], head.incarnations, head.version)
+    run = Run(head.number, scenarios[head.number], head.incarnations, head.version)
     seated: dict[int, str] = {}
     sessions: dict[int, str] = {}
     expected = Counter(head.expected)
@@ -43,19 +43,19 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
         if isinstance(entry, Seated):
             seated[entry.robot] = entry.session
         elif isinstance(entry, Began):
-            turn.began = time.monotonic() - max(0.0, time.time() - entry.at)
-        elif not _follow(turn.world, entry):
+            run.began = time.monotonic() - max(0.0, time.time() - entry.at)
+        elif not _follow(run.world, entry):
             raise JournalError(
                 f"the journal {journal.path} leads elsewhere: entry {number}, {entry}, in tick "
-                f"{turn.world.tick}; was it written by another version of disknav?"
+                f"{run.world.tick}; was it written by another version of disknav?"
             )
         elif isinstance(entry, Expected):
             expected[entry.robot] += 1
         elif isinstance(entry, Joined):
             sessions[entry.robot] = seated.get(entry.robot, "")
-    turn.world.news()
-    turn.world.note = journal.note
-    return Resumed(journal, turn, sessions, expected)
+    run.world.news()
+    run.world.note = journal.note
+    return Resumed(journal, run, sessions, expected)
 
 
 def _follow(world: World, entry: Input) -> bool:
@@ -72,6 +72,10 @@ def _follow(world: World, entry: Input) -> bool:
         world.expect(entry.robot)
     elif isinstance(entry, GivenUp):
         world.give_up_waiting(entry.robot, entry.reason)
+    elif isinstance(entry, Ordered):
+        return world.order(entry.robot, entry.order).accepted
+    elif isinstance(entry, Halted):
+        world.halt(entry.halted)
     elif isinstance(entry, Ended):
         world.finish(entry.verdict, entry.reason)
     else:

@@ -1,7 +1,7 @@
-"""The end of a turn: robots report, then hear that there is nothing more to do.
+"""The end of a run: robots report, then hear that there is nothing more to do.
 
-A robot learns from a measurement that the run is over, and asks to join the next one with its report in
-hand. It is told to ask again until all have reported; after the last turn it is told the verdict. Both
+A robot learns from a Tick that the run is over, and asks to join the next one with its report in
+hand. It is told to ask again until all have reported; after the last run it is told the verdict. Both
 waits are bounded, for a robot that does not come is no reason to keep the others.
 """
 
@@ -10,17 +10,17 @@ from __future__ import annotations
 from typing import Any
 
 from protocol import joining
-from protocol.messages import Measurement
+from protocol.messages import Tick
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.shell.turn import Phase, Turn
+from world.shell.run import Phase, Run
 
 SHUTDOWN = 2.0  # s that robots have to report after the end, and to hear that it is over
 _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
 class Shutdown:
-    """Who has reported and who has been notified in the turn at hand, and whether that is enough.
+    """Who has reported and who has been notified in the run at hand, and whether that is enough.
 
     Args:
         admissions: where reports and notifications are kept, by robot.
@@ -30,48 +30,48 @@ class Shutdown:
     def __init__(self, admissions: Admissions, pacing: Pacing) -> None:
         self._admissions, self._pacing = admissions, pacing
 
-    def begin(self, turn: Turn) -> None:
+    def begin(self, run: Run) -> None:
         """There is a verdict: robots are to report."""
-        turn.phase = Phase.SHUTDOWN
+        run.phase = Phase.SHUTDOWN
         self._pacing.wait()
 
-    def close(self, turn: Turn) -> None:
+    def close(self, run: Run) -> None:
         """The last result is published: robots are to leave."""
-        turn.phase = Phase.CLOSING
+        run.phase = Phase.CLOSING
         self._pacing.wait()
 
-    def take_report(self, join: joining.Join, turn: Turn) -> None:
+    def take_report(self, join: joining.Join, run: Run) -> None:
         """A process that asks to join brings its report of the life that it has ended, if any."""
-        if turn.phase is Phase.SHUTDOWN:
+        if run.phase is Phase.SHUTDOWN:
             slot = self._admissions.slots[join.robot]
             slot.health = join.health or slot.health
 
-    def reply(self, join: joining.Join, turn: Turn) -> joining.Reply | None:
-        """What a process that asks to join is told while a turn ends; None while it runs."""
-        if turn.phase is Phase.SHUTDOWN:
+    def reply(self, join: joining.Join, run: Run) -> joining.Reply | None:
+        """What a process that asks to join is told while a run ends; None while it runs."""
+        if run.phase is Phase.SHUTDOWN:
             return joining.Wait(_ASK_AGAIN, "the run is being wound up")
-        if turn.phase is Phase.CLOSING:
+        if run.phase is Phase.CLOSING:
             self._admissions.slots[join.robot].notified = True
-            return joining.Finished(turn.world.verdict)
+            return joining.Finished(run.world.verdict)
         return None
 
-    def final_measurements(self, turn: Turn) -> dict[int, Measurement]:
+    def final_ticks(self, run: Run) -> dict[int, Tick]:
         """What tells those robots that the run is over who have not shown that they know."""
-        admissions, reporting = self._admissions, turn.phase is Phase.SHUTDOWN
-        return turn.final_measurements(admissions.owing_health() if reporting else admissions.unnotified())
+        admissions, reporting = self._admissions, run.phase is Phase.SHUTDOWN
+        return run.final_ticks(admissions.owing_health() if reporting else admissions.unnotified())
 
-    def is_reported(self, turn: Turn) -> bool:
+    def is_reported(self, run: Run) -> bool:
         """Whether the robots have reported, or had the time to."""
-        return turn.phase is Phase.SHUTDOWN and (not self._admissions.owing_health() or self._is_overdue())
+        return run.phase is Phase.SHUTDOWN and (not self._admissions.owing_health() or self._is_overdue())
 
-    def is_over(self, turn: Turn) -> bool:
+    def is_over(self, run: Run) -> bool:
         """Whether the robots know that there is nothing more to do, or had the time to hear it."""
-        return turn.phase is Phase.CLOSING and (not self._admissions.unnotified() or self._is_overdue())
+        return run.phase is Phase.CLOSING and (not self._admissions.unnotified() or self._is_overdue())
 
-    def report(self, turn: Turn, published: int) -> dict[str, Any]:
-        """What came of the turn up to its verdict, with what the robots reported."""
+    def report(self, run: Run, published: int) -> dict[str, Any]:
+        """What came of the run up to its verdict, with what the robots reported."""
         healths = (slot.health for slot in self._admissions.slots.values())
-        return turn.report(healths, published, self._pacing.since)
+        return run.report(healths, published, self._pacing.since)
 
     def _is_overdue(self) -> bool:
         return self._pacing.waited() > SHUTDOWN

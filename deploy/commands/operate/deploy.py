@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from deploy.run.options import Mode, fresh_run_name
+from deploy.commands import options
+from deploy.run.options import fresh_run_name
 from protocol.keys import checked_run
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
@@ -17,18 +17,26 @@ Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 def deploy(
     orchestrator: Annotated[Orchestrator, typer.Argument(help="What is to run the fleet.")],
-    scenario: Annotated[str, typer.Argument(help="A scenario file or a library name.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to make.")],
-    run: Annotated[str | None, typer.Option(help="Name of the run; a fresh one unless given.")] = None,
-    mode: Annotated[Mode, typer.Option(help="Who sets the pace: the robots or the wall clock.")] = "realtime",
-    seed: Annotated[int | None, typer.Option(help="Seed, over the scenario's.")] = None,
-    setting: Annotated[
-        list[str] | None, typer.Option("--set", help="path.to.key=VALUE, over the file.")
+    scenario: options.Scenario,
+    out: Annotated[Path, options.out("Folder to make.", "--output", metavar="FOLDER")],
+    run: options.FreshRun = None,
+    mode: options.ModeOption = "realtime",
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    image: Annotated[
+        str | None,
+        typer.Option(help="compose, kubernetes: image with this software; localhost/disknav unless given."),
     ] = None,
-    image: Annotated[str, typer.Option(help="Container image with this software.")] = "disknav",
+    wait: Annotated[
+        float, typer.Option(min=1.0, help="How long router, world and robots may take to be there, s.")
+    ] = 300.0,
     router: Annotated[
-        str, typer.Option(help="systemd: where the router listens and all find it.")
-    ] = "tls/127.0.0.1:7447",
+        str | None,
+        typer.Option(
+            metavar="ENDPOINT",
+            help="systemd: where the fleet's router listens; tls/127.0.0.1:7447 unless given.",
+        ),
+    ] = None,
     days: Annotated[float, typer.Option(min=0.0, help="For how long the certificates are valid.")] = 30.0,
 ) -> None:
     """Write what Docker Compose, Kubernetes or systemd needs to run a scenario, keys included.
@@ -40,13 +48,21 @@ def deploy(
     """
     from deploy.library.load import load
     from deploy.manifests.folder import write
-    from deploy.manifests.plan import Plan
+    from deploy.manifests.plan import Plan, installation
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
+    if orchestrator == "systemd":
+        options.refuse({"--image": image}, "systemd runs no containers")
+    else:
+        options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
     loaded = load(scenario, setting or [], seed)
     roster = Roster(fresh_run_name() if run is None else checked_run(run), loaded.ids)
-    command = shutil.which("disknav") or str(Path(sys.executable).parent / "disknav")
-    plan = Plan(roster, write_toml(loaded), mode, image, command, router)
-    write(output, orchestrator, plan, days)
-    print(f"{output}: the run {roster.run} for {orchestrator}")
+    command = str(Path(sys.executable).parent / "disknav")
+    chosen = {"image": image, "router": router}
+    named = {name: value for name, value in chosen.items() if value is not None}
+    plan = Plan(
+        roster, write_toml(loaded), mode, command=command, software=installation(), wait=wait, **named
+    )
+    write(out, orchestrator, plan, days)
+    print(f"{out}: the run {roster.run} for {orchestrator}")

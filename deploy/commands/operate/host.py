@@ -16,4 +16,7 @@ def host(
     from deploy.processes.spawn import environment
 
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
-    os.execve(sys.executable, [sys.executable, "-m", "deploy.processes.hosts.remote", run], environment())
+    # -P: nor what lies in the working directory.
+    os.execve(
+        sys.executable, [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", run], environment()
+    )

@@ -7,10 +7,12 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.run.options import fresh_run_name
+from protocol.errors import UsageError
 from protocol.keys import checked_run
 
-app = typer.Typer(help="Make the certificates of a run.", no_args_is_help=True)
+app = typer.Typer(name="keys", help="Make the certificates of a run.", no_args_is_help=True)
 
 
 @app.callback()
@@ -24,17 +26,21 @@ def new(
     scenario: Annotated[
         str, typer.Option("--scenario", "-s", help="A scenario file or library name: its robots take part.")
     ],
-    run: Annotated[
-        str | None, typer.Option(help="Name of the run that the keys are for; a fresh one unless given.")
-    ] = None,
+    run: options.FreshRun = None,
     host: Annotated[
         list[str] | None,
-        typer.Option(help="Name or address of a router's host besides this one; repeat it for each."),
+        typer.Option(help="Name or address, besides those of this host, of the one router; repeatable."),
+    ] = None,
+    hosts: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Table of hosts: each gets a router's key for its robots only."),
     ] = None,
     days: Annotated[float, typer.Option(min=0.0, help="For how long they are valid.")] = 30.0,
     force: Annotated[bool, typer.Option("--force", help="Replace keys that are there already.")] = False,
 ) -> None:
     """Make an authority and one certificate each for router, world, monitor and every robot.
+
+    With [b]--hosts[/b], one for the router of each host, which speaks for the robots there and no others.
 
     With [b]--secure DIR[/b] other commands use them: every link is TLS, both ends prove who they are, and
     the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
@@ -43,15 +49,20 @@ def new(
     Example: disknav keys new keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
     """
     from deploy.library.load import read
-    from deploy.security.membership import missing_library
+    from deploy.processes.hosts.protection import roster_of
+    from deploy.processes.hosts.table import read_hosts
     from deploy.security.roster import Roster
+    from protocol.installation import missing_library
 
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     name = fresh_run_name() if run is None else checked_run(run)
-    roster = Roster(name, read(scenario).ids)
+    ids = read(scenario).ids
+    if hosts is not None and host:
+        raise UsageError("the table says where each router is: leave out --host, or --hosts")
+    roster = Roster(name, ids) if hosts is None else roster_of(name, ids, read_hosts(hosts, ids))
     end = create(directory, roster, hosts=host or (), days=days, force=force)
     print(
         f"{directory}: {len(roster.roles)} certificates for the run {name}, "

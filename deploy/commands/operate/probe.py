@@ -6,17 +6,17 @@ from typing import Annotated
 
 import typer
 
-from deploy.commands.operate.single import Router, Run, Secure
+from deploy.commands import options
 from deploy.security.membership import Membership
 from protocol.errors import UsageError
 
 
 def probe(
     role: Annotated[str, typer.Argument(help="world, or a robot such as robot-3.")],
-    run: Run = None,
-    router: Router = None,
+    run: options.RunName = None,
+    router: options.Router = None,
     within: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 5.0,
-    secure: Secure = None,
+    secure: options.Secure = None,
 ) -> None:
     """Find out whether a process of a run is well: exits with 0 as soon as its health is heard, else with 3.
 

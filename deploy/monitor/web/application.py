@@ -1,9 +1,11 @@
-"""The web application: a page of static files, and one websocket for frames and steering."""
+"""The web application: a page of static files, and one websocket for frames, steering and goals."""
 
 from __future__ import annotations
 
 import asyncio
+from hmac import compare_digest
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import msgspec
@@ -18,15 +20,36 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
+from protocol.goals import GoalOrder, GoalReply
+from protocol.messages import Id
 from protocol.steering import Steer
 
 PAGE = Path(__file__).parent / "page"
 _HEADERS = {
-    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:",
+    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; frame-ancestors 'none'",
     "cache-control": "no-cache",
     "x-content-type-options": "nosniff",
     "referrer-policy": "no-referrer",
 }
+
+
+_ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
+_ANSWER = 10.0  # s that the source may take over an order
+_UNANSWERED = GoalReply(False, text="no answer from the run; the order may yet reach it")
+
+
+class Directed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Who is to go where."""
+
+    robot: Id
+    order: GoalOrder
+
+
+class Asked(Steer, frozen=True):
+    """What a viewer may ask for: steering, and where one robot is to go."""
+
+    goal: Directed | None = None
 
 
 class FixedHeaders:
@@ -44,8 +67,8 @@ class FixedHeaders:
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
 
 
-def application(source: Source, hosts: list[str]) -> Starlette:
-    """The page for `source`, answering under the host names `hosts` only."""
+def application(source: Source, hosts: list[str], token: str) -> Starlette:
+    """The page for `source`, answering under the host names `hosts` only; who has `token` may steer."""
     stream = FrameStream(source)
 
     async def live(socket: WebSocket) -> None:
@@ -53,11 +76,13 @@ def application(source: Source, hosts: list[str]) -> Starlette:
             await socket.close(1008)
             return
         await socket.accept()
+        may_steer = _knows(socket, token)
+        await _tell(socket, "welcome", may_steer=may_steer)
         stream.enter()
         try:
             async with asyncio.TaskGroup() as tasks:
                 sending = tasks.create_task(_send(socket, stream))
-                await _listen(socket, source)
+                await _listen(socket, source, tasks, may_steer=may_steer)
                 sending.cancel()
         except* WebSocketDisconnect:
             pass
@@ -79,6 +104,10 @@ def _same_origin(socket: WebSocket) -> bool:
     return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
 
 
+def _knows(socket: WebSocket, token: str) -> bool:
+    return compare_digest(socket.query_params.get("token", "").encode(), token.encode())
+
+
 async def _send(socket: WebSocket, stream: FrameStream) -> None:
     number, known = 0, -1
     while True:
@@ -89,13 +118,35 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         await socket.send_text(frame.decode())
 
 
-async def _listen(socket: WebSocket, source: Source) -> None:
-    """Pass on what the viewer asks for; returns when it leaves. What is malformed is told and ignored."""
+async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
+    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
+    look, is told and ignored."""
     while True:
         try:
             text = await socket.receive_text()
-            source.steer(msgspec.json.decode(text, type=Steer))
+            asked = msgspec.json.decode(text, type=Asked)
+            if not may_steer:
+                await _tell(socket, "refused", text=_ONLY_LOOKS)
+            elif asked.goal is not None:
+                tasks.create_task(_order(socket, source, asked.goal))
+            else:
+                source.steer(Steer(asked.pause, asked.step, asked.speed))
         except WebSocketDisconnect:
             return
         except (msgspec.DecodeError, KeyError) as error:
-            await socket.send_text(msgspec.json.encode({"kind": "refused", "text": str(error)}).decode())
+            await _tell(socket, "refused", text=str(error))
+
+
+async def _order(socket: WebSocket, source: Source, directed: Directed) -> None:
+    """Pass on where a robot is to go, and say what was answered."""
+    try:
+        async with asyncio.timeout(_ANSWER):
+            reply = await asyncio.wrap_future(source.order(directed.robot, directed.order))
+    except TimeoutError:
+        reply = _UNANSWERED
+    told = {"robot": directed.robot, "points": directed.order.points}
+    await _tell(socket, "answer", **told, accepted=reply.accepted, text=reply.text)
+
+
+async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
+    await socket.send_text(msgspec.json.encode({"kind": kind, **content}).decode())

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import socket
 import threading
+from secrets import token_urlsafe
 from typing import TYPE_CHECKING
 
 from deploy.monitor.source import Source
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 if TYPE_CHECKING:
     import uvicorn
 
 HOST = "127.0.0.1"
-_INSTALL = 'the live page needs libraries that are not installed: pip install "disknav[web]"'
 
 
 class Server:
@@ -21,11 +22,14 @@ class Server:
 
     Attributes:
         address: where the page is, such as `http://127.0.0.1:8000`.
+        link: the same with the token of this server: who opens it may steer. Browsers keep what follows `#`
+            to themselves.
     """
 
-    def __init__(self, server: uvicorn.Server, listener: socket.socket) -> None:
+    def __init__(self, server: uvicorn.Server, listener: socket.socket, token: str) -> None:
         host, port = listener.getsockname()[:2]
         self.address = f"http://{host}:{port}"
+        self.link = f"{self.address}/#{token}"
         self._server = server
         self._thread = threading.Thread(
             target=server.run, kwargs={"sockets": [listener]}, name="live page", daemon=True
@@ -49,13 +53,14 @@ def serve_in_thread(source: Source, port: int | None = None) -> Server:
 
         from deploy.monitor.web.application import application
     except ImportError as error:
-        raise UsageError(f"{_INSTALL} ({error})") from error
+        raise missing_library("the live page", error.name or str(error), "web") from error
     listener = _listener(port)
-    app = application(source, [HOST, "localhost"])
+    token = token_urlsafe(16)
+    app = application(source, [HOST, "localhost"], token)
     config = uvicorn.Config(
         app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
     )
-    return Server(uvicorn.Server(config), listener)
+    return Server(uvicorn.Server(config), listener, token)
 
 
 def _listener(port: int | None) -> socket.socket:

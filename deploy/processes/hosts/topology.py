@@ -33,7 +33,9 @@ class MultiHost:
         """The router of a host: linked with those of all hosts before it in the table."""
         before = self.hosts.hosts[: self.hosts.hosts.index(host)]
         listen = self._endpoint(host.listen or host.address, host.port)
-        connection = self.membership.router((listen,), [self._router_of(other) for other in before])
+        connection = self.membership.router(
+            (listen,), [self._router_of(other) for other in before], host.name
+        )
         return self._moved(connection, host)
 
     def world(self) -> Connection:
@@ -49,6 +51,10 @@ class MultiHost:
     def observer(self) -> Connection:
         """Connection of somebody here who only watches, to the world's router."""
         return self.membership.client(MONITOR, (self._router_of(self.hosts.world_host),))
+
+    def viewer(self) -> Connection:
+        """Connection of who watches, and gives orders if the operator's key is there."""
+        return self.membership.client(self.membership.viewer, (self._router_of(self.hosts.world_host),))
 
     def _router_of(self, host: Host) -> str:
         return self._endpoint(host.address, host.port)

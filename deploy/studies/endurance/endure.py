@@ -48,7 +48,7 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
 
     def watch(clock: Clock) -> None:
         nonlocal began
-        if began is None or (clock.tick == 0 and clock.turn == 0):
+        if began is None or (clock.tick == 0 and clock.run_number == 0):
             began = time.monotonic()
 
     def enough() -> bool:

@@ -17,12 +17,12 @@ from rich.table import Table
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions, fresh_run_name
 from deploy.run.reports import Report
-from deploy.security.membership import missing_library
 from deploy.security.roster import Roster
 from deploy.studies.endurance.flooder import Flooded, Flooder
 from deploy.studies.endurance.intervals import Intervals
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.studies.endurance.workload import workload
+from protocol.installation import missing_library
 from protocol.messages import Clock
 
 SLOWER = 0.20  # of the rate without the flood
@@ -61,7 +61,7 @@ def _options(plan: Plan, keys: Path) -> RunOptions:
     try:
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
-        raise missing_library() from error
+        raise missing_library("a certificate", "cryptography", "secure") from error
     create(keys, Roster(options.run, workload(plan.robots, speed=_SPEED)[0].ids))
     return RunOptions(run=options.run, secure=keys)
 
@@ -74,7 +74,11 @@ def _measure(
     flooder: Flooder | None = None
 
     def watch(clock: Clock) -> None:
-        if flooder is None or over() or not intervals.on_clock(time.monotonic(), clock.turn, clock.tick):
+        if (
+            flooder is None
+            or over()
+            or not intervals.on_clock(time.monotonic(), clock.run_number, clock.tick)
+        ):
             return
         done = len(intervals.rates)
         if done % 2:

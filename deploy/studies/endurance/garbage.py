@@ -46,5 +46,5 @@ def _score(run: str, robots: tuple[int, ...], rng: Random) -> Iterator[tuple[str
 
 
 def _fleet_key(run: str, robots: tuple[int, ...], rng: Random) -> str:
-    stream = rng.choice(("state", "state", "command", "measurement", "clock"))
+    stream = rng.choice(("state", "state", "command", "tick", "clock"))
     return world_key(run, stream) if stream == "clock" else robot_key(run, rng.choice(robots), stream)

@@ -20,17 +20,17 @@ class Intervals:
     _since: float | None = None  # s, monotonic: when the present stretch began
     _ticks: int = 0
     _elapsed: float = 0.0
-    _last: tuple[float, int, int] | None = None  # when, turn, tick
+    _last: tuple[float, int, int] | None = None  # when, run, tick
 
-    def on_clock(self, now: float, turn: int, tick: int) -> bool:
+    def on_clock(self, now: float, run: int, tick: int) -> bool:
         """Whether this news of the clock ends a stretch. Changes from run to run are left out."""
         if self._since is None:
             self._since = now
         last = self._last
-        self._last = (now, turn, tick)
+        self._last = (now, run, tick)
         if now < self._since + SETTLING:
             return False
-        if last is not None and last[1] == turn and last[0] >= self._since + SETTLING:
+        if last is not None and last[1] == run and last[0] >= self._since + SETTLING:
             self._elapsed += now - last[0]
             self._ticks += tick - last[2]
         if now < self._since + SETTLING + self.seconds:

@@ -17,7 +17,7 @@ class Files:
     def __init__(self, folder: Path) -> None:
         """Raises UsageError: `folder` is something else."""
         if folder.exists() and not folder.is_dir():
-            raise UsageError(f"{folder} is not a folder; say with --found where to keep what is found")
+            raise UsageError(f"{folder} is not a folder; say with --out where to keep what is found")
         self._folder = folder
         self._written: set[Path] = set()
 

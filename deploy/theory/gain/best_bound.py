@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
+from math import inf
+
+from scipy.optimize import minimize_scalar
 
 from deploy.theory.function import Problem
 from deploy.theory.gain.assumptions import largest_eps
@@ -11,7 +13,7 @@ from deploy.theory.gain.families import family
 
 
 def best_bounds(problem: Problem) -> Bounds | None:
-    """Bounds at the best eps, to a part in a thousand or so; None when the assumptions fail for every eps.
+    """Bounds at the best eps; None when the assumptions fail for every eps.
 
     K falls like 1/eps^2 for small eps and grows without limit where a margin vanishes.
     """
@@ -19,15 +21,10 @@ def best_bounds(problem: Problem) -> Bounds | None:
     limit = largest_eps(problem, clusters)
     if limit is None:
         return None
-    low, high = 1e-6, 1.0 - 1e-6
-    best: Bounds | None = None
-    for _ in range(3):  # zoom in on the best of a grid, three times
-        grid = limit * np.linspace(low, high, 40)
-        tried = [bounds(problem, float(eps), clusters) for eps in grid]
-        found = [entry for entry in tried if entry is not None]
-        if not found:
-            return best
-        best = min(found, key=lambda entry: entry.polar)
-        at, width = best.eps / limit, (high - low) / 39.0
-        low, high = max(at - width, 1e-6), min(at + width, 1.0 - 1e-6)
-    return best
+
+    def polar(eps: float) -> float:
+        found = bounds(problem, eps, clusters)
+        return inf if found is None else found.polar
+
+    best = minimize_scalar(polar, bounds=(0.0, limit), method="bounded", options={"xatol": 1e-6 * limit})
+    return bounds(problem, float(best.x), clusters)

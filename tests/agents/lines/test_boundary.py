@@ -14,7 +14,7 @@ from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon, around
-from protocol.messages import Measurement
+from protocol.messages import Sense
 from tests.interpreted import interpreted
 from world.plants.disturbance import truncated_normal
 
@@ -177,7 +177,7 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
     oldest, dropout = draw.choice([0, 6]), draw.choice([0.0, 0.5, 0.9])
     missing, noise = draw.choice([0.0, 0.1]), draw.choice([0.0, 0.3])
     side, out = draw.choice([-1.0, 1.0]), draw.choice([-0.2, 0.1, 0.5])
-    estimate = Estimate(error, REACH * (1.0 + noise))
+    estimate = Estimate(REACH * (1.0 + noise))
     angle = draw.uniform(0.0, 2.0 * math.pi)
     truth = [(W * math.cos(angle), W * math.sin(angle))]
     moved, worst = (0.0, 0.0), -W
@@ -191,7 +191,7 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
         if bias is not None:
             nx, ny = error * math.cos(bias) * (1.0 - 1e-9), error * math.sin(bias) * (1.0 - 1e-9)
         seen = None if tick and draw.random() < dropout else (truth[stamp][0] + nx, truth[stamp][1] + ny)
-        estimate.update(Measurement(1, 1, tick, seen, stamp, moved, (1,)))
+        estimate.update(tick, Sense(seen, stamp, error, moved))
         moved = (0.0, 0.0)
         if estimate.position is not None:
             if estimate.shape is not None:

@@ -20,7 +20,7 @@ from protocol.bus.drive import drive, stop_on_signal
 from protocol.bus.events import Event
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.keys import world_key
+from protocol.keys import robot_key
 from protocol.messages import State
 from protocol.scenario.model import Scenario
 from protocol.streams import Stream
@@ -54,7 +54,7 @@ def dies_once_admitted(connection: Connection, run: str, robot: int, marker: Pat
         return main(connection, run, robot)
     request = joining.encode_request(joining.Join(robot, "first"))
     with closing(ZenohBus(connection)) as bus:
-        reply = joining.decode_reply(bus.ask(world_key(run, "scenario"), request, 10.0))
+        reply = joining.decode_reply(bus.ask(robot_key(run, robot, "join"), request, 10.0))
     assert isinstance(reply, joining.Admission)
     marker.touch()
     os._exit(1)

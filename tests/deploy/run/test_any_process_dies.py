@@ -55,7 +55,7 @@ class Killer:
         self._killed: set[int] = set()
 
     def __call__(self, fleet: Fleet, clock: Clock) -> None:
-        while self.due and (clock.turn, clock.tick) >= (self.turn, self.due[0][0]):
+        while self.due and (clock.run_number, clock.tick) >= (self.turn, self.due[0][0]):
             pid = fleet.pids().get(self.due[0][1])
             if pid is None or pid in self._killed:
                 return  # its next life has not begun

@@ -21,7 +21,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.joining import Refusal, decode_reply
-from protocol.keys import world_key
+from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -34,7 +34,7 @@ SWAP = load("swap-2")
 
 def test_tokens_and_requests_are_counted_by_reason() -> None:
     fleet = LocalFleet([SWAP])
-    rejected, handle = fleet.world._turn.rejected, fleet.world.handle
+    rejected, handle = fleet.world._run.rejected, fleet.world.handle
     for token in TOKENS:
         for alive in (True, False):
             handle(Presence(f"disknav/local/{token}", alive))
@@ -42,8 +42,8 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
     replies: list[bytes] = []
     for pattern in PATTERNS:
         handle(Request(f"disknav/local/{pattern}", b"", replies.append))
-    for stream in ("scenario", "control"):
-        handle(Request(world_key("local", stream), HUGE, replies.append))
+    for key in (robot_key("local", 1, "join"), world_key("local", "steering")):
+        handle(Request(key, HUGE, replies.append))
     assert rejected == {"key": 10, "identity": 4, "oversize": 2}
     assert all(isinstance(decode_reply(reply), Refusal) for reply in replies)
     report = fleet.execute()[0]
@@ -75,7 +75,7 @@ def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
 def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:
     launcher = Fleet([SWAP], RunOptions())
     clock = Clock(3, 0.15, (1, 2), (), "")
-    launcher._take(Sample(world_key("r", "clock"), encode(msgspec.structs.replace(clock, turn=2**53))))
+    launcher._take(Sample(world_key("r", "clock"), encode(msgspec.structs.replace(clock, run_number=2**53))))
     assert launcher._schedule.due(clock) == []
 
 
@@ -98,7 +98,7 @@ class Disturbed(Fleet):
                 self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 2.0)))
             except BusError as error:
                 self.replies.append(error)
-        keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/measurement", "world/clock")
+        keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")
         keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
         self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]
         return super()._robots()

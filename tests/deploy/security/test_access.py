@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from deploy.processes.router_config import router_config
 from deploy.security.access import access_control
-from deploy.security.roster import Roster
+from deploy.security.roster import Home, Roster
 from protocol.bus.connection import Connection
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, robot_key, world_key
+from protocol.errors import CertificateError
+from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, world_key
 from protocol.streams import STREAMS
 
 ROSTER = Roster("demo", (1, 2, 3))
@@ -42,13 +43,11 @@ def keys() -> list[str]:
 def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) -> None:
     writable = {key for key in keys() if allowed(role, "put", key)}
     names = {name for name, stream in STREAMS.items() if stream.publisher == role.partition("-")[0]}
-    if role == "router":
-        assert writable == set(keys())
-    elif role == "monitor":
+    if role in ("router", "monitor", "operator"):  # another router has no business at the only one
         assert writable == set()
     elif role == "world":
-        robots = {robot_key("demo", robot, "measurement") for robot in ROSTER.robots}
-        assert writable == robots | {world_key("demo", name) for name in names - {"measurement"}}
+        assert {parse(key).stream for key in writable} == names
+        assert writable == {key for key in keys() if parse(key).stream in names}
     else:
         assert names == {"state", "command", "health"}
         assert writable == {robot_key("demo", int(role.removeprefix("robot-")), name) for name in names}
@@ -58,23 +57,32 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(("/scenario", "/control"))
+        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/goal", "/halt"))
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 
 @pytest.mark.parametrize("role", ROSTER.roles[1:])
 def test_a_token_stands_for_oneself(role: str) -> None:
     tokens = {key for key in keys() if allowed(role, "liveliness_token", key)}
-    own = {"world": {world_key("demo", "alive")}, "monitor": set()}
+    own = {"world": {world_key("demo", "alive")}, "monitor": set(), "operator": set()}
     for robot in ROSTER.robots:
         own[f"robot-{robot}"] = {robot_key("demo", robot, "alive")}
     assert tokens == own[role]
 
 
+def test_only_an_operator_sends_robots_elsewhere() -> None:
+    goal = robot_key("demo", 1, "goal")
+    assert [role for role in ROSTER.roles[1:] if allowed(role, "query", goal)] == ["operator"]
+    assert [r for r in ROSTER.roles[1:] if allowed(r, "query", world_key("demo", "halt"))] == ["operator"]
+    assert all(allowed("operator", "query", world_key("demo", name)) for name in ("scenario", "steering"))
+
+
 def test_robots_neither_steer_nor_read_each_others_commands() -> None:
-    assert not allowed("robot-1", "query", world_key("demo", "control"))
+    assert not allowed("robot-1", "query", world_key("demo", "steering"))
+    assert [r for r in ROSTER.robots if allowed("robot-1", "query", robot_key("demo", r, "join"))] == [1]
+    assert not allowed("robot-1", "query", "disknav/demo/robot/*/join")
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/robot/*/command")
-    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "measurement"))
+    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "tick"))
     assert not allowed("robot-1", "declare_subscriber", world_key("demo", "truth"))
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/**")
 
@@ -91,9 +99,46 @@ def test_another_run_is_another_world(role: str, message: str, run: str) -> None
 
 
 def test_subjects_are_common_names_and_each_has_one_policy() -> None:
-    assert [subject["cert_common_names"] for subject in RULES["subjects"]] == [[r] for r in ROSTER.roles]
+    assert [subject["cert_common_names"] for subject in RULES["subjects"]] == [[r] for r in ROSTER.roles[1:]]
     assert RULES["default_permission"] == "deny"
-    assert len(RULES["policies"]) == len(ROSTER.roles)
+    assert len(RULES["policies"]) == len(ROSTER.roles) - 1
+
+
+HOSTS = Roster(
+    "demo", (1, 2, 3), {"a": Home(("a",), (1,)), "b": Home(("b",), (2, 3)), "c": Home(("c",))}, "a"
+)
+MESSAGES = RULES["rules"][0]["messages"]
+
+
+@pytest.mark.parametrize("host", HOSTS.homes)
+def test_a_router_speaks_for_those_behind_it_and_no_others(host: str) -> None:
+    rules = access_control(HOSTS, host)
+    for other in HOSTS.homes:
+        behind = {
+            (message, key)
+            for message in MESSAGES
+            for key in [*keys(), "disknav/demo/robot/*/state", "disknav/demo/**"]
+            for role in HOSTS.behind(other)
+            if allowed(role, message, key)
+        }
+        granted = {
+            (message, key)
+            for message in MESSAGES
+            for key in [*keys(), "disknav/demo/robot/*/state", "disknav/demo/**"]
+            if allowed(f"router-{other}", message, key, rules)
+        }
+        assert granted == (set() if other == host else behind)
+
+
+@pytest.mark.parametrize("host", HOSTS.homes)
+def test_clients_of_a_router_are_those_of_its_host(host: str) -> None:
+    subjects = {subject["id"] for subject in access_control(HOSTS, host)["subjects"]}
+    assert subjects == {*HOSTS.behind(host), *HOSTS.routers} - {f"router-{host}"}
+
+
+def test_a_host_that_is_not_in_the_roster() -> None:
+    with pytest.raises(CertificateError, match="not for a host 'd', but for a, b, c"):
+        access_control(HOSTS, "d")
 
 
 def test_zenoh_takes_the_printed_configuration() -> None:

@@ -82,7 +82,7 @@ def heard(spy: ZenohBus, last: bytes) -> list[tuple[str, bytes]]:
 def attack(bus: ZenohBus, run: str, own: int | None = None) -> None:
     """Write into every stream of a run but one's own, in everybody's name, and claim to be present."""
     for robot in ROSTER.robots:
-        for stream in ("state", "command", "health", "measurement"):
+        for stream in ("state", "command", "health", "tick"):
             if robot != own:
                 write(bus, run, robot, stream, ROGUE)
     for stream in ("clock", "truth", "result"):

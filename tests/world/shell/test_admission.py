@@ -15,7 +15,7 @@ from protocol.messages import Health
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import RESERVATION, Admissions
-from world.shell.turn import Turn
+from world.shell.run import Run
 
 SWAP = load("swap-4")
 
@@ -26,12 +26,12 @@ class Desk:
     def __init__(self) -> None:
         self.clock = Stopwatch()
         self.admissions = Admissions("r", (1, 2), True, self.clock)
-        self.turn = Turn(0, two(), {})
+        self.run = Run(0, two(), {})
 
     def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:
         health = None if lived is None else Health(robot, lived, 5, 0.0, 0, 0, {}, (), ())
         join = Join(robot, session, health)
-        return self.admissions.refusal(join, self.turn) or self.admissions.enlist(join, self.turn)
+        return self.admissions.refusal(join, self.run) or self.admissions.enlist(join, self.run)
 
     def admitted(self, session: str, robot: int = 1, lived: int | None = None) -> int:
         reply = self.ask(session, robot, lived)
@@ -45,7 +45,7 @@ def test_asking_again_is_asking_once() -> None:
     assert [desk.admitted("a") for _ in range(3)] == [1, 1, 1]
     desk.admissions.arrive(1)
     assert desk.admitted("a") == 1  # the reply came too late, the token too early: nothing has been lived yet
-    assert desk.turn.world.incarnations == {1: 1, 2: 0}
+    assert desk.run.world.incarnations == {1: 1, 2: 0}
 
 
 def test_a_life_that_was_lived_is_not_lived_again() -> None:
@@ -55,8 +55,8 @@ def test_a_life_that_was_lived_is_not_lived_again() -> None:
     desk.admissions.arrive(1)
     assert desk.admitted("a", lived=1) == 2
     assert desk.admitted("a", lived=1) == 2  # the reply was lost
-    assert desk.turn.world.goes_on(1, 2)
-    assert not desk.turn.world.goes_on(1, 1)
+    assert desk.run.world.goes_on(1, 2)
+    assert not desk.run.world.goes_on(1, 1)
 
 
 def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
@@ -69,7 +69,7 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
     assert isinstance(desk.ask("dead"), Wait)  # it was only slow
     desk.admissions.arrive(1)
     assert isinstance(desk.ask("dead"), Refusal)
-    assert desk.turn.world.goes_on(1, 2)
+    assert desk.run.world.goes_on(1, 2)
 
 
 def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
@@ -80,9 +80,9 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     reply = desk.ask("second")
     assert isinstance(reply, Refusal)
     assert "already running" in reply.text
-    assert desk.turn.world.goes_on(1, 1)
+    assert desk.run.world.goes_on(1, 1)
     desk.admissions.leave(1)
-    desk.turn.world.lost(1)
+    desk.run.world.lost(1)
     assert desk.admitted("second") == 2
 
 
@@ -120,7 +120,7 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             token = process
         elif event == "leave" and token == process:
             desk.admissions.leave(1)
-            desk.turn.world.lost(1)
+            desk.run.world.lost(1)
             token = ""
             lives.pop(process, None)
             last.pop(process, None)
@@ -128,7 +128,7 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             last[process] = lives.pop(process)  # it says itself that it is over
         elif event == "wait":
             desk.clock.now += RESERVATION
-        newest = desk.turn.world.incarnations[1]
+        newest = desk.run.world.incarnations[1]
         assert sum(life == newest for life in lives.values()) <= 1
 
 

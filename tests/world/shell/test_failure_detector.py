@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import pytest
 
 from protocol.joining import Join
-from protocol.messages import Command, Measurement
+from protocol.messages import Command, Tick
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.failure_detector import FailureDetector
 from world.shell.pacing import REPEAT, Pacing
-from world.shell.turn import Phase, Turn
+from world.shell.run import Phase, Run
 
 GATHERING, PATIENCE, GRACE = 20.0, 5.0, 3.0
 
@@ -22,10 +22,10 @@ class Watch:
     """A failure detector of a run of two robots, and what it told whom."""
 
     def __init__(self, *, grace: float = 0.0, restarts: int = 0, lockstep: bool = True) -> None:
-        self.clock, self.told, self.said = Stopwatch(), list[dict[int, Measurement]](), list[str]()
+        self.clock, self.told, self.said = Stopwatch(), list[dict[int, Tick]](), list[str]()
         self.pacing = Pacing(lockstep, 0.0, self.clock)
         self.admissions = Admissions("r", (1, 2), lockstep, self.clock)
-        self.turn = Turn(0, two(), {})
+        self.turn = Run(0, two(), {})
         self.failures = FailureDetector(
             self.admissions,
             self.pacing,
@@ -37,7 +37,7 @@ class Watch:
             say=self.said.append,
         )
 
-    def tell(self, measurements: Mapping[int, Measurement]) -> None:
+    def tell(self, measurements: Mapping[int, Tick]) -> None:
         self.told.append(dict(measurements))
 
     def come(self, robot: int, session: str = "") -> None:

@@ -77,14 +77,14 @@ def test_to_try_again_to_open_a_tick_is_noted_once(path: Path) -> None:
     assert opened(path).past == [Opened(), Lost(1), Opened(), Lost(2)]
 
 
-def test_a_new_turn_begins_a_new_file(written: Path) -> None:
+def test_a_new_run_begins_a_new_file(written: Path) -> None:
     journal = opened(written)
     journal.begin(1, {1: 3, 2: 1}, 17, {1: 2})
     journal.note(Joined(1, 4))
     journal.close()
     again = opened(written)
     head = again.head
-    assert (head.turn, head.incarnations, head.version, head.expected) == (1, {1: 3, 2: 1}, 17, {1: 2})
+    assert (head.number, head.incarnations, head.version, head.expected) == (1, {1: 3, 2: 1}, 17, {1: 2})
     assert again.past == [Joined(1, 4)]
     assert list(written.parent.iterdir()) == [written]
 

@@ -8,8 +8,8 @@ from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
+from world.shell.run import Phase, Run
 from world.shell.shutdown import SHUTDOWN, Shutdown
-from world.shell.turn import Phase, Turn
 
 
 class Ending:
@@ -19,7 +19,7 @@ class Ending:
         self.clock = Stopwatch()
         self.admissions = Admissions("r", (1, 2), True, self.clock)
         self.shutdown = Shutdown(self.admissions, Pacing(True, 0.0, self.clock))
-        self.turn = Turn(0, two(), {})
+        self.turn = Run(0, two(), {})
         self.turn.began = 0.0
         for robot in (1, 2):
             self.admissions.enlist(Join(robot, f"session {robot}"), self.turn)
@@ -33,7 +33,7 @@ class Ending:
         return self.shutdown.reply(join, self.turn)
 
     def told(self) -> set[int]:
-        measurements = self.shutdown.final_measurements(self.turn)
+        measurements = self.shutdown.final_ticks(self.turn)
         assert all(measurement.over for measurement in measurements.values())
         return set(measurements)
 

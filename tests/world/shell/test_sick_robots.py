@@ -17,7 +17,7 @@ from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.errors import JoinError, MessageError
-from protocol.messages import Command, Measurement, State
+from protocol.messages import Command, State, Tick
 from tests.world.driving import joined, two
 from world.coordinator.patience import SILENT, blamed
 from world.node import WorldNode
@@ -44,7 +44,7 @@ class Patient:
                 message = decode(event.key, event.payload)
             except MessageError:
                 message = None
-            if isinstance(message, Measurement):
+            if isinstance(message, Tick):
                 self.tick = max(self.tick, message.tick)
             if self.tick >= FROM and not self.takes(message):
                 return
@@ -136,7 +136,7 @@ def test_one_that_hangs_is_given_up_alone() -> None:
 
 
 def test_one_that_hangs_between_state_and_command_is_given_up_alone() -> None:
-    ward = Ward(takes=lambda message: isinstance(message, Measurement) and message.tick == FROM)
+    ward = Ward(takes=lambda message: isinstance(message, Tick) and message.tick == FROM)
     ward.assert_the_others_arrived()
 
 

@@ -157,7 +157,7 @@ def disturbed(
         patch.setattr(records, "write", doom.write)
         fleet = MortalFleet(COURSES[number], folder / "journal", doom, lockstep=lockstep)
         told = fleet.execute()
-    return doom, [next(r for r in told if r["turn"] == turn) for turn in range(len(COURSES[number]))]
+    return doom, [next(r for r in told if r["run_number"] == each) for each in range(len(COURSES[number]))]
 
 
 @cache
@@ -202,7 +202,7 @@ def test_a_replay_that_ends_up_in_another_place_is_refused(tmp_path: Path) -> No
     path, scenarios = tmp_path / "journal", [two()]
     Journal.create(path, "yard", scenarios)
     journal = Journal(path, "yard", scenarios)
-    world = resume(journal, scenarios).turn.world
+    world = resume(journal, scenarios).run.world
     world.note = lambda entry: journal.note(
         Closed(entry.checksum ^ 1) if isinstance(entry, Closed) else entry
     )

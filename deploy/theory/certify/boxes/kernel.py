@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar, cast
 
-from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 try:
     from numba import njit
 except ModuleNotFoundError as error:
-    raise UsageError("certificates need the library numba: pip install 'disknav[certify]'") from error
+    raise missing_library("a certificate", "numba", "certify") from error
 
 F = TypeVar("F", bound=Callable[..., object])
 

@@ -6,12 +6,12 @@ balls are true only where they hold for all their numbers; each choice below is 
 
 from __future__ import annotations
 
-from protocol.errors import UsageError
+from protocol.installation import missing_library
 
 try:
     from flint import arb
 except ModuleNotFoundError as error:
-    raise UsageError("verifying needs the library python-flint: pip install 'disknav[certify]'") from error
+    raise missing_library("verifying", "python-flint", "certify") from error
 
 Ends = tuple[arb, arb]
 

@@ -28,7 +28,8 @@ from tests.deploy.monitor.watched import PATIENCE, ring, running, served
 
 
 def live(server: Server, **options: Any) -> ClientConnection:
-    return connect(server.address.replace("http", "ws") + "/live", **options)
+    """A viewer with the token."""
+    return connect(server.link.replace("http", "ws").replace("/#", "/live?token="), **options)
 
 
 def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
@@ -72,6 +73,24 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
         assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
 
 
+def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        assert news(viewer, "welcome")["may_steer"] is True
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 0.05]]}}}')
+        assert news(viewer, "answer")["accepted"] is True
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 5]]}}}')
+        refused = news(viewer, "answer")
+        assert (refused["accepted"], refused["robot"]) == (False, 2)
+        assert "out of the workspace" in refused["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1]]}}}')
+        assert "goal" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+
+
 def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=0.3)
@@ -111,6 +130,26 @@ def test_a_page_of_another_site_cannot_steer(origin: str) -> None:
             assert news(viewer, "frame")["phase"] == "searching"
 
 
+@pytest.mark.parametrize("query", ["", "?token=", "?token=guess", "?token=%00%ff"])
+def test_who_has_no_token_may_only_look(query: str) -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with (
+        running(fleet),
+        served(watcher) as server,
+        connect(server.address.replace("http", "ws") + "/live" + query) as viewer,
+    ):
+        assert news(viewer, "welcome")["may_steer"] is False
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"pause": true}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0, 0]]}}}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == list(ring().spec(2).goal)
+        tick = news(viewer, "frame")["tick"]
+        assert news(viewer, "frame", lambda it: it["tick"] > tick + 2)["phase"] == "running"
+
+
 def test_only_the_own_host_name_is_answered() -> None:
     with served(watch_local(LocalNetwork(), "r")) as server:
         request = urllib.request.Request(server.address, headers={"Host": "evil.example"})
@@ -120,7 +159,9 @@ def test_only_the_own_host_name_is_answered() -> None:
 
 def fetch(url: str) -> str:
     with urllib.request.urlopen(url, timeout=PATIENCE) as response:
-        assert "default-src 'self'" in response.headers["content-security-policy"]
+        policy = response.headers["content-security-policy"]
+        assert "default-src 'self'" in policy
+        assert "frame-ancestors 'none'" in policy
         return str(response.read().decode())
 
 
@@ -158,5 +199,5 @@ def test_a_server_that_is_closed_is_gone() -> None:
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
-    with pytest.raises(UsageError, match=r"pip install \"disknav\[web\]\""):
+    with pytest.raises(UsageError, match=r"uvicorn.*pip install .*\[web\]"):
         serve_in_thread(watch_local(LocalNetwork(), "r"))

@@ -20,8 +20,6 @@ from deploy.library.load import load
 from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.processes.hosts.remote import GREETING
 from deploy.run.local import LocalFleet
-from deploy.security.keystore import create
-from deploy.security.roster import Roster
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
@@ -126,21 +124,25 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     server: Server, tmp_path: Path
 ) -> None:
     keys, record = tmp_path / "keys", tmp_path / "run.mcap"
-    create(keys, Roster("yard", SCENARIO.ids))
     hosts, _ = table(server, tmp_path)
+    made = disknav("keys", "new", keys, "-s", "figure-1", "--hosts", hosts, "--run", "yard")
+    assert made.returncode == 0, made.stderr
     done = disknav("run", "figure-1", "--hosts", hosts, "--secure", keys, "--record", record, "--json", "-")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     (alone,) = LocalFleet([SCENARIO]).execute()
     assert found["trajectory_sha256"] == alone["trajectory_sha256"]
     where = {row["name"]: row.get("host") for row in found["processes"]}
-    assert where.pop("recorder") is None
+    assert where.pop("recorder") is where.pop("writer") is None
     assert where == {
         **{f"router-{name}": name for name in HOSTS},
         "world": "base",
         **{f"robot-{robot}": name for name, robots in HOSTS.items() for robot in robots},
     }
-    assert all(row["exit_code"] == 0 and row["cpu_s"] > 0.0 for row in found["processes"])
+    ends = {row["name"]: row["exit_code"] for row in found["processes"]}
+    assert ends.pop("writer") is None, "it waits for this result"
+    assert set(ends.values()) == {0}
+    assert all(row["cpu_s"] > 0.0 for row in found["processes"])
     assert psutil.wait_procs(psutil.Process(server.pid).children(recursive=True), timeout=10.0)[1] == []
     assert record.stat().st_size > 0
 

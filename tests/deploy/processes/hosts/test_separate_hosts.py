@@ -12,7 +12,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.security.keystore import create
-from deploy.security.roster import Roster
+from deploy.security.roster import Home, Roster
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
 from tests.deploy.processes.hosts.network import Bad, Hosts, needs_hosts
@@ -30,11 +30,26 @@ class Field:
 
     def __init__(self, hosts: Hosts, folder: Path, scenario: Scenario) -> None:
         self._hosts, self._keys = hosts, folder / "keys"
-        create(self._keys, Roster(RUN, scenario.ids), hosts=[hosts.address(host) for host in (1, 2, 3)])
+        homes = {
+            f"host-{host}": Home(
+                (hosts.address(host),), tuple(r for r, home in HOMES.items() if home == host)
+            )
+            for host in (1, 2, 3)
+        }
+        create(self._keys, Roster(RUN, scenario.ids, homes, "host-1"))
         (folder / "scenario.toml").write_text(write_toml(scenario))
         for host in (1, 2, 3):
             before = [word for other in range(1, host) for word in ("--connect", self._router(other))]
-            self._start(host, "router", "--listen", self._router(host), *before, connect=False)
+            self._start(
+                host,
+                "router",
+                "--listen",
+                self._router(host),
+                *before,
+                "--host",
+                f"host-{host}",
+                connect=False,
+            )
         for host in (1, 2, 3):
             hosts.await_log(f"listening on {self._router(host)}", 60.0)
         self._start(1, "world", str(folder / "scenario.toml"), "--mode", "realtime")

@@ -134,7 +134,7 @@ def test_a_scheduler_without_workers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(UsageError, match=r"pip install 'disknav\[cluster\]'"):
+    with pytest.raises(UsageError, match=r"distributed.*pip install .*\[cluster\]"):
         Cluster("tcp://127.0.0.1:8786")
 
 

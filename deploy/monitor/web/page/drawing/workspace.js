@@ -1,15 +1,19 @@
 // The picture: workspace, goals, trails, disks, velocities, separating lines.
 import { Painted } from "./canvas.js";
-import { drawArrow, drawDisk, drawGoal, drawSeparatingLine, drawTrail } from "./shapes.js";
+import { gap } from "../geometry.js";
+import { drawArrow, drawDisk, drawGoal, drawLabel, drawRing, drawSeparatingLine, drawTarget, drawThing, drawTrail, drawWay, outline } from "./shapes.js";
 
 const MARGIN = 10; // px
 const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
+const CROWD = 24; // robots; more are drawn with less around them
+const FAINT = 0.35;
 const STALE = 1.5; // s of simulated time after which a line that was reported is not drawn
 
 export class Workspace extends Painted {
-  constructor(canvas, model) {
+  constructor(canvas, model, selection) {
     super(canvas);
-    this.model = model;
+    Object.assign(this, { model, selection });
+    this.preview = null; // m, where the selected robot would be sent
     this.layers = {};
     for (const layer of ["trails", "goals", "velocity", "lines"]) {
       const box = document.getElementById(`show-${layer}`);
@@ -21,36 +25,74 @@ export class Workspace extends Painted {
   draw(now) {
     const { overview, robots } = this.model;
     if (overview === null) return false;
-    this.scale = (Math.min(this.width, this.height) / 2 - MARGIN) / overview.radius;
-    this.drawFloor(overview.radius);
+    const [[left, low], [right, high]] = overview.box;
+    this.middle = [(left + right) / 2, (low + high) / 2];
+    this.scale = Math.min((this.width - 2 * MARGIN) / (right - left), (this.height - 2 * MARGIN) / (high - low));
+    this.drawFloor(overview);
+    overview.things.forEach((thing) => drawThing(this, thing));
     const places = robots.map((robot) => this.model.place(robot, now));
-    if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i]));
-    if (this.layers.goals()) robots.filter((robot) => robot.row?.status !== "at goal").forEach((robot) => drawGoal(this, robot));
+    this.crowd = robots.length > CROWD;
+    if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i], this.stress(robot)));
+    if (this.layers.goals()) robots.filter((robot) => !this.stays(robot)).forEach((robot) => drawGoal(this, robot, this.stress(robot)));
     if (this.layers.lines()) this.drawLines(places);
     robots.forEach((robot, i) => drawDisk(this, robot, places[i]));
     if (this.layers.velocity()) robots.forEach((robot, i) => this.drawVelocity(robot, places[i]));
+    robots.forEach((robot, i) => drawLabel(this, robot, places[i], this.standsOut(robot)));
+    robots.forEach((robot, i) => this.drawChosen(robot, places[i]));
     this.describe();
     return this.model.moving(now);
   }
 
+  stays(robot) {
+    return ["at goal", "cancelled", "given up"].includes(robot.row?.status);
+  }
+
+  standsOut(robot) {
+    return robot.id === this.selection.selected || robot.id === this.selection.pointed;
+  }
+
+  // How strongly what surrounds a robot is drawn: in a crowd, weakly unless somebody looks for it.
+  stress(robot) {
+    return !this.crowd || this.standsOut(robot) ? 1 : FAINT;
+  }
+
+  drawChosen(robot, place) {
+    const { selected, pointed } = this.selection;
+    if (robot.id === selected) {
+      if (!this.stays(robot)) drawWay(this, robot, place);
+      if (this.preview) drawTarget(this, robot, this.preview);
+    }
+    if (robot.id === selected) drawRing(this, robot, place, this.colour("accent"), 3);
+    else if (robot.id === pointed) drawRing(this, robot, place, this.colour("muted"), 1.5);
+  }
+
   point([x, y]) {
-    return [this.width / 2 + x * this.scale, this.height / 2 - y * this.scale];
+    const [middleX, middleY] = this.middle;
+    return [this.width / 2 + (x - middleX) * this.scale, this.height / 2 - (y - middleY) * this.scale];
+  }
+
+  metres([x, y]) {
+    const [middleX, middleY] = this.middle;
+    return [middleX + (x - this.width / 2) / this.scale, middleY - (y - this.height / 2) / this.scale];
+  }
+
+  inside(target) {
+    return this.model.overview !== null && gap(this.model.overview.room, target) < 0;
   }
 
   hue(robot) {
     return this.colour(robot.row?.alarm ? "alarm" : `robot-${robot.hue}`);
   }
 
-  drawFloor(radius) {
+  drawFloor({ room, box }) {
     const { context } = this;
-    const spacing = 10 ** Math.floor(Math.log10(radius));
-    const rim = new Path2D();
-    rim.arc(...this.point([0, 0]), radius * this.scale, 0, 2 * Math.PI);
+    const spacing = 10 ** Math.floor(Math.log10((box[1][0] - box[0][0]) / 2));
+    const rim = outline(this, room);
     context.fillStyle = this.colour("floor");
     context.fill(rim);
     context.save();
     context.clip(rim);
-    this.drawGrid(radius, spacing);
+    this.drawGrid(box, spacing);
     context.restore();
     context.lineWidth = 1.5;
     context.strokeStyle = this.colour("muted");
@@ -58,21 +100,23 @@ export class Workspace extends Painted {
     this.drawScale(spacing);
   }
 
-  drawGrid(radius, spacing) {
+  drawGrid([[left, low], [right, high]], spacing) {
     const { context } = this;
     context.beginPath();
-    for (let at = -Math.ceil(radius / spacing) * spacing; at <= radius; at += spacing) {
-      context.moveTo(...this.point([at, -radius]));
-      context.lineTo(...this.point([at, radius]));
-      context.moveTo(...this.point([-radius, at]));
-      context.lineTo(...this.point([radius, at]));
+    for (let at = Math.ceil(left / spacing) * spacing; at <= right; at += spacing) {
+      context.moveTo(...this.point([at, low]));
+      context.lineTo(...this.point([at, high]));
+    }
+    for (let at = Math.ceil(low / spacing) * spacing; at <= high; at += spacing) {
+      context.moveTo(...this.point([left, at]));
+      context.lineTo(...this.point([right, at]));
     }
     context.lineWidth = 1;
     context.strokeStyle = this.colour("grid");
     context.stroke();
   }
 
-  // The workspace is round, so a corner is free for the scale.
+  // A corner of a round workspace is free for the scale.
   drawScale(spacing) {
     const { context } = this;
     const length = spacing * this.scale;

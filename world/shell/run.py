@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import Any
 
-from protocol.messages import Clock, Health, Measurement
+from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
 from world.shell.traffic import traffic
 from world.world import World
@@ -22,13 +22,13 @@ class Phase(Enum):
     CLOSING = 3
 
 
-class Turn:
+class Run:
     """A run with its judge.
 
     Attributes:
-        number: counts the turns of one world.
+        number: counts the runs of one world.
         phase: how far the run is.
-        oldest: incarnation of each robot below which a State is of an earlier turn.
+        oldest: incarnation of each robot below which a State is of an earlier run.
         opened: whether the present tick has begun.
         began: s, monotonic: when its first tick began, or when it was prepared.
         received, rejected: commands accepted, and payloads refused by reason.
@@ -55,31 +55,29 @@ class Turn:
             world.tick,
             seconds,
             world.active,
-            world.down,
+            world.standing,
             world.verdict,
             self.number,
             truth.clearance,
             truth.phi,
             world.reason,
             world.founded,
+            world.halted,
         )
 
     def is_marked(self) -> bool:
         """Whether something is to happen at this tick that a launcher has to carry out."""
         return self.world.tick in self._due
 
-    def final_measurements(self, robots: Iterable[int]) -> dict[int, Measurement]:
+    def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
         """What tells robots that the run is over."""
         lives, tick = self.world.incarnations, self.world.tick
-        return {
-            robot: Measurement(robot, lives[robot], tick, None, tick, (0.0, 0.0), (), over=True)
-            for robot in robots
-        }
+        return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
     def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:
         """The world's report with the traffic of all processes and the wall time up to `ended`."""
         report = self.world.report()
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
-        report["turn"] = self.number
+        report["run_number"] = self.number
         return report

@@ -1,4 +1,4 @@
-"""Sensing: what a robot is told of its own position - late, noisy, biased, sometimes not at all."""
+"""Where a robot is told that it is: late, noisy, biased, sometimes not at all."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ class Sensor:
     delays a later one may overtake an earlier one, which then is never delivered.
 
     Attributes:
+        bound: largest error of a measurement, m.
         delayed: measurements delivered at a later tick than they were taken.
         missing: ticks without a measurement.
         dropped: measurements that dropout swallowed.
@@ -27,6 +28,7 @@ class Sensor:
         self.missing = 0
         self.dropped = 0
         self._sensing = scenario.sensing_of(robot)
+        self.bound = self._sensing.bound
         self.ideal = _is_ideal(self._sensing)
         self._noise_bound = _noise_bound(self._sensing)
         self._scenario = scenario

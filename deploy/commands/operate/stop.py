@@ -1,0 +1,45 @@
+"""`disknav stop` and `disknav release`: the emergency stop of a running fleet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.security.membership import Membership
+from deploy.security.roster import OPERATOR
+
+Run = Annotated[str, typer.Argument(help="Name of the run.")]
+Router = Annotated[str | None, typer.Option(help="Endpoint of the fleet's router.")]
+Secure = Annotated[Path | None, typer.Option(metavar="DIR", help="Certificates from `disknav keys new DIR`.")]
+
+
+def stop(run: Run, router: Router = None, secure: Secure = None) -> None:
+    """Emergency stop: every robot stands within one tick, and stays until [b]disknav release[/b].
+
+    Example: disknav stop yard
+
+    Exit status: 0 it is in force, 2 invalid, 3 nobody answers.
+    """
+    _say(run, router, secure, halt=True)
+
+
+def release(run: Run, router: Router = None, secure: Secure = None) -> None:
+    """Let the robots of a stopped fleet move again.
+
+    Example: disknav release yard
+
+    Exit status: 0 they are released, 2 invalid, 3 nobody answers.
+    """
+    _say(run, router, secure, halt=False)
+
+
+def _say(run: str, router: str | None, secure: Path | None, *, halt: bool) -> None:
+    from deploy.run.operator import operating
+
+    membership = Membership(secure)
+    name = membership.run(run) or run
+    with operating(membership.client(OPERATOR, (router or membership.default_router,)), name) as operator:
+        told = operator.halt(halt)
+    print(f"run {name}: {'everybody stands' if told.halted else 'released'} from tick {told.tick} on")

@@ -1,0 +1,105 @@
+"""Options that mean the same in every command, declared once, and how one that cannot apply is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from deploy.run.options import Mode
+from protocol.errors import UsageError
+
+
+def _names(typed: str) -> list[tuple[str, str]]:
+    """Names of the library that begin as what was typed, for the shell's completion; files come with it."""
+    from deploy.library import catalogue
+
+    found = [(entry.name.removesuffix("N"), entry.text) for entry in catalogue()]
+    found += [(path.as_posix(), "scenario file") for path in sorted(Path().glob(f"{typed}*.toml"))]
+    return [(name, text) for name, text in found if name.startswith(typed)]
+
+
+Scenario = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="A scenario file (TOML), or a library name such as figure-1.",
+        autocompletion=_names,
+    ),
+]
+RecordingFile = Annotated[
+    Path, typer.Argument(metavar="RECORDING", help="A file that `disknav run --record` wrote.")
+]
+Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed, over the scenario's.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="path.to.key=VALUE, over the scenario; repeat it for more."
+    ),
+]
+Json = Annotated[
+    Path | None,
+    typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it, and nothing else."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
+RunName = Annotated[
+    str | None,
+    typer.Option(
+        "--run",
+        metavar="NAME",
+        help="Name of the fleet's run; the roster's if --secure.",
+    ),
+]
+FreshRun = Annotated[
+    str | None, typer.Option("--run", metavar="NAME", help="Name of the run; a fresh one unless given.")
+]
+Router = Annotated[
+    str | None,
+    typer.Option(
+        "--router",
+        metavar="ENDPOINT",
+        help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure).",
+    ),
+]
+RouterThere = Annotated[
+    str | None,
+    typer.Option(
+        "--router",
+        metavar="ENDPOINT",
+        help="Where the fleet's router listens; starts one of its own unless given.",
+    ),
+]
+Secure = Annotated[
+    Path | None,
+    typer.Option(
+        "--secure", metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."
+    ),
+]
+ModeOption = Annotated[Mode, typer.Option("--mode", help="Who sets the pace: the robots or the wall clock.")]
+
+
+def robots(least: int, *aliases: str) -> Any:
+    """`--robots` or `-n`: how many; `aliases` are names of earlier versions."""
+    return typer.Option("--robots", "-n", *aliases, min=least, max=1000, help="How many robots.")
+
+
+def out(help_: str, *aliases: str, metavar: str = "FILE") -> Any:
+    """`--out` or `-o`: where the command puts what it makes; `aliases` are names of earlier versions."""
+    return typer.Option("--out", "-o", *aliases, metavar=metavar, help=help_)
+
+
+def refuse(options: Mapping[str, object], reason: str) -> None:
+    """Refuse options that were given but cannot apply.
+
+    Args:
+        options: what was given for each, None or False where nothing was.
+        reason: why not, and what to do.
+
+    Raises:
+        UsageError: one was given.
+    """
+    given = [name for name, value in options.items() if value is not None and value is not False]
+    if given:
+        raise UsageError(f"{', '.join(given)} cannot apply: {reason}")

@@ -1,0 +1,86 @@
+"""`disknav serve`: a fleet that stays up until it is stopped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deploy.commands import options
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
+from deploy.output.json_output import is_standard_output
+from deploy.run.options import RunOptions, restarts
+from deploy.run.result import table
+from deploy.security.membership import Membership
+from protocol.keys import checked_run
+
+_RESTARTS = "on-failure:1000"
+
+
+def serve(
+    scenario: options.Scenario,
+    name: Annotated[
+        str | None,
+        typer.Option("--run", metavar="NAME", help="Name of the run; the scenario's unless given."),
+    ] = None,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    mode: options.ModeOption = "realtime",
+    speed: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Simulated seconds per second in lock-step; 1 unless given."),
+    ] = None,
+    listen: Annotated[
+        str | None, typer.Option(help="Endpoint of the router; port 7447 of this host unless given.")
+    ] = None,
+    router: options.RouterThere = None,
+    secure: options.Secure = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
+    ] = None,
+    json_file: options.Json = None,
+    web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
+    restart: Annotated[
+        str,
+        typer.Option(
+            metavar="POLICY", help="A process that fails is started again: never, or on-failure[:N]."
+        ),
+    ] = _RESTARTS,
+    quiet: options.Quiet = False,
+) -> None:
+    """Keep a fleet up until Ctrl-C; robots go where [b]disknav goal[/b] sends them.
+
+    Example: disknav serve swap-6 --run yard; in another terminal: disknav goal yard 3 0.1 -0.05
+
+    Exit status: 0 stopped and nothing touched, 1 something touched, 2 invalid, 3 fault.
+    """
+    from deploy.library.load import load
+    from deploy.run.execute import Extras, execute
+
+    if mode == "realtime":
+        options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+    if router is not None:
+        options.refuse({"--listen": listen}, "--router names a router that is there, and starts none")
+    loaded = load(scenario, [*(setting or []), "time.endless=true"], seed)
+    membership = Membership(secure)
+    run = membership.run(None if name is None else checked_run(name)) or checked_run(loaded.name)
+    endpoint = listen if listen is not None or router is not None else membership.default_router
+    how = RunOptions(
+        mode=mode,
+        router=router,
+        listen=endpoint,
+        run=run,
+        secure=secure,
+        speed=0.0 if mode == "realtime" else 1.0 if speed is None else speed,
+        restarts=restarts(restart),
+    )
+    silent = quiet or is_standard_output(json_file)
+    if not silent:
+        typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)
+    result = execute(loaded, how, Extras(record=record, web=web, json=json_file), quiet=silent)
+    if not silent:
+        from rich.console import Console
+
+        Console(soft_wrap=True).print(table(result))
+    raise typer.Exit(EXIT_OTHERWISE if result["collisions"] else EXIT_ARRIVED)

@@ -1,0 +1,87 @@
+"""An operator of a running fleet: gives orders, and waits for what comes of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import msgspec
+
+from protocol.bus.bus import Bus
+from protocol.bus.connection import Connection
+from protocol.bus.events import Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
+from protocol.errors import BusError, MessageError
+from protocol.goals import GoalOrder, GoalReply, decode_reply
+from protocol.halt import Halt, Halted, decode_halted
+from protocol.keys import checked_run, robot_key, world_key
+from protocol.messages import GoalStatus
+
+ANSWER = 5.0  # s within which a world answers
+
+
+class Operator:
+    """Speaks to the world of one run over a bus of its own."""
+
+    def __init__(self, bus: Bus, run: str) -> None:
+        self._bus, self._run = bus, checked_run(run)
+
+    def order(self, robot: int, order: GoalOrder) -> GoalReply:
+        """Send a robot elsewhere.
+
+        Raises:
+            BusError: no world of this run answers.
+            MessageError: what answers is of another version.
+        """
+        return self._ask(robot, msgspec.msgpack.encode(order))
+
+    def status(self, robot: int) -> GoalReply:
+        """How things stand with a robot's goal; raises as `order` does."""
+        return self._ask(robot, b"")
+
+    def halt(self, halt: bool | None = None) -> Halted:
+        """Have everybody stand, release them, or (None) ask whether they stand; raises as `order` does."""
+        request = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
+        return decode_halted(self._answer(world_key(self._run, "halt"), request))
+
+    def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
+        """What came of an order: waits until it is arrived, cancelled, given up, or followed by another.
+
+        Raises:
+            BusError: nothing did, for `within` s.
+        """
+        self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
+        deadline = time.monotonic() + within
+        status = self.status(robot).status  # it may have come before the subscription
+        while status is None or (status.number == number and status.status == "under way"):
+            event = self._bus.receive(max(0.0, deadline - time.monotonic()))
+            if isinstance(event, Sample):
+                try:
+                    heard = decode(event.key, event.payload)
+                except MessageError:
+                    continue  # a stranger's; the world's own word comes
+                status = heard if isinstance(heard, GoalStatus) else status
+            elif time.monotonic() >= deadline:
+                raise BusError(f"robot {robot} has not come to an end of order {number} in {within:g} s")
+        return status
+
+    def _ask(self, robot: int, payload: bytes) -> GoalReply:
+        return decode_reply(self._answer(robot_key(self._run, robot, "goal"), payload))
+
+    def _answer(self, key: str, request: bytes) -> bytes:
+        try:
+            return self._bus.ask(key, request, ANSWER)
+        except BusError as error:
+            raise BusError(f"no world of run {self._run!r} answers: {error}") from error
+
+
+@contextmanager
+def operating(connection: Connection, run: str) -> Iterator[Operator]:
+    """An operator with a session of its own; raises BusError if nobody listens where `connection` leads."""
+    bus = ZenohBus(connection)
+    try:
+        yield Operator(bus, run)
+    finally:
+        bus.close()

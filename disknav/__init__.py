@@ -1,0 +1,70 @@
+"""disknav from Python: load or build a scenario, run it, step it, and look at what came of it as arrays.
+
+    import disknav
+
+    run = disknav.run("figure-1")
+    print(run.verdict, run.trajectory.positions.shape)
+
+docs/python.md has more. The command `disknav` does the same with the same code. Names are imported when
+they are first used, once it is clear that the packages that they come from are disknav's own.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from disknav.recording import Recording as Recording
+    from disknav.recording import read as read
+    from disknav.running import Run as Run
+    from disknav.running import run as run
+    from disknav.scenarios import build as build
+    from disknav.scenarios import library as library
+    from disknav.scenarios import load as load
+    from disknav.simulation import Simulation as Simulation
+    from disknav.trajectory import Trajectory as Trajectory
+    from protocol.errors import DisknavError as DisknavError
+    from protocol.errors import ScenarioError as ScenarioError
+    from protocol.errors import UsageError as UsageError
+    from protocol.scenario.model import Scenario as Scenario
+
+__all__ = [
+    "DisknavError",
+    "Recording",
+    "Run",
+    "Scenario",
+    "ScenarioError",
+    "Simulation",
+    "Trajectory",
+    "UsageError",
+    "build",
+    "library",
+    "load",
+    "read",
+    "run",
+]
+_MODULES = {
+    "disknav.recording": ("Recording", "read"),
+    "disknav.running": ("Run", "run"),
+    "disknav.scenarios": ("build", "library", "load"),
+    "disknav.simulation": ("Simulation",),
+    "disknav.trajectory": ("Trajectory",),
+    "protocol.errors": ("DisknavError", "ScenarioError", "UsageError"),
+    "protocol.scenario.model": ("Scenario",),
+}
+_FROM = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _FROM:
+        raise AttributeError(f"module 'disknav' has no attribute {name!r}; it has {', '.join(__all__)}")
+    from disknav import ownership
+
+    ownership.check()
+    found = globals()[name] = getattr(import_module(_FROM[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return __all__

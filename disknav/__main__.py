@@ -1,0 +1,25 @@
+"""The command `disknav`, once it is sure that the packages which it is made of are its own."""
+
+from __future__ import annotations
+
+import sys
+
+from disknav import ownership
+
+_FAULT = 3  # as in deploy/output/exit_status.py, which may be a stranger's
+
+
+def main() -> None:
+    """Entry point of the command."""
+    try:
+        ownership.check()
+    except ownership.ForeignPackageError as error:
+        print(f"disknav: {error}", file=sys.stderr)
+        sys.exit(_FAULT)
+    from deploy.cli import main
+
+    main()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""Recordings as arrays: the trajectory, and every stream as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, get_args, get_origin
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.recording import reader
+from disknav.trajectory import Trajectory
+from protocol.errors import UsageError
+from protocol.messages import Vector
+from protocol.scenario.model import Scenario
+from protocol.streams import STREAMS
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A run as it was recorded.
+
+    Attributes:
+        entries: everything that was said, in order, read anew by every loop: each with
+            `time` (s, simulated), `key` and `message`.
+        result: as of `disknav.Run`; None when the recording ended before that.
+        cut: whether the file was cut short or is damaged; what is before the cut is here.
+    """
+
+    path: Path
+    scenario: Scenario
+    result: dict[str, Any] | None
+    trajectory: Trajectory
+    entries: reader.Entries
+    cut: bool
+
+    def columns(self, stream: str) -> dict[str, NDArray[Any]]:
+        """One row a message of `stream` ("command", "state", ...): a column for `time` (s) and each field.
+
+        A field that is a position or velocity makes two, as `position_x` and `position_y`, nan where there
+        is none; what is no number stays an object. docs/streams.md says what the fields mean.
+
+        Raises:
+            UsageError: there is no such stream.
+        """
+        if stream not in STREAMS:
+            raise UsageError(f"no stream {stream!r}; there are {', '.join(STREAMS)}")
+        entries = list(self.entries.of(STREAMS[stream].message))
+        times = np.array([entry.time for entry in entries])
+        return {"time": times, **_flat(STREAMS[stream].message, [entry.message for entry in entries])}
+
+
+def read(path: str | Path) -> Recording:
+    """Read a recording that `run` or the command wrote, whole or cut.
+
+    Its trajectory has the ticks whose truth was recorded: all of them, unless the network dropped some.
+
+    Raises:
+        UsageError: there is no such file.
+        RecordingError: it is not a recording of a run.
+    """
+    found = reader.read(path)
+    trajectory = Trajectory.of(found.scenario, found.truths)
+    return Recording(found.path, found.scenario, found.result, trajectory, found.entries, found.cut)
+
+
+def _flat(struct: type[msgspec.Struct], values: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
+    """A column for every field of `struct`; None among `values` is a nested struct that is not there."""
+    columns: dict[str, NDArray[Any]] = {}
+    for field in msgspec.structs.fields(struct):
+        hint, name = _bare(field.type), prefix + field.name
+        inner = [None if value is None else getattr(value, field.name) for value in values]
+        if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
+            columns |= _flat(hint, inner, f"{name}_")
+        elif hint == Vector:
+            plane = np.array([(np.nan, np.nan) if each is None else each for each in inner]).reshape(-1, 2)
+            columns |= {f"{name}_x": plane[:, 0], f"{name}_y": plane[:, 1]}
+        elif hint is float:
+            columns[name] = np.array(inner, dtype=float)
+        else:
+            columns[name] = _column(inner, hint)
+    return columns
+
+
+def _bare(hint: Any) -> Any:
+    """A field's type without bounds, and without None where that is the only alternative."""
+    if get_origin(hint) is Annotated:
+        return _bare(get_args(hint)[0])
+    if get_origin(hint) is UnionType:
+        others = [each for each in get_args(hint) if each is not NoneType]
+        return _bare(others[0]) if len(others) == 1 else hint
+    return hint
+
+
+def _column(values: Sequence[Any], hint: Any) -> NDArray[Any]:
+    if hint in (int, bool, str) and None not in values:
+        return np.array(values, dtype=hint)
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column

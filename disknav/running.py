@@ -1,0 +1,94 @@
+"""A run from start to verdict: in this process, or as a fleet of processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from deploy.recording.reader import read as read_recording
+from deploy.run.execute import Extras, execute
+from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
+from deploy.run.result import complete
+from disknav.scenarios import Settings, load
+from disknav.simulation import Simulation
+from disknav.trajectory import Trajectory
+from protocol.keys import checked_run
+from protocol.scenario.model import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What came of a run.
+
+    Attributes:
+        result: the object that `disknav run --json` writes; docs/reference/result.md lists its fields.
+        recording: the file that was recorded to, if that was asked for.
+    """
+
+    scenario: Scenario
+    result: Mapping[str, Any]
+    trajectory: Trajectory
+    recording: Path | None = None
+
+    @property
+    def verdict(self) -> str:
+        """How the run ended: "arrived", "collision", "timeout", "deadlock", "interrupted" or "aborted"."""
+        return str(self.result["verdict"])
+
+    @property
+    def arrived(self) -> bool:
+        """Whether all robots arrived and nothing touched."""
+        return self.verdict == "arrived"
+
+
+def run(
+    scenario: Scenario | str | Path,
+    settings: Settings | None = None,
+    *,
+    seed: int | None = None,
+    transport: Transport = "local",
+    mode: Mode = "lockstep",
+    record: str | Path | None = None,
+    name: str | None = None,
+    progress: bool = False,
+) -> Run:
+    """Run a scenario to its verdict.
+
+    Args:
+        scenario: one that `load` or `build` gave, or what `load` takes, with `settings` and `seed`.
+        transport: "local" for all robots in this process; "routed" or "mesh" for one process each.
+        mode: "lockstep", or "realtime" for a tick per control period of the wall clock.
+        record: file to record everything to (MCAP).
+        name: of the run; a fresh one unless given.
+        progress: whether to show a bar on standard error.
+
+    The trajectory in lock-step is the same on every transport. Ctrl-C ends the run as "interrupted".
+
+    Raises:
+        ScenarioError, UsageError: as `load`; or `settings` or `seed` are given with a finished scenario.
+        ProcessError, BusError: the fleet could not be started.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load(scenario, settings, seed=seed)
+    elif settings or seed is not None:
+        raise TypeError("settings and seed are for a name or file: give them to load or build instead")
+    options = RunOptions(transport, mode, run=fresh_run_name() if name is None else checked_run(name))
+    if transport == "local" and mode == "lockstep" and record is None and not progress:
+        return _stepped(scenario, options)
+    with ExitStack() as stack:
+        folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
+        path = Path(folder) / "run.mcap" if record is None else Path(record)
+        result = execute(scenario, options, Extras(record=path), quiet=not progress)
+        trajectory = Trajectory.of(scenario, read_recording(path).truths)
+    return Run(scenario, result, trajectory, None if record is None else path)
+
+
+def _stepped(scenario: Scenario, options: RunOptions) -> Run:
+    """Without a recording, tick by tick in this process."""
+    simulation = Simulation(scenario, name=options.run)
+    result = complete(simulation.finish(), options, [])
+    return Run(scenario, result, simulation.trajectory)

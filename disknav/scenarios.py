@@ -1,0 +1,66 @@
+"""Scenarios: from the library, from files, or put together in Python."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from agents.laws import require
+from deploy.library import catalogue
+from deploy.library.load import load as load_named
+from deploy.library.load import resolved
+from protocol.scenario.file import apply_settings, parse_document
+from protocol.scenario.model import Scenario
+
+Settings = Mapping[str, Any]
+
+
+def library() -> dict[str, str]:
+    """What each name of the library shows; `N` in a name stands for a number of robots."""
+    return {entry.name: entry.text for entry in catalogue()}
+
+
+def load(source: str | Path, settings: Settings | None = None, *, seed: int | None = None) -> Scenario:
+    """A scenario of the library (`"figure-1"`) or of a TOML file, ready to run.
+
+    Args:
+        settings: over what the scenario says, by path: `{"control.k": 80, "robots[0].goal": (0.1, 0.0)}`.
+        seed: over the scenario's; a library scenario draws its random starts from it.
+
+    Raises:
+        ScenarioError: the scenario or a setting is invalid; has every problem in `problems`.
+        UsageError: there is no such file or name, or a library that its law needs is missing.
+    """
+    return load_named(str(source), _written(settings or {}), seed)
+
+
+def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scenario:
+    """A scenario from tables as they stand in a file, ready to run; whatever is left out has its default.
+
+    Args:
+        document: such as `{"robots": [{"id": 1, "radius": 0.04, "start": [-0.2, 0], "goal": [0.2, 0]}]}`;
+            docs/reference/scenario.md lists the keys. Arrays may be of numpy.
+        settings: as in `load`.
+
+    Raises:
+        ScenarioError: as in `load`.
+        UsageError: a library that its law needs is missing.
+    """
+    plain = json.loads(json.dumps(document, default=_plain))
+    scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
+    require(scenario.control.law)
+    return scenario
+
+
+def _written(settings: Settings) -> list[str]:
+    """As `--set` takes them: what JSON can say of values, TOML understands."""
+    return [f"{path}={json.dumps(value, default=_plain)}" for path, value in settings.items()]
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and numbers of numpy as JSON knows them."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a scenario holds numbers, strings, arrays and tables, not {type(value).__name__}")

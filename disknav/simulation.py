@@ -1,0 +1,88 @@
+"""A run in this process, one tick at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from deploy.recording.reader import Truths
+from deploy.run.local import LocalFleet
+from disknav.trajectory import Floats, Trajectory
+from protocol.messages import Truth
+from protocol.scenario.model import Scenario
+
+
+class Simulation:
+    """World and robots of one lock-step run, which goes on when `step` is called.
+
+    for positions in disknav.Simulation(scenario):  # (p, 2), m, one tick after the other
+        ...
+    """
+
+    def __init__(self, scenario: Scenario, *, name: str = "local") -> None:
+        """`scenario` as `disknav.load` or `disknav.build` give it."""
+        self.scenario = scenario
+        self._fleet = LocalFleet([scenario], name)
+        self._truths = [self._truth]
+
+    @property
+    def tick(self) -> int:
+        """How many ticks are over."""
+        return self._fleet.world.world.tick
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.tick * self.scenario.time.step
+
+    @property
+    def verdict(self) -> str:
+        """How the run ended; empty while it goes on."""
+        return self._fleet.world.world.verdict
+
+    @property
+    def positions(self) -> Floats:
+        """Where all disks are, m, shape (p, 2), in the order of ids."""
+        return np.array(self._truths[-1].positions)
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """From tick 0 to now."""
+        told = self._truths
+        truths = Truths(
+            np.array([truth.tick for truth in told]),
+            np.array([truth.positions for truth in told]),
+            np.array([truth.clearance for truth in told]),
+            np.array([truth.phi for truth in told]),
+        )
+        return Trajectory.of(self.scenario, truths)
+
+    def step(self) -> bool:
+        """Go on by one tick; False, and nothing happens, once the run has its verdict."""
+        if self.verdict:
+            return False
+        self._fleet.step()
+        if self._truth.tick > self._truths[-1].tick:
+            self._truths.append(self._truth)
+        return True
+
+    def __iter__(self) -> Iterator[Floats]:
+        """Positions after every tick that follows, up to the verdict."""
+        while self.step():
+            yield self.positions
+
+    def finish(self) -> dict[str, Any]:
+        """Go on to the verdict; the world's report. Ctrl-C ends the run as "interrupted"."""
+        try:
+            while self.step():
+                pass
+        except KeyboardInterrupt:
+            self._fleet.world.interrupt("interrupted", "stopped by the user")
+        (report,) = self._fleet.execute()
+        return report
+
+    @property
+    def _truth(self) -> Truth:
+        return self._fleet.world.world.truth

@@ -1,0 +1,150 @@
+"""Orders while a fleet runs: through the bus to the robots, after a restart of the world, on real zenoh."""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from deploy.run.operator import Operator, operating
+from protocol.bus.connection import Connection
+from protocol.bus.events import Request
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import BusError, DisknavError
+from protocol.goals import GoalOrder
+from protocol.keys import robot_key
+from protocol.messages import Clock
+from protocol.scenario.model import Scenario
+from tests.deploy.monitor.watched import until
+from tests.deploy.processes.hosts.ssh_server import free_ports
+from world.shell.journal import Journal
+
+SCENARIO = load("swap-4")
+TOLERANCE = SCENARIO.time.tolerance
+PLACE = (0.05, 0.02)
+
+
+class Ordered(LocalFleet):
+    """Robot 2 is sent elsewhere at tick 30; where there is a journal the world dies at tick 45."""
+
+    def __init__(self, scenario: Scenario, journal: Path | None = None) -> None:
+        super().__init__([scenario], watch=self._look, journal=journal)
+        self._doom = journal is not None
+        self.replies: list[dict[str, Any]] = []
+
+    def _look(self, clock: Clock) -> None:
+        if clock.tick >= 30 and not self.replies:
+            self.world.handle(
+                Request(
+                    robot_key(self.run, 2, "goal"),
+                    json.dumps({"points": [PLACE]}).encode(),
+                    lambda reply: self.replies.append(json.loads(reply)),
+                )
+            )
+        if clock.tick >= 45 and self._doom:
+            self._doom = False
+            self.kill_world()
+            self.start_world()
+
+
+def outcome(fleet: Ordered) -> tuple[str, float, str]:
+    report = fleet.execute()[0]
+    positions = dict(zip(SCENARIO.ids, fleet.world.world.truth.positions, strict=True))
+    assert fleet.replies[0]["accepted"]
+    assert report["collisions"] == 0
+    return report["verdict"], math.dist(positions[2], PLACE), report["trajectory_sha256"]
+
+
+@pytest.mark.parametrize("law", ["gradient", "orca"])
+def test_a_robot_goes_where_it_is_sent(law: str) -> None:
+    # Clocks are told by the wall clock, so the tick of the order differs from run to run.
+    verdict, away, _ = outcome(Ordered(replace(SCENARIO, control=replace(SCENARIO.control, law=law))))
+    assert (verdict, away <= TOLERANCE) == ("arrived", True)
+
+
+def test_an_order_outlives_the_world(tmp_path: Path) -> None:
+    Journal.create(tmp_path / "journal", "local", [SCENARIO])
+    verdict, away, _ = outcome(Ordered(SCENARIO, tmp_path / "journal"))
+    assert (verdict, away <= TOLERANCE) == ("arrived", True)
+
+
+def order_at(tick: int) -> str:
+    """The trajectory's hash when robot 2 is sent elsewhere at exactly this tick."""
+    fleet = LocalFleet([SCENARIO])
+    while fleet.world.world.tick < tick:
+        fleet.step()
+    assert fleet.world.world.order(2, GoalOrder((PLACE,))).accepted
+    sha: str = fleet.execute()[0]["trajectory_sha256"]
+    return sha
+
+
+def test_the_same_order_at_the_same_tick_gives_the_same_trajectory() -> None:
+    assert order_at(30) == order_at(30) != order_at(31)
+
+
+# -- on real zenoh
+
+
+def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
+    options = ["--run", "yard", "--listen", endpoint, "--json", str(result), "--quiet", "--set", "seed=3"]
+    return subprocess.Popen([sys.executable, "-m", "deploy.cli", "serve", "swap-4", *options])
+
+
+def answering(operator: Operator) -> Callable[[], bool]:
+    def look() -> bool:
+        try:
+            return operator.status(1).accepted
+        except DisknavError:  # no answer yet
+            return False
+
+    return look
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+def test_serve_and_send(tmp_path: Path) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    with served(endpoint, tmp_path / "result.json") as fleet:
+        until(lambda: reachable(endpoint), 30.0)
+        with operating(Connection(connect=(endpoint,)), "yard") as operator:
+            until(answering(operator), 30.0)
+            reply = operator.order(1, GoalOrder((PLACE, (0.1, 0.1))))
+            assert operator.outcome(1, reply.number, 60.0).status == "arrived"
+            assert operator.halt(True).halted
+            stopped = operator.order(1, GoalOrder((PLACE,), within=1.0))
+            assert operator.outcome(1, stopped.number, 60.0).status == "given up"  # it could not move
+            assert not operator.halt(False).halted
+            assert "out of the workspace" in operator.order(1, GoalOrder(((9.0, 0.0),))).text
+            assert "no robot 7" in operator.order(7, GoalOrder((PLACE,))).text
+        bus = ZenohBus(Connection(connect=(endpoint,)))  # as any client of zenoh
+        told = json.loads(bus.ask("disknav/yard/robot/3/goal", b'{"points": [[0, -0.1]]}', 5.0))
+        bus.close()
+        assert (told["accepted"], told["number"]) == (True, 1)
+        command = ["goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]
+        said = subprocess.run(
+            [sys.executable, "-m", "deploy.cli", *command], capture_output=True, check=True, timeout=60
+        )
+        assert msgspec.json.decode(said.stdout)["status"]["goal"] == [-0.1, -0.1]
+        fleet.send_signal(signal.SIGINT)
+        assert fleet.wait(30) == 0
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert (result["verdict"], result["collisions"]) == ("interrupted", 0)
+
+
+def reachable(endpoint: str) -> bool:
+    try:
+        ZenohBus(Connection(connect=(endpoint,), timeout=1.0)).close()
+    except BusError:
+        return False
+    return True

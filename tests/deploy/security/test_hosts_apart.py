@@ -1,0 +1,210 @@
+"""Hosts with a router each; somebody with everything of one of them speaks in the name of all the others."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.security.keystore import create
+from deploy.security.membership import Membership
+from deploy.security.roster import Home, Roster
+from protocol.bus.connection import Connection
+from protocol.bus.events import Presence, Request, Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import BusError, CertificateError, UsageError
+from protocol.keys import everything, robot_key, world_key
+from protocol.streams import QUESTIONS, STREAMS
+from tests.deploy.processes.hosts.ssh_server import free_ports
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
+
+RUN, HERE = "apart", "127.0.0.1"
+HOMES = {"a": Home((HERE,), (1,)), "b": Home((HERE,), (2,)), "c": Home((HERE,), (3, 4))}
+ROSTER = Roster(RUN, (1, 2, 3, 4), HOMES, "a")
+STATES, ALL = f"disknav/{RUN}/robot/*/state", everything(RUN)
+OWN = {"robot/3", "robot/4"}
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("apart") / "keys"
+    create(directory, ROSTER)
+    return directory
+
+
+def every_key() -> Iterator[tuple[str, str]]:
+    """Each stream of everybody, with its key."""
+    for name, stream in STREAMS.items():
+        if name in ("clock", "truth", "result"):
+            yield name, world_key(RUN, name)
+        else:
+            yield from ((stream.name, robot_key(RUN, robot, name)) for robot in ROSTER.robots)
+
+
+def owner(key: str) -> str:
+    """`robot/3` or `world`, of any key of the run."""
+    return key.removeprefix(f"disknav/{RUN}/").rpartition("/")[0]
+
+
+def publish(bus: ZenohBus, stream: str, key: str, payload: bytes) -> None:
+    bus.publisher(STREAMS[stream], key)(payload)
+
+
+class Field:
+    """Routers of a and b; the world and a spy on a, robot 2 on b; and a rogue with all that c has."""
+
+    def __init__(self, stack: ExitStack, keys: Path, *, guarded: bool) -> None:
+        self._stack, self._keys, self._guarded = stack, keys, guarded
+        self.endpoints = {host: f"tls/{HERE}:{port}" for host, port in zip(HOMES, free_ports(3), strict=True)}
+        supervisor = stack.enter_context(Supervisor())
+        for host, before in (("a", ()), ("b", ("a",))):
+            supervisor.start([table.linked_router(self._router(host, before, guarded=guarded), host)])
+            supervisor.report(table.router_name(host), 20.0)
+        self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
+        self.honest = self.client("robot-2", "b")
+        for question in QUESTIONS:
+            key = f"disknav/{RUN}/robot/*/join" if question.name == "join" else world_key(RUN, question.name)
+            self.world.serve(key)
+        self.honest.subscribe(robot_key(RUN, 2, "tick"), STATES)
+        self.spy.subscribe(ALL)
+        self.spy.watch(ALL)
+        self.rogue = self._open(self._router("c", ("a", "b"), guarded=False))
+        self.rogue.await_routers(10.0)
+        for bus in (self.spy, self.honest):
+            self._await_way(bus)
+
+    def _await_way(self, bus: ZenohBus) -> None:
+        """Routers tell each other of subscriptions in their own time: wait until what is allowed arrives."""
+        deadline = time.monotonic() + 10.0
+        while time.monotonic() < deadline:
+            publish(self.rogue, "state", robot_key(RUN, 3, "state"), b"ready")
+            if isinstance(bus.receive(0.05), Sample):
+                return
+        raise AssertionError("nothing gets through")
+
+    def client(self, role: str, host: str) -> ZenohBus:
+        """A session with a role's credentials at a host's router."""
+        return self._open(Membership(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
+
+    def _router(self, host: str, before: tuple[str, ...], *, guarded: bool) -> Connection:
+        others = [self.endpoints[each] for each in before]
+        connection = Membership(self._keys).router((self.endpoints[host],), others, host)
+        return connection if guarded else replace(connection, access=None)
+
+    def _open(self, connection: Connection) -> ZenohBus:
+        return self._stack.enter_context(closing(ZenohBus(connection)))
+
+    @contextmanager
+    def answering(self) -> Iterator[None]:
+        """The world answers every request."""
+        done = threading.Event()
+
+        def answer() -> None:
+            while not done.is_set():
+                event = self.world.receive(0.05)
+                if isinstance(event, Request):
+                    event.reply(event.key.encode())
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        yield
+        done.set()
+        thread.join()
+
+
+@contextmanager
+def field(keys: Path, *, guarded: bool = True) -> Iterator[Field]:
+    with ExitStack() as stack:
+        yield Field(stack, keys, guarded=guarded)
+
+
+def attack(rogue: ZenohBus) -> None:
+    """Claim to be everybody, offer to answer for the world, overhear all, and write under every key."""
+    rogue.subscribe(ALL)
+    rogue.watch(ALL)
+    rogue.serve(f"disknav/{RUN}/**")
+    for each in ("world", *(f"robot/{robot}" for robot in ROSTER.robots)):
+        rogue.announce(f"disknav/{RUN}/{each}/alive")
+    for stream, key in every_key():
+        publish(rogue, stream, key, b"rogue")
+
+
+def heard(bus: ZenohBus, last: bytes) -> tuple[set[str], set[str]]:
+    """Whose keys were written under, and who showed up, up to the sample with payload `last`."""
+    written, present = set(), set()
+    deadline = time.monotonic() + 10.0
+    while time.monotonic() < deadline:
+        event = bus.receive(0.05)
+        if isinstance(event, Sample) and event.payload == last:
+            return written, present
+        if isinstance(event, Sample) and event.payload == b"rogue":
+            written.add(owner(event.key))
+        elif isinstance(event, Presence) and event.alive:
+            present.add(owner(event.key))
+    raise AssertionError(f"{last!r} never arrived")
+
+
+def test_with_everything_of_a_host_one_speaks_for_its_robots_only(keys: Path) -> None:
+    with field(keys) as it:
+        attack(it.rogue)
+        for mine in ("robot-3", "robot-4"):  # its robots' keys, at the routers of others
+            attack(it.client(mine, "a"))
+        publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
+        assert heard(it.spy, b"its own") == (OWN, OWN)
+        assert heard(it.honest, b"its own") == (OWN, set())  # nor as the world to others' robots
+        publish(it.world, "tick", robot_key(RUN, 2, "tick"), b"for 2 alone")
+        publish(it.honest, "command", robot_key(RUN, 2, "command"), b"for the world")
+        heard(it.honest, b"for 2 alone")
+        heard(it.spy, b"for the world")
+        overheard = iter(lambda: it.rogue.receive(0.2), None)
+        assert not any(isinstance(event, Sample | Request) for event in overheard)
+
+
+def test_who_joins_proves_who_it_is(keys: Path) -> None:
+    with field(keys) as it, it.answering():
+        it.rogue.serve(f"disknav/{RUN}/**")
+        for robot in ROSTER.robots:
+            key = robot_key(RUN, robot, "join")
+            if f"robot/{robot}" in OWN:
+                assert it.rogue.ask(key, b"", 5.0) == key.encode()
+            else:
+                with pytest.raises(BusError, match="nobody answered"):
+                    it.rogue.ask(key, b"", 0.3)
+        for steering in ("steering", "scenario"):  # nor is it a monitor
+            with pytest.raises(BusError, match="nobody answered"):
+                it.rogue.ask(world_key(RUN, steering), b"", 0.3)
+        key = robot_key(RUN, 2, "join")
+        assert it.honest.ask(key, b"", 5.0) == key.encode()
+
+
+def test_without_rules_the_same_is_possible(keys: Path) -> None:
+    with field(keys, guarded=False) as it:
+        attack(it.rogue)
+        publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
+        everybody = {owner(key) for _, key in every_key()}
+        written, present = heard(it.spy, b"its own")
+        assert written == everybody
+        assert present == everybody
+        assert heard(it.honest, b"its own")[0] == {"robot/1", "robot/2", "robot/3", "robot/4"}
+
+
+def test_a_host_needs_its_own_keys_only(keys: Path, tmp_path: Path) -> None:
+    given = tmp_path / "keys"
+    given.mkdir(mode=0o700)
+    for name in ("ca.pem", "roster.json", "router-c.pem", "router-c.key"):
+        (given / name).write_bytes((keys / name).read_bytes())
+        (given / name).chmod(0o600)
+    found = Membership(given).router()
+    assert found.credentials == Membership(given).router(host="c").credentials
+    with pytest.raises(CertificateError, match="no certificate for router-a"):
+        Membership(given).router(host="a")
+    with pytest.raises(UsageError, match="name the host, one of a, b, c"):
+        Membership(keys).router()

@@ -1,0 +1,184 @@
+"""One command line: an option means the same in every command, or is refused where it cannot apply."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from deploy.commands.application import GROUPS, app
+from deploy.software.findings import Finding
+from protocol.errors import UsageError
+
+COMMAND = typer.main.get_command(app)
+
+
+def commands(command: Any = COMMAND, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Every command that people call, with its name."""
+    if not hasattr(command, "commands"):
+        yield name, command
+        return
+    for word, inner in command.commands.items():
+        if not inner.hidden:
+            yield from commands(inner, f"{name} {word}".strip())
+
+
+ALL = dict(commands())
+
+
+def option(name: str) -> dict[str, Any]:
+    """The option of this name in each command that has it."""
+    found = {}
+    for title, command in ALL.items():
+        for parameter in command.params:
+            if name in parameter.opts:
+                found[title] = parameter
+    return found
+
+
+@pytest.mark.parametrize("name", ["--json", "--seed", "--set", "--quiet", "--secure", "--mode"])
+def test_an_option_means_the_same_everywhere(name: str) -> None:
+    found = option(name)
+    own_seed = {"study", "certify", "scenario new"}  # not over a scenario's, and they say so
+    texts = {each.help for title, each in found.items() if name != "--seed" or title not in own_seed}
+    assert len(found) >= 3
+    assert len(texts) == 1, texts
+
+
+def test_json_is_a_file_wherever_there_is_a_result() -> None:
+    found = option("--json")
+    assert set(found) >= {"run", "study", "check", "certify", "endure", "flood", "info", "doctor"}
+    assert {each.metavar for each in found.values()} == {"FILE"}
+
+
+def test_short_options_mean_one_thing() -> None:
+    meanings: dict[str, set[str]] = {}
+    for command in ALL.values():
+        for parameter in command.params:
+            for short in (name for name in parameter.opts if len(name) == 2):
+                meanings.setdefault(short, set()).add(parameter.opts[0])
+    assert {short: names for short, names in meanings.items() if len(names) > 1} == {}
+    assert meanings["-n"] == {"--robots"}
+    assert meanings["-o"] == {"--out"}
+
+
+def test_a_router_is_an_endpoint_everywhere() -> None:
+    found = option("--router")
+    assert set(found) >= {"run", "monitor", "replay", "robot", "world", "probe", "deploy"}
+    assert {each.metavar for each in found.values()} == {"ENDPOINT"}
+    assert all("router" in each.help and "listens" in each.help for each in found.values())
+
+
+@pytest.mark.parametrize("title", ALL)
+def test_every_command_has_an_example(title: str) -> None:
+    assert f"disknav {title}" in ALL[title].help
+    assert "Example" in ALL[title].help
+
+
+def test_help_is_grouped() -> None:
+    text = CliRunner().invoke(app, ["--help"]).output
+    places = [text.index(f"─ {group} ─") for group in GROUPS]
+    assert places == sorted(places)
+    assert "--install-completion" in text
+
+
+CANNOT_APPLY = [
+    ("run figure-1 --transport local --router tcp/127.0.0.1:7447", "--router"),
+    ("run figure-1 --mode realtime --speed 2", "--speed"),
+    ("run figure-1 --transport local --restart on-failure", "--restart"),
+    ("run figure-1 --open", "--open"),
+    ("serve figure-1 --speed 2", "--speed"),
+    ("serve figure-1 --router tcp/127.0.0.1:7447 --listen tcp/127.0.0.1:7448", "--listen"),
+    ("goal yard 3 --wait", "--wait"),
+    ("monitor --run x --port 8000", "--port"),
+    ("study tuning --out here", "--out"),
+    ("study tuning --fresh", "--fresh"),
+    ("study tuning --fresh --json -", "--fresh"),
+    ("study scale --jobs 2", "--jobs"),
+    ("study tuning --jobs 2 --scheduler tcp://127.0.0.1:1", "--jobs"),
+    ("study robustness --random 10 --runs 3", "--runs"),
+    ("study tuning --random 10", "--random"),
+    ("study falsify --plot here.png", "--plot"),
+    ("certify figure-2 --seed 0", "--seed"),
+    ("certify figure-2 --starts 3 --minutes 1", "--minutes"),
+    ("certify figure-2 --starts 3 --out here.json", "--out"),
+    ("certify --verify x.json --starts 3", "--starts"),
+    ("certify --verify x.json --set control.k=3", "--set"),
+    ("deploy compose figure-1 -o fleet --router tls/10.0.0.1:7447", "--router"),
+    ("deploy systemd figure-1 -o fleet --image mine", "--image"),
+    ("scenario new swap --density 0.2", "--density"),
+    ("replay x.mcap --speed 3", "--speed"),
+    ("replay x.mcap --run other", "--run"),
+]
+
+
+@pytest.mark.parametrize(("line", "name"), CANNOT_APPLY)
+def test_an_option_that_cannot_apply_is_refused(
+    line: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match=name):
+        CliRunner().invoke(app, line.split(), catch_exceptions=False)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words", [["--json"], ["--json", "-"], ["--json", "--seed", "3"]])
+def test_json_without_a_file_is_standard_output(words: list[str]) -> None:
+    done = CliRunner().invoke(app, ["check", "figure-2", *words], catch_exceptions=False)
+    assert json.loads(done.stdout)["scenario"] == "figure-2"
+
+
+def test_json_into_a_file_leaves_the_table_on_the_terminal(tmp_path: Path) -> None:
+    file = tmp_path / "check.json"
+    done = CliRunner().invoke(app, ["check", "figure-2", "--json", str(file)], catch_exceptions=False)
+    assert json.loads(file.read_text())["scenario"] == "figure-2"
+    assert "figure-2" in done.stdout
+
+
+def test_the_shell_completes_names_of_the_library() -> None:
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys; sys.argv = ['disknav']; from disknav.__main__ import main; main()",
+        ],
+        env={"_DISKNAV_COMPLETE": "complete_bash", "COMP_WORDS": "disknav run fig", "COMP_CWORD": "2"},
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert "figure-1" in done.stdout.split()
+
+
+@pytest.mark.process
+def test_doctor_finds_this_machine_fit() -> None:
+    done = CliRunner().invoke(app, ["doctor", "--json"], catch_exceptions=False)
+    found = {each["what"]: each for each in json.loads(done.stdout)}
+    assert done.exit_code == 0
+    assert found["fleet"]["level"] == "good"
+    assert "Python 3." in found["installation"]["text"]
+    assert all(
+        each["remedy"]
+        for each in found.values()
+        if each["level"] != "good" and "does not say" not in each["text"]
+    )
+
+
+def test_doctor_prints_commands_that_can_be_copied(monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = Finding(
+        "extra plot", "note", "matplotlib not installed", "pip install 'disknav[plot] @ file:///a'"
+    )
+    monkeypatch.setattr("deploy.software.findings.findings", lambda: iter([lacking]))
+    monkeypatch.setattr("deploy.commands.doctor._trial", lambda: Finding("fleet", "bad", "did not run"))
+    done = CliRunner().invoke(app, ["doctor"], catch_exceptions=False)
+    assert lacking.remedy in done.stdout
+    assert done.exit_code == 1

@@ -1,0 +1,132 @@
+"""`import disknav`: scenarios in, arrays out, and the same trajectory as the command's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import disknav
+from deploy.run.local import LocalFleet
+from protocol.errors import UsageError
+from protocol.scenario.file import write_toml
+from world.judge.trajectory import TrajectoryDigest
+
+ROBOTS = [
+    {"id": 7, "radius": 0.04, "start": np.array([-0.2, 0.0]), "goal": (0.2, 0.0)},
+    {"id": 2, "radius": np.float64(0.04), "start": [0.0, -0.2], "goal": [0.0, 0.2]},
+]
+
+
+def test_settings_are_as_on_the_command_line() -> None:
+    scenario = disknav.load(
+        "swap-3", {"control.k": np.int64(80), "control.pace": "own", "robots[0].goal": (0.1, 0.0)}, seed=5
+    )
+    assert (scenario.control.k, scenario.control.pace, scenario.seed) == (80, "own", 5)
+    assert scenario.robots[0].goal == (0.1, 0.0)
+
+
+def test_a_scenario_built_is_one_read(tmp_path: Path) -> None:
+    built = disknav.build({"robots": ROBOTS, "seed": 3}, {"control.k": 20})
+    file = tmp_path / "two.toml"
+    file.write_text(write_toml(built))
+    assert disknav.load(file) == built
+
+
+def test_every_problem_is_named() -> None:
+    with pytest.raises(disknav.ScenarioError) as caught:
+        disknav.build({"robots": [{**ROBOTS[0], "radius": -1.0}], "control": {"law": 3, "rush": True}})
+    assert {problem.path for problem in caught.value.problems} == {
+        "control.law",
+        "control.rush",
+        "robots[0].radius",
+    }
+
+
+def test_what_a_file_cannot_say_is_refused() -> None:
+    with pytest.raises(TypeError, match="not complex"):
+        disknav.build({"robots": ROBOTS, "seed": 1j})
+
+
+def test_a_run_is_the_worlds_truth() -> None:
+    scenario = disknav.build({"robots": ROBOTS})
+    run = disknav.run(scenario)
+    (report,) = LocalFleet([scenario]).execute()
+    trajectory = run.trajectory
+    assert run.arrived
+    assert run.result["trajectory_sha256"] == report["trajectory_sha256"]
+    digest = TrajectoryDigest(scenario.ids)
+    digest.add(
+        trajectory.ticks.tolist(), [[(x, y) for x, y in tick] for tick in trajectory.positions.tolist()]
+    )
+    assert digest.hexdigest() == report["trajectory_sha256"]
+    assert trajectory.robots.tolist() == [2, 7]
+    assert np.array_equal(trajectory.of_robot(7)[0], [-0.2, 0.0])
+    assert trajectory.clearance.min() == report["min_clearance"]
+    assert trajectory.phi[-1] == report["phi"]["last"]
+    assert trajectory.times[-1] == pytest.approx(report["sim_time"])
+
+
+def test_a_simulation_goes_on_by_one_tick() -> None:
+    simulation = disknav.Simulation(disknav.build({"robots": ROBOTS}))
+    start = simulation.positions
+    assert simulation.tick == 0
+    assert simulation.step()
+    assert (simulation.tick, simulation.time) == (1, 0.05)
+    moved = np.hypot(*(simulation.positions - start).T)
+    assert (moved > 0).all()
+    assert (moved <= 0.05 * 0.10 * (1 + 1e-9)).all()
+    rest = list(simulation)
+    assert simulation.verdict == "arrived"
+    assert len(rest) == simulation.tick - 1 == len(simulation.trajectory.ticks) - 2
+    assert not simulation.step()
+
+
+def test_faults_happen_while_stepping() -> None:
+    scenario = disknav.load("crash")
+    simulation = disknav.Simulation(scenario)
+    report = simulation.finish()
+    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
+
+
+def test_a_finished_scenario_takes_no_settings() -> None:
+    with pytest.raises(TypeError, match="load or build"):
+        disknav.run(disknav.build({"robots": ROBOTS}), {"control.k": 3})
+
+
+def test_columns_and_frames_say_the_same() -> None:
+    trajectory = disknav.run(disknav.build({"robots": ROBOTS})).trajectory
+    columns = trajectory.columns()
+    for frame in (trajectory.to_pandas(), trajectory.to_polars()):
+        assert list(frame.columns) == list(columns)
+        assert all(np.array_equal(frame[name].to_numpy(), values) for name, values in columns.items())
+    row = 2 * 9 + 1
+    assert (columns["tick"][row], columns["robot"][row]) == (9, 7)
+    assert (columns["x"][row], columns["y"][row]) == tuple(trajectory.positions[9, 1])
+
+
+def test_there_is_no_such_robot() -> None:
+    with pytest.raises(UsageError, match="no robot 3; there are 2, 7"):
+        disknav.run(disknav.build({"robots": ROBOTS})).trajectory.of_robot(3)
+
+
+@pytest.mark.process
+def test_a_fleet_drives_the_same_and_is_recorded(tmp_path: Path) -> None:
+    scenario = disknav.build({"robots": ROBOTS, "link": {"delay": [0.0, 0.1]}})
+    here = disknav.run(scenario)
+    fleet = disknav.run(scenario, transport="routed", record=tmp_path / "run.mcap")
+    assert fleet.result["trajectory_sha256"] == here.result["trajectory_sha256"]
+    assert {row["name"] for row in fleet.result["processes"]} >= {"world", "robot-2", "robot-7"}
+    recording = disknav.read(tmp_path / "run.mcap")
+    assert recording.result == fleet.result
+    assert np.array_equal(recording.trajectory.positions, fleet.trajectory.positions)
+    commands, states = recording.columns("command"), recording.columns("state")
+    assert set(commands["robot"].tolist()) == {2, 7}
+    speeds = np.hypot(commands["velocity_x"], commands["velocity_y"])
+    assert 0.05 < speeds.max() <= 0.10 * (1 + 1e-9)
+    own = states["robot"] == 7
+    assert states["gamma"][own][0] == pytest.approx(0.16)
+    assert recording.columns("health")["rejected"][0] == {}
+    with pytest.raises(UsageError, match=r"no stream 'velocity'; there are .*command"):
+        recording.columns("velocity")

@@ -1,0 +1,183 @@
+"""Orders of where to go: what is refused and why, point after point, patrols, ends that are no arrivals."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.errors import MessageError
+from protocol.goals import LIMIT, MOST_POINTS, GoalOrder, GoalReply, decode_order, encode_reply, is_json
+from protocol.messages import Command, GoalStatus, Standing, Vector
+from tests.world.driving import STEP, advance, joined, two
+from world.coordinator.missions import Missions
+from world.world import World
+
+HERE, THERE = (0.05, 0.15), (-0.05, 0.15)
+
+
+def drive(world: World, most: int = 400) -> list[GoalStatus]:
+    """Robot 1 goes straight to whatever goal it is told, until no order is open; what was told of it."""
+    said = world.goal_news()
+    for _ in range(most):
+        told = world.open_tick()
+        goal = told[1].goal or (0.1, 0.1)
+        (x, y), *_ = world.truth.positions
+        dx, dy = goal[0] - x, goal[1] - y
+        scale = min(1.0, 0.005 / math.hypot(dx, dy)) if (dx, dy) != (0.0, 0.0) else 0.0
+        advance(world, {1: (scale * dx / STEP, scale * dy / STEP)})
+        said += world.goal_news()
+        if said and said[-1].status != "under way":
+            return said
+    return said
+
+
+def test_point_after_point() -> None:
+    world = joined(two())
+    assert world.order(1, GoalOrder((HERE, THERE))) == GoalReply(
+        True, 1, status=GoalStatus(1, 0, 1, "under way", HERE, 1)
+    )
+    said = drive(world)
+    assert [(each.status, each.goal, each.ahead) for each in said] == [
+        ("under way", HERE, 1),
+        ("under way", THERE, 0),
+        ("arrived", THERE, 0),
+    ]
+    assert math.dist(world.truth.positions[0], THERE) <= 0.005
+    assert world.goal_status(1) == said[-1]
+
+
+def test_a_queued_order_waits_and_another_replaces() -> None:
+    world = joined(two())
+    world.order(1, GoalOrder((HERE,)))
+    queued = world.order(1, GoalOrder((THERE,), queue=True))
+    assert (queued.number, queued.status.goal, queued.status.ahead) == (2, HERE, 1)
+    replaced = world.order(1, GoalOrder((THERE,)))
+    assert (replaced.number, replaced.status.goal, replaced.status.ahead) == (3, THERE, 0)
+
+
+def test_a_patrol_has_no_end_and_keeps_the_run_open() -> None:
+    world = joined(two())
+    world.order(1, GoalOrder((HERE, THERE), patrol=True))
+    said = drive(world, 120)
+    assert len(said) > 4
+    assert {each.goal for each in said} == {HERE, THERE}
+    assert {each.status for each in said} == {"under way"}
+    assert world.verdict == ""
+
+
+def test_cancelling_stays_and_giving_up_does_too() -> None:
+    world = joined(two())
+    world.order(1, GoalOrder((HERE,)))
+    advance(world, {1: (0.05, 0.0)})
+    place = world.truth.positions[0]
+    assert world.order(1, GoalOrder(())).status == GoalStatus(1, 1, 2, "cancelled", place)
+    world.order(1, GoalOrder((HERE,), within=3 * STEP))
+    for _ in range(3):
+        advance(world)
+    assert world.goal_status(1) == GoalStatus(1, 4, 3, "given up", place)
+    assert world.open_tick()[1].goal == place
+
+
+def test_the_straight_way_begins_where_the_order_came() -> None:
+    world = joined(two())
+    advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
+    world.order(1, GoalOrder((HERE,)))
+    drive(world)
+    lengths = world.report()["path_lengths"]
+    straight = 0.005 + math.dist((-0.095, 0.1), HERE) + 0.2
+    assert world.report()["nrl"] == pytest.approx((lengths["1"] + lengths["2"]) / straight)
+
+
+def test_what_cannot_be_is_refused_by_reason_and_changes_nothing() -> None:
+    world = joined(two())
+    before = world.goal_status(1)
+    for robot, order, reason in (
+        (3, GoalOrder((HERE,)), "no robot 3"),
+        (1, GoalOrder(((0.28, 0.0),)), "0.02 m out of the workspace"),
+        (1, GoalOrder((HERE, (0.0, -0.3))), "out of the workspace"),
+        (1, GoalOrder((), patrol=True), "leave out"),
+    ):
+        reply = world.order(robot, order)
+        assert not reply.accepted
+        assert reason in reply.text
+    assert (world.goal_status(1), world.goal_news()) == (before, [])
+    full = GoalOrder((HERE,) * MOST_POINTS)
+    assert world.order(1, full).accepted
+    assert "at most" in world.order(1, GoalOrder((THERE,), queue=True)).text
+
+
+def test_a_disk_that_stands_is_in_the_way_of_others_only() -> None:
+    missions = Missions(two())
+    down = [Standing(2, 1, HERE)]
+    assert "robot 2 is down and stands there" in missions.refusal(1, GoalOrder((HERE,)), down)
+    assert missions.refusal(2, GoalOrder((HERE,)), down) == ""
+
+
+def test_a_goal_upon_anothers_is_accepted_with_a_warning() -> None:
+    reply = joined(two()).order(1, GoalOrder(((0.1, -0.05),)))
+    assert reply.accepted
+    assert "robot 2" in reply.text
+
+
+def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
+    world = joined(two())
+    advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
+    before = world.truth.positions
+    world.open_tick()
+    world.halt(True)  # in the middle of a tick, with commands on their way
+    for robot in world.active:
+        world.accept(Command(robot, 1, 1, (0.1, 0.0)))
+    world.close_tick()
+    for _ in range(40):  # far longer than what counts as a deadlock
+        assert world.open_tick()[1].halted
+        advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
+    assert (world.truth.positions, world.verdict) == (before, "")
+    world.halt(False)
+    assert not world.open_tick()[1].halted
+    advance(world, {1: (0.1, 0.0)})
+    assert world.truth.positions[0] == (before[0][0] + 0.1 * STEP, before[0][1])
+
+
+points = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
+
+
+@given(st.lists(st.tuples(st.lists(points, max_size=4), st.booleans(), st.booleans()), max_size=8))
+def test_whatever_is_accepted_lies_within_reach(orders: list[tuple[list[Vector], bool, bool]]) -> None:
+    missions, number = Missions(two()), 0
+    for given_points, queue, patrol in orders:
+        order = GoalOrder(tuple(given_points), queue=queue, patrol=patrol)
+        inside = all(math.hypot(*point) + 0.04 < 0.3 for point in given_points)
+        accepted = missions.refusal(1, order, ()) == ""
+        assert accepted == (inside and (bool(given_points) or not (queue or patrol)))
+        if accepted:
+            number += 1
+            assert missions.accept(1, order, 0, (0.0, 0.0)).number == number
+            assert missions.pending == bool(given_points)
+
+
+@pytest.mark.parametrize(
+    ("payload", "reason"),
+    [
+        (b"\xc1", "shape"),
+        (b"{", "shape"),
+        (b'{"points": [[0, NaN]]}', "shape"),
+        (b'{"points": [[0, 1]], "patrole": true}', "shape"),
+        (b'{"points": [[0, 1]], "within": 0}', "shape"),
+        (b"\x81\xa6points\x91\x92\xcb\x7f\xf0\x00\x00\x00\x00\x00\x00\x00", "not-finite"),
+        (b" " * (LIMIT + 1), "oversize"),
+    ],
+)
+def test_malformed_orders_are_refused_for_their_reason(payload: bytes, reason: str) -> None:
+    with pytest.raises(MessageError) as raised:
+        decode_order(payload)
+    assert raised.value.reason == reason
+
+
+def test_people_may_write_json_and_get_json() -> None:
+    request = b'{"points": [[0.1, -0.2]], "queue": true}'
+    assert decode_order(request) == GoalOrder(((0.1, -0.2),), queue=True)
+    assert decode_order(b"") is None
+    assert is_json(encode_reply(GoalReply(True, 4), request))

@@ -1,0 +1,168 @@
+"""Missions: what robots were ordered to do while the run goes on, point by point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from protocol.goals import MOST_POINTS, GoalOrder, GoalReply
+from protocol.messages import Errand, GoalStatus, Standing, Vector
+from protocol.scenario.model import Scenario
+
+
+@dataclass(slots=True)
+class Mission:
+    """What one robot is doing: `points` are those ahead, the present one first, m."""
+
+    points: tuple[Vector, ...]
+    number: int = 0
+    patrol: bool = False
+    deadline: int | None = None  # tick
+
+
+class Missions:
+    """The missions of all robots of a scenario; each begins with the scenario's goal.
+
+    An order takes effect with the next tick that is opened. A point is reached within the scenario's
+    tolerance.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._missions = {robot: Mission((scenario.spec(robot).goal,)) for robot in scenario.ids}
+        self._status = {
+            robot: GoalStatus(robot, 0, 0, "under way", scenario.spec(robot).goal) for robot in scenario.ids
+        }
+        self._underway: set[int] = set()  # whose order has not come to an end
+        self._news: list[GoalStatus] = []
+
+    @property
+    def pending(self) -> bool:
+        """Whether anybody's order has not come to an end."""
+        return bool(self._underway)
+
+    def goal(self, robot: int) -> Vector | None:
+        """Where a robot is to go, m; None: where the scenario says."""
+        mission = self._missions[robot]
+        return mission.points[0] if mission.number else None
+
+    def status(self, robot: int) -> GoalStatus:
+        """How things stand with a robot of the scenario."""
+        return self._status[robot]
+
+    def news(self) -> list[GoalStatus]:
+        """What has come of orders since this was last asked for."""
+        news, self._news = self._news, []
+        return news
+
+    def refusal(self, robot: int, order: GoalOrder, standing: Iterable[Standing]) -> str:
+        """Why an order cannot be carried out; "" if it can.
+
+        Args:
+            standing: disks that stand, and may stand in a point.
+        """
+        if robot not in self._missions:
+            known = ", ".join(map(str, self._missions))
+            return f"no robot {robot} in scenario {self._scenario.name!r}; there are {known}"
+        if (order.queue or order.patrol or order.within is not None) and not order.points:
+            return "without points an order cancels; leave out queue, patrol and within"
+        ahead = len(self._missions[robot].points) if order.queue else 0
+        if ahead + len(order.points) > MOST_POINTS:
+            return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
+        others = [each for each in standing if each.robot != robot]
+        reasons = (self._out_of_reach(robot, point, others) for point in order.points)
+        return next((reason for reason in reasons if reason), "")
+
+    def accept(self, robot: int, order: GoalOrder, tick: int, position: Vector) -> GoalReply:
+        """Carry out an order that nothing speaks against, from `position` (m), at the start of `tick`."""
+        before = self._missions[robot]
+        number = before.number + 1
+        deadline = None if order.within is None else tick + self._scenario.ticks(order.within)
+        if not order.points:
+            self._missions[robot] = Mission((position,), number)
+            self._end(robot, tick, "cancelled")
+        else:
+            ahead = before.points if order.queue and robot in self._underway else ()
+            self._missions[robot] = Mission((*ahead, *order.points), number, order.patrol, deadline)
+            self._underway.add(robot)
+            self._note(robot, tick, "under way")
+        return GoalReply(True, number, self._caution(robot), self._status[robot])
+
+    def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
+        """Go on to the next point where one is reached; returns whose goal is another now.
+
+        Args:
+            tick: the tick that begins.
+            ids, positions: of all disks, m.
+        """
+        if not self._underway:
+            return []
+        return [
+            robot
+            for robot, position in zip(ids, positions, strict=True)
+            if robot in self._underway and self._proceed(robot, tick, position)
+        ]
+
+    def _proceed(self, robot: int, tick: int, position: Vector) -> bool:
+        mission = self._missions[robot]
+        if math.dist(position, mission.points[0]) <= self._scenario.time.tolerance:
+            return self._reach(robot, mission, tick)
+        if mission.deadline is not None and tick >= mission.deadline:
+            mission.points = (position,)
+            self._end(robot, tick, "given up")
+            return True
+        return False
+
+    def _reach(self, robot: int, mission: Mission, tick: int) -> bool:
+        """A point is reached; whether there is another."""
+        here, *ahead = mission.points
+        if mission.patrol:
+            ahead.append(here)
+        if not ahead or (mission.patrol and len(ahead) == 1):
+            self._end(robot, tick, "arrived")
+            return False
+        mission.points = tuple(ahead)
+        self._note(robot, tick, "under way")
+        return True
+
+    def _end(self, robot: int, tick: int, status: Errand) -> None:
+        self._underway.discard(robot)
+        self._note(robot, tick, status)
+
+    def _note(self, robot: int, tick: int, status: Errand) -> None:
+        mission = self._missions[robot]
+        ahead = 0 if mission.patrol else len(mission.points) - 1
+        said = GoalStatus(robot, tick, mission.number, status, mission.points[0], ahead)
+        self._status[robot] = said
+        self._news.append(said)
+
+    def _out_of_reach(self, robot: int, point: Vector, standing: Iterable[Standing]) -> str:
+        """Why the disk of a robot cannot be at a point; "" if it can."""
+        radius, where = self._scenario.spec(robot).radius, f"({point[0]:g}, {point[1]:g})"
+        beyond = self._scenario.workspace.shape.distance(*point) + radius
+        if beyond >= 0.0:
+            return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
+        for number, shape in self._scenario.shapes.items():
+            depth = radius - shape.distance(*point)
+            if depth >= 0.0:
+                return f"{where}: robot {robot} would overlap thing {number} by {depth:.3g} m"
+        for each in standing:
+            depth = radius + self._scenario.spec(each.robot).radius - math.dist(point, each.position)
+            if depth >= 0.0:
+                return f"{where}: robot {each.robot} is down and stands there, {depth:.3g} m too near"
+        return ""
+
+    def _caution(self, robot: int) -> str:
+        """Whose goal the last point of a robot overlaps: they cannot both be there."""
+        point, radius = self._missions[robot].points[-1], self._scenario.spec(robot).radius
+        near = [
+            other
+            for other, mission in self._missions.items()
+            if other != robot
+            and math.dist(point, mission.points[-1]) <= radius + self._scenario.spec(other).radius
+        ]
+        if not near:
+            return ""
+        whose = ", ".join(map(str, near))
+        return f"overlaps the goal of robot{'s' if len(near) > 1 else ''} {whose}: they cannot all be there"
