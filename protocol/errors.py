@@ -63,6 +63,10 @@ class EndpointTakenError(BusError):
     """Another process listens on the endpoint that was asked for."""
 
 
+class LawError(DisknavError):
+    """A control law of the user's fails, or does not return a velocity."""
+
+
 class CertificateError(BusError):
     """A certificate or private key is missing, exposed, or not accepted by the other end."""
 

@@ -16,7 +16,8 @@ def choose(scenario: Scenario, robot: int) -> Law:
     """The law of `scenario.control.law` for one robot.
 
     Raises:
-        UsageError: its library is not installed.
+        UsageError: its library is not installed, or there is no such law.
+        LawError: the user's law cannot be made.
     """
     law = scenario.control.law
     require(law)
@@ -32,6 +33,10 @@ def choose(scenario: Scenario, robot: int) -> Law:
         from agents.laws.reciprocal import ReciprocalLaw
 
         return ReciprocalLaw(scenario, robot)
+    if ":" in law:
+        from agents.laws.own import OwnLaw
+
+        return OwnLaw(scenario, robot)
     return GradientLaw(scenario, robot)
 
 

@@ -1,8 +1,11 @@
-"""Reciprocal velocities where there is room, the paper's flow where there is none.
+"""Reciprocal velocities where they lead on, the paper's flow where they do not.
 
-Each robot takes the allowed velocity nearest to straight-to-the-goal, under the reciprocal half-planes of all
-peers. Where that gets it too little nearer to its goal, close to the goal, and while it escapes from a
-deadlock, it follows the gradient flow instead.
+A robot goes straight to its goal if the reciprocal half-planes of all disks within reach allow it (van den
+Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not, it takes the allowed velocity
+nearest to straight on, turned a little to the left, so that all who meet circle each other in one sense.
+Where that gets it too little nearer to its goal, close to the goal, and while it escapes from a deadlock, it
+follows the paper's gradient flow. A peer stands where its wish has taken it since its State; the own velocity
+is the own last wish, too, so that both ends reckon with the same.
 """
 
 from __future__ import annotations
@@ -20,14 +23,15 @@ from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
 
-HORIZON: float = 10.0  # laps: times in which a disk moves by its radius at full speed
-TURN: float = 0.1  # rad, to the left, of the wish of a robot that is in somebody's way
-MOST: float = 0.3  # rad
-NEAR: float = 2.0  # radii from the goal within which the flow leads there
-SLOW: float = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
-MARGIN: float = 0.0125  # of the contact distance
-LATE: float = 3.0  # times what a robot drives during the age of a State: lines lag by round trips
-LATEST: float = 0.5  # of the contact distance: by no more than this
+# No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
+HORIZON: Final = 10.0  # laps, ahead of which encounters count
+TURN: Final = 0.1  # rad to the left, the sense in which `circling` escapes, for every disk in the way
+MOST: Final = 0.25  # rad, of that: the more are in the way the more they have to circle each other
+NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
+SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
+MARGIN: Final = 0.0125  # of the distance of contact
+LATE: Final = 3.0  # times what a robot drives during the age of a State: lines lag by round trips
+LATEST: Final = 0.5  # of the distance of contact, the most of that
 _APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
 
 

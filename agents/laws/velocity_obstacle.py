@@ -1,9 +1,7 @@
 """The half-plane of velocities that one robot leaves itself for the sake of another.
 
 Van den Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance" (2011), section 4: if both keep to
-theirs, they do not touch within the horizon. With one difference: where the relative velocity leads to
-contact well within the horizon, the two leave the obstacle by its legs, to the side, also where its round end
-were nearer. They swerve early rather than slow down.
+theirs, they do not touch within the horizon.
 """
 
 from __future__ import annotations
@@ -11,8 +9,6 @@ from __future__ import annotations
 import math
 
 from agents.lines.line import HalfPlane
-
-EARLY: float = 0.5  # of the horizon: who would touch this early swerves
 
 
 def reciprocal(
@@ -38,18 +34,15 @@ def reciprocal(
     """
     dx, dy = vx - ux, vy - uy
     square = rx * rx + ry * ry
-    leg = math.sqrt(max(0.0, square - contact * contact))
     wx, wy = dx - rx / horizon, dy - ry / horizon  # from the centre of the obstacle's round end
     size = math.hypot(wx, wy)
-    approach = dx * rx + dy * ry
-    swerves = approach > leg * math.hypot(dx, dy) and approach * horizon > EARLY * square
-    dot = wx * rx + wy * ry
-    if not swerves and dot < 0.0 and -dot > contact * size:
+    ahead = wx * rx + wy * ry
+    if ahead < 0.0 and -ahead > contact * size:
         nx, ny = -wx / size, -wy / size
         depth = contact / horizon - size
     else:
-        left = rx * dy - ry * dx > 0.0
-        turn = leg if left else -leg
+        leg = math.sqrt(max(0.0, square - contact * contact))
+        turn = leg if rx * wy - ry * wx > 0.0 else -leg
         nx, ny = (rx * contact + ry * turn) / square, (ry * contact - rx * turn) / square
         depth = nx * dx + ny * dy
     return HalfPlane(nx, ny, nx * vx + ny * vy - share * depth)

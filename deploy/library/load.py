@@ -8,6 +8,7 @@ from pathlib import Path
 
 from agents.laws import require
 from deploy.library.names import build
+from deploy.library.trial import try_out
 from deploy.theory.gain.tuning import automatic_k, crowd
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
@@ -19,6 +20,7 @@ def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
     """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
     scenario = resolved(_certified(name, read(name, settings, seed)))
     require(scenario.control.law)
+    try_out(scenario)
     return scenario
 
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Le, Len
+from annotated_types import Ge, Le, Len, Predicate
 
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
@@ -23,6 +23,8 @@ Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
 Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
+LAWS = ("gradient", "reciprocal", "orca", "barrier")
+LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition(":")))]  # docs/own-law.md
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
 DEFAULT_RADIUS = 0.30  # m, of the workspace
@@ -101,7 +103,7 @@ class Control:
     """The law: what each robot wants, how fast, and what keeps it safe."""
 
     __pydantic_config__ = STRICT
-    law: Literal["gradient", "reciprocal", "orca", "barrier"] = "gradient"
+    law: LawName = "gradient"
     k: Gain | Literal["auto", "certified"] = "auto"
     pace: Literal["common", "own"] = "common"
     filter: Literal["separating-lines", "none"] = "separating-lines"

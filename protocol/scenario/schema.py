@@ -13,7 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from protocol.scenario.body import PRESETS
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import LAWS, Scenario
 from protocol.scenario.shape import Document, Finding, Step, Steps, table_at, unknown_key
 
 if TYPE_CHECKING:
@@ -41,7 +41,11 @@ _BOUNDS = {
     "greater_than_equal": ("ge", "at least"),
     "less_than_equal": ("le", "at most"),
 }
-_OTHERS = {"finite_number": "must be a finite number of reasonable size"}
+_OTHERS = {
+    "finite_number": "must be a finite number of reasonable size",
+    "predicate_failed": f"must be one of {', '.join(LAWS)}, or your own: module:Class, file.py:Class or "
+    "entry-point:NAME",
+}
 
 
 @cache

@@ -50,7 +50,7 @@ def test_the_issue_in_one_line() -> None:
         ("[control]\nk = 'automatic'" + ROBOTS, "control.k", 'a number, "auto" or "certified"'),
         ("[control]\nescape = 1" + ROBOTS, "control.escape", "must be true or false, not 1"),
         ("[control]\nk = 0" + ROBOTS, "control.k", "at least 1e-09, is 0"),
-        ("[control]\nlaw = 'orka'" + ROBOTS, "control.law", "'gradient', 'orca' or 'barrier'"),
+        ("[control]\nlaw = 'orka'" + ROBOTS, "control.law", "orca, barrier, or your own: module:Class"),
         ("[time]\nstep = 2.0\nlimit = 1.0" + ROBOTS, "time.limit", "less than one step"),
         ("[time]\nstep = 1e-9\nlimit = 10.0" + ROBOTS, "time.limit", "more than 1e+09 steps"),
         ("[time]\nlimit = 1e300" + ROBOTS, "time.limit", "at most"),

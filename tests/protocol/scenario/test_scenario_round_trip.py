@@ -50,7 +50,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     step = draw(st.floats(1e-3, 1.0))
     laws = st.builds(
         Control,
-        st.sampled_from(["gradient", "orca", "barrier"]),
+        st.sampled_from(["gradient", "reciprocal", "orca", "barrier", "docs/law.py:Mine"]),
         positive | st.sampled_from(["auto", "certified"]),
         st.sampled_from(["common", "own"]),
         st.sampled_from(["separating-lines", "none"]),

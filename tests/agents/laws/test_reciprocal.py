@@ -1,0 +1,147 @@
+"""The reciprocal law: its half-planes keep apart, its program is optimal, no length is built in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from agents.laws.velocity_obstacle import reciprocal
+from agents.laws.velocity_program import nearest
+from agents.lines.line import HalfPlane
+from deploy.library.load import load
+from deploy.library.swaps import swap
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import Link, ProcessFault, Scenario, Workspace
+
+CONTACT, HORIZON = 1.0, 3.0
+coordinate = st.floats(-3.0, 3.0)
+
+
+def hundredths(low: int, high: int) -> st.SearchStrategy[float]:
+    return st.integers(low, high).map(lambda n: 0.01 * n)
+
+
+speeds = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+angle = st.floats(-math.pi, math.pi)
+
+
+def shortest_distance(rx: float, ry: float, vx: float, vy: float) -> float:
+    """Between two, the other at (rx, ry) and the own relative velocity (vx, vy), within the horizon."""
+    square = vx * vx + vy * vy
+    time = min(max((rx * vx + ry * vy) / square, 0.0), HORIZON) if square > 0.0 else 0.0
+    return math.hypot(rx - time * vx, ry - time * vy)
+
+
+@settings(max_examples=200, deadline=None)
+@given(coordinate, coordinate, speeds, speeds, st.floats(0.0, 2.0), st.floats(0.0, 2.0), angle, angle)
+def test_two_that_keep_to_their_half_planes_do_not_touch_within_the_horizon(
+    rx: float,
+    ry: float,
+    one: tuple[float, float],
+    other: tuple[float, float],
+    along: float,
+    away: float,
+    first: float,
+    second: float,
+) -> None:
+    assume(math.hypot(rx, ry) > CONTACT + 1e-3)
+    mine = reciprocal(rx, ry, CONTACT, *one, *other, HORIZON, 0.5)
+    theirs = reciprocal(-rx, -ry, CONTACT, *other, *one, HORIZON, 0.5)
+    assert math.hypot(mine.nx, mine.ny) == pytest.approx(1.0)
+    # The nearest of some velocity to each half-plane, and beyond.
+    chosen = []
+    for plane, size, turn in ((mine, along, first), (theirs, away, second)):
+        x, y = size * math.cos(turn), size * math.sin(turn)
+        excess = max(0.0, plane.nx * x + plane.ny * y - plane.limit)
+        chosen.append((x - excess * plane.nx, y - excess * plane.ny))
+    (vx, vy), (ux, uy) = chosen
+    assert shortest_distance(rx, ry, vx - ux, vy - uy) >= CONTACT - 1e-6
+
+
+def planes(data: list[tuple[float, float]]) -> list[HalfPlane]:
+    return [HalfPlane(math.cos(turn), math.sin(turn), limit) for turn, limit in data]
+
+
+def worst(x: float, y: float, limits: list[HalfPlane]) -> float:
+    return max((each.nx * x + each.ny * y - each.limit for each in limits), default=-math.inf)
+
+
+GRID = [(0.05 * i, 0.05 * j) for i in range(-20, 21) for j in range(-20, 21) if i * i + j * j <= 400]
+
+
+@settings(max_examples=100, deadline=None)
+@given(speeds, st.lists(st.tuples(hundredths(-314, 314), hundredths(-50, 100)), max_size=6))
+def test_no_velocity_is_better_than_the_programs(
+    wish: tuple[float, float], data: list[tuple[float, float]]
+) -> None:
+    limits = planes(data)
+    x, y = nearest(wish, limits, 1.0)
+    assert math.hypot(x, y) <= 1.0 + 1e-9
+    violation = worst(x, y, limits)
+    if violation <= 1e-9:
+        allowed = [point for point in GRID if worst(*point, limits) <= 0.0]
+        assert all(math.dist(point, wish) >= math.dist((x, y), wish) - 1e-7 for point in allowed)
+    else:
+        assert min(worst(*point, limits) for point in GRID) >= violation - 1e-7
+
+
+def test_hard_half_planes_are_kept_where_all_are_too_many() -> None:
+    wall, disk = HalfPlane(1.0, 0.0, 0.0), HalfPlane(-1.0, 0.0, -0.5)
+    assert nearest((0.2, 0.0), [wall, disk], 1.0, 1)[0] == pytest.approx(0.0)
+    assert nearest((0.2, 0.0), [wall, disk], 1.0, 0)[0] == pytest.approx(0.25)
+
+
+def run(scenario: Scenario) -> tuple[str, int, float, float]:
+    report = LocalFleet([scenario]).execute()[0]
+    return report["verdict"], report["collisions"], report["nrl"], report["sim_time"]
+
+
+def reciprocally(scenario: Scenario, **over: object) -> Scenario:
+    control = replace(scenario.control, law="reciprocal", k=60.0)
+    return replace(scenario, control=control, **over)  # type: ignore[arg-type]
+
+
+def test_a_swap_is_short_and_quick() -> None:
+    verdict, touched, nrl, time = run(reciprocally(swap(8, 0.01, 3)))
+    assert (verdict, touched) == ("arrived", 0)
+    assert nrl < 1.05
+    assert time < 1.25 * 8.0  # 0.8 m at 0.1 m/s
+
+
+@pytest.mark.parametrize("name", ["swap-6", "head-on"])
+def test_exactly_symmetric_starts_are_left(name: str) -> None:
+    assert run(reciprocally(load(name)))[:2] == ("arrived", 0)
+
+
+def test_under_delay_and_loss_and_a_killed_process_nothing_touches() -> None:
+    link = Link(delay=(0.0, 0.3), loss=0.2)
+    report = run(reciprocally(swap(6, 0.01, 1), link=link, process=(ProcessFault(2, 1.0, "restart"),)))
+    assert report[:2] == ("arrived", 0)
+
+
+@pytest.mark.parametrize("factor", [0.125, 1024.0])
+def test_no_length_is_built_in(factor: float) -> None:
+    base = reciprocally(swap(6, 0.01, 2))
+    robots = tuple(
+        replace(
+            each,
+            radius=factor * each.radius,
+            start=(factor * each.start[0], factor * each.start[1]),
+            goal=(factor * each.goal[0], factor * each.goal[1]),
+        )
+        for each in base.robots
+    )
+    larger = replace(
+        base,
+        robots=robots,
+        workspace=Workspace(factor * base.workspace.radius),
+        control=replace(base.control, speed=factor * base.control.speed),
+        time=replace(base.time, tolerance=factor * base.time.tolerance),
+    )
+    one, other = run(base), run(larger)
+    assert one[:2] == other[:2] == ("arrived", 0)
+    assert other[2:] == pytest.approx(one[2:], rel=0.02)
