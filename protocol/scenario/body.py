@@ -48,7 +48,7 @@ class Body:
         return None if self.radius is None else self.radius + self.offset
 
 
-def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Body:
+def _two_wheels(radius: float, track: float, speed: float, offset: float, lag: float = 0.002) -> Body:
     return Body(
         "differential-drive",
         radius,
@@ -58,7 +58,7 @@ def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Bod
         acceleration=0.66,
         hold=0.1,
         error=0.1,
-        lag=0.002,
+        lag=lag,
         odometry=0.1,
         drift=3e-4,
     )
@@ -73,7 +73,7 @@ PRESETS: Final[dict[str, Body]] = {
     "turtlebot3-waffle": _two_wheels(0.20, 0.287, 0.26, 0.09),
     "turtlebot4": _two_wheels(0.175, 0.233, 0.306, 0.08),
     "create3": _two_wheels(0.175, 0.233, 0.306, 0.08),
-    "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035),
-    "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02),
+    "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035, 0.003),
+    "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02, 0.004),
 }
 POINT: Final = PRESETS["point"]
