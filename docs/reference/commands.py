@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -15,8 +16,10 @@ from deploy.commands.application import GROUPS
 _HEAD = """\
 # Commands
 
-From the command line's own declarations; `disknav COMMAND --help` says the same. An option that cannot apply is refused.
-`--json` with nothing or `-` after it prints to standard output."""
+From the command line's own declarations; `disknav COMMAND --help` says the same. An option that cannot
+apply is refused. `--json` with nothing or `-` after it prints to standard output."""
+
+_PLAIN = {int: "N", float: "NUMBER", str: "TEXT", Path: "FILE"}
 
 
 def page() -> str:
@@ -65,10 +68,10 @@ def _row(parameter: inspect.Parameter, hint: Any) -> str:
 
 
 def _type(kind: Any) -> str:
-    parts = [part for part in get_args(kind) if part is not NoneType]
     if get_origin(kind) is Literal:
         return "CHOICE"
-    return _type(parts[0]) if parts else {"int": "N", "float": "NUMBER"}.get(kind.__name__, kind.__name__.upper())
+    parts = [part for part in get_args(kind) if part is not NoneType]
+    return _type(parts[0]) if parts else _PLAIN.get(kind, "VALUE")
 
 
 def _choices(kind: Any) -> str:

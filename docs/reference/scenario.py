@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Iterator
 from dataclasses import MISSING, Field, fields
+from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from annotated_types import Ge, Le, Len
@@ -19,7 +20,8 @@ def page() -> str:
     lines = [
         "# Scenario keys",
         "",
-        "From the model that reads the files: metres, seconds, metres per second. [How to write one](../scenario.md).",
+        "From the model that reads the files: metres, seconds, metres per second, radians. "
+        "[How to write one](../scenario.md).",
     ]
     for path, table in _tables("", model.Scenario):
         lines += ["", f"## {path or 'At the top'}", "", _meaning(table), ""]
@@ -63,6 +65,7 @@ def _default(field: Field[Any]) -> str:
     return f"`{str(field.default).lower() if isinstance(field.default, bool) else field.default}`"
 
 
+_PLAIN = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 _KNOWN = (
     (model.Span, "number ≥ 0, or [low, high]"),
     (model.Point, "[x, y]"),
@@ -80,20 +83,20 @@ def _kind(hint: Any) -> str:
     for known, words in _KNOWN:
         if hint in (known, known | None):
             return words
-    origin, parts = get_origin(hint), get_args(hint)
-    if origin is Annotated:
-        return f"{_kind(parts[0])}{''.join(map(_bound, parts[1:]))}"
-    if origin is Literal:
-        return ", ".join(f'`"{part}"`' for part in parts)
-    if origin is tuple:
-        if parts[-1] is Ellipsis:
-            return f"array of {_kind(parts[0])}"
-        return f"[{', '.join(_kind(part) for part in parts)}]"
-    if parts:
-        return " or ".join(_kind(part) for part in parts if part is not type(None))
-    return {"float": "number", "int": "whole number", "str": "text", "bool": "true or false"}.get(
-        getattr(hint, "__name__", ""), str(hint)
-    )
+    match get_origin(hint), get_args(hint):
+        case origin, (inner, *bounds) if origin is Annotated:
+            words = f"{_kind(inner)}{''.join(map(_bound, bounds))}"
+        case origin, parts if origin is Literal:
+            words = ", ".join(f'`"{part}"`' for part in parts)
+        case origin, (inner, last) if origin is tuple and last is Ellipsis:
+            words = f"array of {_kind(inner)}"
+        case origin, parts if origin is tuple:
+            words = f"[{', '.join(map(_kind, parts))}]"
+        case _, ():
+            words = _PLAIN.get(hint, str(hint))
+        case _, parts:
+            words = " or ".join(_kind(part) for part in parts if part is not NoneType)
+    return words
 
 
 def _bound(bound: Any) -> str:

@@ -12,27 +12,72 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
 
-from protocol.errors import Problem, ScenarioError
+from protocol.errors import Problem, ScenarioError, UsageError
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive
 
-# The bounds of size keep squares and products of lengths away from the ends of a double's range.
-Positive = Annotated[float, Ge(1e-9), Le(1e6)]
-NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
+Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
-STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}
+DEFAULT_RADIUS = 0.30  # m, of the workspace
 
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
-    """The disk around the origin that all robots share; `radius` in m."""
+    """What all robots share: a disk around the origin (`radius`, m), 0.30 m unless anything is given, or a
+    convex polygon (`points`, m)."""
 
     __pydantic_config__ = STRICT
-    radius: Positive = 0.30
+    radius: Positive | None = None
+    points: Corners | None = None
+
+    def __post_init__(self) -> None:
+        if self.radius is None and self.points is None:
+            object.__setattr__(self, "radius", DEFAULT_RADIUS)
+
+    @property
+    def shape(self) -> Shape:
+        """The set that no disk leaves."""
+        if self.points is not None:
+            return ConvexPolygon(self.points)
+        assert self.radius is not None
+        return Disk(0.0, 0.0, self.radius)
+
+    @property
+    def disk_radius(self) -> float:
+        """Radius of a round workspace, m, for what is said of no other.
+
+        Raises:
+            UsageError: it is a polygon.
+        """
+        if self.radius is None:
+            raise UsageError("the workspace is a polygon; this is possible in a round one only")
+        return self.radius
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
+
+    __pydantic_config__ = STRICT
+    center: Point | None = None
+    radius: Positive | None = None
+    points: Corners | None = None
+
+    @property
+    def shape(self) -> Shape:
+        """What no disk touches."""
+        if self.points is not None:
+            return ConvexPolygon(self.points)
+        assert self.center is not None
+        assert self.radius is not None
+        return Disk(*self.center, self.radius)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +125,7 @@ class Sensing:
     bias: Point = (0.0, 0.0)  # m, added to every measurement
     dropout: Probability = 0.0  # that a measurement is missing
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
     contradiction: Literal["stand", "newest"] = "stand"
 
@@ -137,13 +183,26 @@ class Actuation:
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """One robot: its disk (m), where it begins and where it shall be."""
+    """One robot: its disk (m), where it begins and where it shall be.
+
+    Start and goal are of the disk's centre. A body that lies beside that has a direction, too.
+    """
 
     __pydantic_config__ = STRICT
     id: RobotId  # unlike all others
     radius: Positive  # m
     start: Point  # m
     goal: Point  # m
+    heading: Angle = 0.0  # rad, at the start
+    body: Preset | Body | None = None  # the scenario's, unless given
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What moves the disks: formulas, or a physics engine (extra `mujoco`)."""
+
+    __pydantic_config__ = STRICT
+    plant: Literal["integrator", "mujoco"] = "integrator"
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +221,9 @@ class Scenario:
     link: Link = Link()
     process: tuple[ProcessFault, ...] = ()
     actuation: Actuation = Actuation()
+    world: World = World()
+    body: Preset | Body = "point"  # of every robot that has none of its own
+    things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
 
     def ticks(self, seconds: float) -> int:
         """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
@@ -181,6 +243,11 @@ class Scenario:
         return self.control.k
 
     @property
+    def shapes(self) -> dict[int, Shape]:
+        """What stands from the start, by the number of the thing."""
+        return {number: thing.shape for number, thing in enumerate(self.things, 1)}
+
+    @property
     def ids(self) -> tuple[int, ...]:
         """Robot ids in increasing order."""
         return tuple(sorted(robot.id for robot in self.robots))
@@ -191,6 +258,12 @@ class Scenario:
             if spec.id == robot:
                 return spec
         raise KeyError(robot)
+
+    def body_of(self, robot: int) -> Body:
+        """What carries the disk of a robot."""
+        own = self.spec(robot).body
+        body = self.body if own is None else own
+        return PRESETS[body] if isinstance(body, str) else body
 
     def sensing_of(self, robot: int) -> Sensing:
         """How this robot is measured: the last entry that names it, or that names nobody."""

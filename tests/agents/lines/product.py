@@ -15,16 +15,23 @@ _LINES = [
         "boundary",
         "placement",
         "ends",
-        "fixed_disk",
+        "tangent",
         "robot_pair",
         "entries",
         "separating_lines",
+        "things",
     )
 ]
-_ROBOT = ["agents.roster", "agents.estimate", "agents.lines.safe_velocity", "agents.robot"]
+_ROBOT = [
+    "agents.roster",
+    "agents.estimate",
+    "agents.lines.safe_velocity",
+    *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
+    "agents.robot",
+]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands")),
-    *("world.plants.integrator", "world.world"),
+    *("world.plants.integrator", "world.plants.choice", "world.world"),
 ]
 
 
