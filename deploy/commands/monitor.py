@@ -58,7 +58,8 @@ def monitor(
     if name is None:
         raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
     entitle("monitor", name)
-    with closing(attach(_connection(router, membership), name)) as source:
+    role = membership.viewer if web else MONITOR
+    with closing(attach(_connection(router, membership, role), name)) as source:
         try:
             if web:
                 _serve(source, port)
@@ -70,10 +71,10 @@ def monitor(
             pass
 
 
-def _connection(endpoints: list[str] | None, membership: Membership) -> Connection:
+def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
-        return membership.client(MONITOR, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+        return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
