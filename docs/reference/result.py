@@ -39,6 +39,7 @@ FIELDS = {
     "messages": "`published`, `received` by all processes together, `rejected` by reason",
     "processes": "one object a process: `name`, `pid`, `exit_code`, `restarts`, `cpu_s`, `max_rss_mb`; "
     "on several hosts `host`",
+    "recordings": "files that were recorded to",
 }
 
 
