@@ -20,6 +20,7 @@ FIELDS = {
     "contacts": "the first of them: `pair`, `from` and `until` (s), `deepest` overlap (m)",
     "min_clearance": "m, smallest gap between two disks, or a disk and the boundary, over continuous time; "
     "negative is overlap",
+    "plant": "what moved the disks (`kind`), and the `contacts` that it reported by itself: `pair`, `tick`",
     "nrl": "lengths of all paths over all straight distances from start to goal; 1 is straight",
     "path_lengths": "m, by robot",
     "lateral_deviation": "m, by robot: largest distance from the segment between its start and its goal",
