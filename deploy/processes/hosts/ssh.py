@@ -37,6 +37,12 @@ _OPTIONS = (
 )
 
 
+def ssh_command(host: Host, there: str) -> list[str]:
+    """The command line that has a shell on `host` run `there`, asking nobody for a password."""
+    options = [word for option in _OPTIONS for word in ("-o", option)]
+    return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
+
+
 class SshSpawner(Spawner):
     """The fork server on `host`. Construction does not wait for it; `greet` does.
 
@@ -99,9 +105,7 @@ class SshSpawner(Spawner):
 
     def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
-        options = [word for option in _OPTIONS for word in ("-o", option)]
-        there = [self.host.ssh, f"{self.host.command} host --run={shlex.quote(run)}"]
-        command = ["ssh", "-T", *self.host.options, *options, "--", *there]
+        command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}")
         end = theirs.fileno()
         try:
             return subprocess.Popen(command, stdin=end, stdout=end, start_new_session=True)
