@@ -63,6 +63,7 @@ class Run:
             world.reason,
             world.founded,
             world.halted,
+            world.things,
         )
 
     def is_marked(self) -> bool:

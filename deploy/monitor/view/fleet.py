@@ -11,7 +11,7 @@ from collections import deque
 from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
 from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Clock, Health, Message, Truth
+from protocol.messages import Clock, Health, Message, Thing, Truth
 from protocol.scenario.model import Scenario
 from protocol.steering import Steering
 
@@ -46,6 +46,7 @@ class View:
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
         self.smallest: float | None = None
+        self.things: tuple[Thing, ...] = ()  # that came or went
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
@@ -94,6 +95,7 @@ class View:
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
+        self.things = clock.things
         down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active
