@@ -12,17 +12,20 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
   $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/bodies/,point.py inertial.py) \
+  $(addprefix protocol/bodies/,base.py sweep.py) \
   $(addprefix agents/laws/,view.py gradient.py) \
   $(addprefix world/coordinator/,commands.py roster.py lives.py) \
-  $(addprefix world/plants/,integrator.py) \
+  $(addprefix world/plants/,base.py integrator.py) \
   $(addprefix world/judge/,verdict.py record.py) \
-  $(addprefix world/,sensing.py world.py node.py) \
+  $(addprefix world/sensing/,position.py odometry.py) \
+  $(addprefix world/,world.py node.py) \
   $(addprefix world/shell/,run.py publishers.py pacing.py) \
   $(addprefix deploy/recording/mcap/,file.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile inner demo test fast check golden bench fuzz figures clean
+.PHONY: help setup compile inner site demo test fast check golden bench fuzz figures engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -87,6 +90,12 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	for study in tightness tuning robustness arrival delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png
+
+site: $(READY)  ## build the documentation as a site in out/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+
+engines: $(READY)  ## images for the tests that start containers (podman, mmdebstrap, as root); some minutes
+	$(BIN)/python -m tests.deploy.manifests.engine
 
 clean:  ## remove what can be built again
 	rm -f *.so; find protocol agents world deploy -name '*.so' -delete

@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Sense, Standing, Thing, Tick, Truth
+from protocol.messages import Command, GoalStatus, Sense, Standing, Thing, Tick, Truth, Vector
 from protocol.scenario.model import Scenario
 from protocol.things import ThingOrder, ThingReply
 from world.coordinator.commands import Commands
@@ -37,10 +37,13 @@ from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
+from world.judge.touches import Touches
 from world.judge.verdict import Judge
-from world.plants.integrator import Bodies
+from world.plants.choice import plant_of
+from world.plants.integrator import STANDING
 from world.report import report
-from world.sensing import Sensor
+from world.sensing.odometry import Odometer
+from world.sensing.position import Sensor
 
 
 class World:
@@ -71,13 +74,15 @@ class World:
         self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
-        self._bodies = Bodies(scenario)
+        self._plant = plant_of(scenario)
+        self._odometers = {robot: Odometer(scenario, robot, self._plant.slips) for robot in scenario.ids}
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
         self._missions = Missions(scenario)
         goals = Goals(scenario)
-        self._record = Record(scenario, goals, self._bodies.positions)
+        self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
+        self._touches = Touches()
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
 
@@ -93,7 +98,7 @@ class World:
     @property
     def checksum(self) -> int:
         """Of where every disk is, to the last bit."""
-        return checksum(self._bodies.positions)
+        return checksum(self._plant.positions)
 
     @property
     def is_open(self) -> bool:
@@ -129,6 +134,11 @@ class World:
     def waiting(self) -> frozenset[int]:
         """Active robots whose command of the open tick is outstanding."""
         return frozenset(self._commands.waiting)
+
+    @property
+    def missed(self) -> int:
+        """Commands that never came, over all active robots and ticks."""
+        return self._commands.missed
 
     @property
     def complete(self) -> bool:
@@ -220,18 +230,18 @@ class World:
     def _begun(self) -> bool:
         """Whether the run has begun, or begins now."""
         if not self.founded and not self.awaiting_join:
-            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+            self._lives.found(dict(zip(self._plant.ids, self._plant.positions, strict=True)))
         return self.founded
 
     def _sense(self) -> dict[int, Sense]:
         """Of every robot, those who do not listen included: sensors keep running."""
-        bodies, sensors = self._bodies, self._sensors
-        return {
-            robot: sensors[robot].sense(self.tick, position, displacement)
-            for robot, position, displacement in zip(
-                bodies.ids, bodies.positions, bodies.displacements, strict=True
-            )
-        }
+        sensed = {}
+        for index, (robot, place) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            sensor = self._sensors[robot]
+            position, stamp = sensor.measure(self.tick, place)
+            moved, bound, motion = self._odometers[robot].read(self._plant.report(index), self.tick)
+            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+        return sensed
 
     def _tell(
         self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
@@ -257,7 +267,7 @@ class World:
         refusal = self._missions.refusal(robot, order, self._lives.standing, self._lives.things.standing)
         if refusal:
             return GoalReply(False, text=refusal)
-        position = self._bodies.positions[self._bodies.ids.index(robot)]
+        position = self._plant.positions[self._plant.ids.index(robot)]
         reply = self._missions.accept(robot, order, self.tick, position)
         self._redirect(robot)
         self._noted(Ordered(robot, order))
@@ -271,10 +281,10 @@ class World:
 
     def goal_status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot's goal; None if there is no such robot."""
-        if robot not in self._bodies.ids:
+        if robot not in self._plant.ids:
             return None
         status = self._missions.status(robot)
-        if status.number == 0 and robot in self._judge.arrived(self._bodies.positions):
+        if status.number == 0 and robot in self._judge.arrived(self._plant.positions):
             return msgspec.structs.replace(status, tick=self.tick, status="arrived")
         return status
 
@@ -294,7 +304,7 @@ class World:
         first tick.
         """
         refusal = "" if self.founded else "the run has not begun"
-        refusal = refusal or self._lives.things.refusal(order, self._bodies.positions)
+        refusal = refusal or self._lives.things.refusal(order, self._plant.positions)
         if refusal:
             return ThingReply(False, text=refusal)
         number = self._lives.announce(order.shape)
@@ -329,32 +339,40 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move({} if self.halted else self._commands.velocities, self.tick)
+        self._plant.move(self._obeyed(), self.tick)
+        self._touches.add(self.tick, self._plant.touched())
         self._fence()
         self._told = None
         self.tick += 1
-        self._record.add(self._bodies.positions)
+        self._record.add(self._plant.positions, self._plant.between)
         if self._lives.settle():
             self._record.surround(self._lives.things.standing)
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
 
+    def _obeyed(self) -> dict[int, Vector]:
+        """What the bases are told in this tick; while all are halted, to brake."""
+        if self.halted:
+            return dict.fromkeys(self._plant.ids, STANDING)
+        commands = self._commands.velocities
+        return {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
+
     def _fence(self) -> None:
-        for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
-            if robot not in self._commands.velocities:
+        for index, (robot, position) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            if robot not in self._commands.velocities and self._plant.stands(index):
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
         if self.halted:
             self._judge.disturb(self.tick)
-        for robot in self._missions.advance(self.tick, self._bodies.ids, self._bodies.positions):
+        for robot in self._missions.advance(self.tick, self._plant.ids, self._plant.positions):
             self._redirect(robot)
         if not self.verdict and not self._scenario.time.endless:
             up = self._lives.up
-            alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
+            alone = len(up) < len(self._plant.ids) and self._lives.gone_for_good(self.tick - 1)
             verdict, reason = self._judge.judge(
-                self.tick, self._bodies.positions, up, alone, pending=self._missions.pending
+                self.tick, self._plant.positions, up, alone, pending=self._missions.pending
             )
             if verdict:
                 self._finish(verdict, reason)
@@ -370,7 +388,7 @@ class World:
             self.note(taken)
 
     def _finish(self, verdict: str, reason: str) -> None:
-        touches = len(self._record.contacts.all)
+        touches = max(len(self._record.contacts.all), len(self._touches.all))
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason
@@ -380,9 +398,10 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._bodies.positions),
+            arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
-            lengths=self._bodies.lengths,
+            touches=self._touches,
+            lengths=self._plant.lengths,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

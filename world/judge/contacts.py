@@ -36,13 +36,14 @@ class Contacts:
         self._disks = disks
         self._latest: dict[tuple[int, int], Contact] = {}
 
-    def add(self, tick: int, gaps: Reals, before: Plane, after: Plane) -> None:
-        """Note the contacts of one tick, given its gaps (`clearance.gaps`) and its motion."""
+    def add(self, tick: float, gaps: Reals, before: Plane, after: Plane, span: float = 1.0) -> None:
+        """Note the contacts during a straight motion that begins at `tick` and takes `span` ticks, given its
+        gaps (`clearance.gaps`)."""
         if gaps.min() >= -TOUCH:
             return
         for index in (gaps < -TOUCH).nonzero()[0].tolist():
             for begin, end in self._intervals(index, before, after):
-                self._note(index, tick + begin, tick + end, float(gaps[index]))
+                self._note(index, tick + span * begin, tick + span * end, float(gaps[index]))
 
     def _note(self, index: int, begin: float, end: float, gap: float) -> None:
         pair = self._disks.names(index)
