@@ -62,7 +62,9 @@ def _written(settings: Settings) -> list[str]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays and numbers of numpy as JSON knows them."""
+    """Arrays and numbers of numpy as JSON knows them; a class, such as a law, as `module:Class`."""
+    if isinstance(value, type):
+        return f"{value.__module__}:{value.__qualname__}"
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"a scenario holds numbers, strings, arrays and tables, not {type(value).__name__}")
