@@ -12,7 +12,6 @@ FIELDS = {
     "robots": "ids, ascending",
     "law": "`control.law`",
     "filter": "`control.filter`",
-    "plant": "`world.plant`",
     "k": "the number in use",
     "verdict": "`collision` outranks `arrived`, `timeout`, `deadlock`, `interrupted` and `aborted`",
     "reason": "for the verdict, for people",
