@@ -12,6 +12,7 @@ FIELDS = {
     "robots": "ids, ascending",
     "law": "`control.law`",
     "filter": "`control.filter`",
+    "plant": "its `kind`, and the first `contacts` that a physics engine found: `pair`, `tick`",
     "k": "the number in use",
     "verdict": "`collision` outranks `arrived`, `timeout`, `deadlock`, `interrupted` and `aborted`",
     "reason": "for the verdict, for people",
@@ -20,7 +21,6 @@ FIELDS = {
     "contacts": "the first of them: `pair`, `from` and `until` (s), `deepest` overlap (m)",
     "min_clearance": "m, smallest gap between two disks, or a disk and the boundary, over continuous time; "
     "negative is overlap",
-    "plant": "what moved the disks (`kind`), and the `contacts` that it reported by itself: `pair`, `tick`",
     "nrl": "lengths of all paths over all straight distances from start to goal; 1 is straight",
     "path_lengths": "m, by robot",
     "lateral_deviation": "m, by robot: largest distance from the segment between its start and its goal",
