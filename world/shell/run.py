@@ -63,6 +63,9 @@ class Run:
             world.reason,
             world.founded,
             world.halted,
+            world.missed,
+            dict(self.rejected),
+            world.things,
         )
 
     def is_marked(self) -> bool:
