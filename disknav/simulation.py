@@ -17,8 +17,7 @@ from protocol.scenario.model import Scenario
 class Simulation:
     """World and robots of one lock-step run, which goes on when `step` is called.
 
-    for positions in disknav.Simulation(scenario):  # (p, 2), m, one tick after the other
-        ...
+    Iterating over it goes on to the verdict, and gives the positions (m, shape (p, 2)) after each tick.
     """
 
     def __init__(self, scenario: Scenario, *, name: str = "local") -> None:

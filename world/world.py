@@ -34,6 +34,7 @@ from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
+from world.judge.touches import Touches
 from world.judge.verdict import Judge
 from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
@@ -78,6 +79,7 @@ class World:
         self._missions = Missions(scenario)
         goals = Goals(scenario)
         self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
+        self._touches = Touches()
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
 
@@ -129,6 +131,11 @@ class World:
     def waiting(self) -> frozenset[int]:
         """Active robots whose command of the open tick is outstanding."""
         return frozenset(self._commands.waiting)
+
+    @property
+    def missed(self) -> int:
+        """Commands that never came, over all active robots and ticks."""
+        return self._commands.missed
 
     @property
     def complete(self) -> bool:
@@ -301,6 +308,7 @@ class World:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
         self._plant.move(self._obeyed(), self.tick)
+        self._touches.add(self.tick, self._plant.touched())
         self._fence()
         self._told = None
         self.tick += 1
@@ -346,7 +354,7 @@ class World:
             self.note(taken)
 
     def _finish(self, verdict: str, reason: str) -> None:
-        touches = len(self._record.contacts.all)
+        touches = max(len(self._record.contacts.all), len(self._touches.all))
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason
@@ -358,6 +366,7 @@ class World:
             verdict=(self.verdict, self.reason),
             arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
+            touches=self._touches,
             lengths=self._plant.lengths,
             commands=self._commands,
             lives=self._lives,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.commands import options
-from deploy.monitor.source import Source
+from deploy.monitor.source import SharedView, Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
@@ -37,10 +37,17 @@ def monitor(
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
     secure: options.Secure = None,
+<<<<<<< HEAD
     foxglove: Annotated[
         bool,
         typer.Option("--foxglove", help="Let Foxglove connect and draw the run; its address is printed."),
     ] = False,
+=======
+    metrics: Annotated[
+        str | None,
+        typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
+    ] = None,
+>>>>>>> main
     port: Annotated[
         int | None,
         typer.Option(
@@ -52,7 +59,7 @@ def monitor(
     [b]--foxglove[/b]. Ctrl-C ends it.
 
     The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
-    The run may begin later. The table ends with the run; the page stays until Ctrl-C.
+    The run may begin later. The table ends with the run; page and metrics stay until Ctrl-C.
 
     Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
 
@@ -78,9 +85,11 @@ def monitor(
             listener = stack.enter_context(closing(_foxglove(name, None if web else port)))
         source = stack.enter_context(closing(attach(connection, name, listener=listener)))
         try:
+            if metrics is not None:
+                _export(source, metrics, until_signal=not web)
             if web:
                 _serve(source, port)
-            else:
+            elif metrics is None:
                 from deploy.monitor.terminal import show
 
                 show(source)
@@ -95,6 +104,7 @@ def _connection(endpoints: list[str] | None, membership: Membership, role: str) 
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
+<<<<<<< HEAD
 def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     try:
         from deploy.monitor.foxglove import FoxgloveServer
@@ -103,6 +113,14 @@ def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     server = FoxgloveServer(run, port)
     print(f"{server.address}  (open it in Foxglove)", flush=True)
     return server
+=======
+def _export(source: SharedView, where: str, *, until_signal: bool) -> None:
+    from deploy.monitor.metrics import export
+
+    print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
+    if until_signal:
+        signal.pause()
+>>>>>>> main
 
 
 def _serve(source: Source, port: int | None) -> None:

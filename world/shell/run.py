@@ -63,6 +63,8 @@ class Run:
             world.reason,
             world.founded,
             world.halted,
+            world.missed,
+            dict(self.rejected),
         )
 
     def is_marked(self) -> bool:

@@ -41,13 +41,13 @@ class View:
         self.steering = Steering()
         self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
-        self.tick, self.verdict, self.reason = 0, "", ""
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
         self._clear()
 
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
+        self.missed, self.rejected = 0, dict[str, int]()
         self.smallest: float | None = None
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
@@ -102,6 +102,7 @@ class View:
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
+        self.missed, self.rejected = clock.missed, clock.rejected
         down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -146,5 +147,6 @@ def test_workers_of_a_study() -> None:
     run = Run(0, 1, "local", "key")
     with WorkerPool(2, report_title) as pool:
         said = [result for _, result in pool.run([[(run, None)], [(run, None)]])]
-    assert sorted(each["title"] for each in said) == ["disknav study worker 0", "disknav study worker 1"]
-    assert sorted(each["short"] for each in said) == ["study worker 0", "study worker 1"]
+    assert len({each["title"] for each in said}) == 2
+    assert all(re.fullmatch(r"disknav study worker \d+", each["title"]) for each in said)
+    assert all(each["title"].endswith(each["short"]) for each in said)
