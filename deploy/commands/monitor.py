@@ -37,17 +37,14 @@ def monitor(
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
     secure: options.Secure = None,
-<<<<<<< HEAD
     foxglove: Annotated[
         bool,
         typer.Option("--foxglove", help="Let Foxglove connect and draw the run; its address is printed."),
     ] = False,
-=======
     metrics: Annotated[
         str | None,
         typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
     ] = None,
->>>>>>> main
     port: Annotated[
         int | None,
         typer.Option(
@@ -59,7 +56,7 @@ def monitor(
     [b]--foxglove[/b]. Ctrl-C ends it.
 
     The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
-    The run may begin later. The table ends with the run; page and metrics stay until Ctrl-C.
+    The run may begin later. The table ends with the run; all else stays until Ctrl-C.
 
     Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
 
@@ -86,10 +83,12 @@ def monitor(
         source = stack.enter_context(closing(attach(connection, name, listener=listener)))
         try:
             if metrics is not None:
-                _export(source, metrics, until_signal=not web)
+                _export(source, metrics)
             if web:
                 _serve(source, port)
-            elif metrics is None:
+            elif metrics is not None or foxglove:
+                signal.pause()
+            else:
                 from deploy.monitor.terminal import show
 
                 show(source)
@@ -104,7 +103,6 @@ def _connection(endpoints: list[str] | None, membership: Membership, role: str) 
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
-<<<<<<< HEAD
 def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     try:
         from deploy.monitor.foxglove import FoxgloveServer
@@ -113,14 +111,12 @@ def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     server = FoxgloveServer(run, port)
     print(f"{server.address}  (open it in Foxglove)", flush=True)
     return server
-=======
-def _export(source: SharedView, where: str, *, until_signal: bool) -> None:
+
+
+def _export(source: SharedView, where: str) -> None:
     from deploy.monitor.metrics import export
 
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
-    if until_signal:
-        signal.pause()
->>>>>>> main
 
 
 def _serve(source: Source, port: int | None) -> None:
