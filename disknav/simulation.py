@@ -9,6 +9,8 @@ import numpy as np
 
 from deploy.recording.reader import Truths
 from deploy.run.local import LocalFleet
+from deploy.run.operator import Operator
+from disknav.orders import Orders
 from disknav.trajectory import Floats, Trajectory
 from protocol.messages import Truth
 from protocol.scenario.model import Scenario
@@ -18,6 +20,9 @@ class Simulation:
     """World and robots of one lock-step run, which goes on when `step` is called.
 
     Iterating over it goes on to the verdict, and gives the positions (m, shape (p, 2)) after each tick.
+
+    Attributes:
+        orders: sends robots elsewhere between two steps; an order holds from the next tick on.
     """
 
     def __init__(self, scenario: Scenario, *, name: str = "local") -> None:
@@ -25,6 +30,7 @@ class Simulation:
         self.scenario = scenario
         self._fleet = LocalFleet([scenario], name)
         self._truths = [self._truth]
+        self.orders = Orders(Operator(self._fleet.network.connect(), name))
 
     @property
     def tick(self) -> int:

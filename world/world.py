@@ -13,8 +13,9 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth, Vector
+from protocol.messages import Command, GoalStatus, Sense, Standing, Thing, Tick, Truth, Vector
 from protocol.scenario.model import Scenario
+from protocol.things import ThingOrder, ThingReply
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
     Closed,
@@ -27,6 +28,8 @@ from world.coordinator.inputs import (
     Lost,
     Opened,
     Ordered,
+    Placed,
+    TakenAway,
     checksum,
 )
 from world.coordinator.lives import Lives
@@ -261,7 +264,7 @@ class World:
 
     def order(self, robot: int, order: GoalOrder) -> GoalReply:
         """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
-        refusal = self._missions.refusal(robot, order, self._lives.standing)
+        refusal = self._missions.refusal(robot, order, self._lives.standing, self._lives.things.standing)
         if refusal:
             return GoalReply(False, text=refusal)
         position = self._plant.positions[self._plant.ids.index(robot)]
@@ -289,6 +292,35 @@ class World:
         """What came of orders since this was last asked for."""
         return self._missions.news()
 
+    @property
+    def things(self) -> tuple[Thing, ...]:
+        """Things that came or went since the run began, as the roster has them."""
+        return self._lives.things.changes
+
+    def add_thing(self, order: ThingOrder) -> ThingReply:
+        """Have a thing put up; a refused one changes nothing.
+
+        It stands once every robot that takes part has acknowledged its place; none can be added before the
+        first tick.
+        """
+        refusal = "" if self.founded else "the run has not begun"
+        refusal = refusal or self._lives.things.refusal(order, self._plant.positions)
+        if refusal:
+            return ThingReply(False, text=refusal)
+        number = self._lives.announce(order.shape)
+        self._judge.disturb(self.tick)
+        self._noted(Placed(order))
+        return ThingReply(True, number, self._missions.covered(order.shape))
+
+    def remove_thing(self, number: int) -> ThingReply:
+        """A thing was taken out of the workspace, or is not to appear after all."""
+        if not (self.founded and self._lives.take_away(number)):
+            return ThingReply(False, text=f"there is no thing {number}")
+        self._record.surround(self._lives.things.standing)
+        self._judge.disturb(self.tick)
+        self._noted(TakenAway(number))
+        return ThingReply(True, number)
+
     def halt(self, halted: bool) -> None:
         """Have everybody stand, from the open tick on, or release them."""
         if halted != self.halted:
@@ -313,6 +345,8 @@ class World:
         self._told = None
         self.tick += 1
         self._record.add(self._plant.positions, self._plant.between)
+        if self._lives.settle():
+            self._record.surround(self._lives.things.standing)
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))

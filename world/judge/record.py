@@ -6,10 +6,11 @@ costs little more than over one, and nobody has to wait for it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from protocol.geometry import Shape
 from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane, gaps
@@ -68,6 +69,11 @@ class Record:
         self._measure()
         x, y = self._truth.positions[self._truth.robots.index(robot)]
         self.goals.change(robot, goal, (x, y))
+
+    def surround(self, shapes: Mapping[int, Shape]) -> None:
+        """From the newest configuration on these things stand, by number; all before is measured without."""
+        self._measure()
+        self._disks.surround(shapes)
 
     @property
     def tight(self) -> float | None:

@@ -10,7 +10,19 @@ from typing import NamedTuple
 from protocol.errors import JoinError, JournalError
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
-from world.coordinator.inputs import Closed, Ended, Expected, GivenUp, Halted, Input, Joined, Lost, Ordered
+from world.coordinator.inputs import (
+    Closed,
+    Ended,
+    Expected,
+    GivenUp,
+    Input,
+    Joined,
+    Lost,
+    Operated,
+    Ordered,
+    Placed,
+    TakenAway,
+)
 from world.shell.journal import Began, Journal, Seated
 from world.shell.run import Run
 from world.world import World
@@ -66,20 +78,30 @@ def _follow(world: World, entry: Input) -> bool:
         return _close(world, entry)
     if isinstance(entry, Joined):
         return _join(world, entry)
+    if isinstance(entry, Operated):
+        return _operate(world, entry)
     if isinstance(entry, Lost):
         world.lost(entry.robot, entry.reason)
     elif isinstance(entry, Expected):
         world.expect(entry.robot)
     elif isinstance(entry, GivenUp):
         world.give_up_waiting(entry.robot, entry.reason)
-    elif isinstance(entry, Ordered):
-        return world.order(entry.robot, entry.order).accepted
-    elif isinstance(entry, Halted):
-        world.halt(entry.halted)
     elif isinstance(entry, Ended):
         world.finish(entry.verdict, entry.reason)
     else:
         world.open_tick()
+    return True
+
+
+def _operate(world: World, entry: Operated) -> bool:
+    """What an operator asked for; only what was accepted is noted."""
+    if isinstance(entry, Ordered):
+        return world.order(entry.robot, entry.order).accepted
+    if isinstance(entry, Placed):
+        return world.add_thing(entry.order).accepted
+    if isinstance(entry, TakenAway):
+        return world.remove_thing(entry.number).accepted
+    world.halt(entry.halted)
     return True
 
 

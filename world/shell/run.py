@@ -65,6 +65,7 @@ class Run:
             world.halted,
             world.missed,
             dict(self.rejected),
+            world.things,
         )
 
     def is_marked(self) -> bool:
