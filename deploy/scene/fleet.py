@@ -90,6 +90,7 @@ class FleetScene:
         self._places = {robot: scenario.spec(robot).start for robot in scenario.ids}
         self._goals = {robot: scenario.spec(robot).goal for robot in scenario.ids}
         self._down: frozenset[int] = frozenset()
+        self._things = dict(scenario.shapes)
         self._lines: dict[int, tuple[messages.Line, ...]] = {}
         limit = max(8, _TRAIL_POINTS // len(scenario.ids))
         self._trails = {robot: Thinned(limit, _later) for robot in scenario.ids}
@@ -119,11 +120,19 @@ class FleetScene:
             self._goals[message.robot] = message.goal
             return iter((self.picture("/scene/goals"),))
         elif isinstance(message, Clock):
-            down = frozenset(each.robot for each in message.standing)
-            if down != self._down:
-                self._down = down
-                return iter((self.picture("/scene/robots"),))
+            return map(self.picture, self._on_clock(message))
         return iter(())
+
+    def _on_clock(self, clock: Clock) -> list[str]:
+        """Which topics are changed by who is down, and by what came or went."""
+        before = self._down, self._things
+        self._down = frozenset(each.robot for each in clock.standing)
+        gone = {thing.number for thing in clock.things}
+        came = {thing.number: thing.shape for thing in clock.things if thing.status == "standing"}
+        listed = {number: shape for number, shape in self._scenario.shapes.items() if number not in gone}
+        self._things = listed | came
+        changed = (self._down != before[0], self._things != before[1])
+        return [topic for topic, new in zip(("/scene/robots", "/scene/room"), changed, strict=True) if new]
 
     def _on_truth(self, truth: Truth) -> list[str]:
         """Which topics are due."""
@@ -164,7 +173,7 @@ class FleetScene:
         return ros.transforms(self._now, WORLD, places)
 
     def _room(self) -> tuple[Entity, ...]:
-        shapes = self._scenario.shapes.values()
+        shapes = self._things.values()
         edges = [_loop(self._scenario.workspace.shape.outline(), _GREY)]
         edges += [_loop(shape.outline(), _GREY) for shape in shapes]
         solid = tuple(_fan(shape.outline(), _color(_GREY, 0.3)) for shape in shapes)

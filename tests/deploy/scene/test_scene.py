@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from deploy.scene import ros
 from deploy.scene.fleet import TOPICS, FleetScene, Picture
+from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Thing
 
@@ -89,6 +90,18 @@ def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
     after = [each["cylinders"][0]["color"] for each in content(robots)["entities"]]
     assert (after[0], after[1] != before[1]) == (before[0], True)
     assert not list(scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), "")))
+
+
+def test_things_that_come_or_go_change_the_room() -> None:
+    scene = FleetScene(SCENARIO)
+    came = messages.Thing(3, "standing", ((0.2, 0.1),), 0.01)
+    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", things=(came, messages.Thing(1, "gone"))))
+    (entity,) = content(room)["entities"]
+    assert [len(each["points"]) for each in entity["triangles"]] == [
+        3,
+        3 * 46,
+    ]  # thing 2, and 3 of 48 corners
+    assert not list(scene.hear(Clock(2, 0.1, (3, 7), (), "", things=(came, messages.Thing(1, "gone")))))
 
 
 def test_lines_are_drawn_between_those_who_are_near() -> None:
