@@ -16,7 +16,7 @@ _Corners = tuple[Point, ...]
 
 
 def forest(count: int, seed: int = 0) -> Scenario:
-    """40 boxes of 0.5 m in 10 m by 10 m, robots of 0.15 m change places on a circle of 4 m (LSC-DR, forest10)."""
+    """40 boxes of 0.5 m in 10 m by 10 m; robots of 0.15 m change places on a circle of 4 m (LSC-DR)."""
     robots = _opposite(count, 0.15, 4.0)
     random = generator(seed, Purpose.SCENARIO)
     keep = [(point, spec.radius + 0.05) for spec in robots for point in (spec.start, spec.goal)]
