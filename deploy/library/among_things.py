@@ -55,19 +55,26 @@ def boxes(count: int, seed: int = 0) -> Scenario:
     )
 
 
-def blocks(seed: int = 0) -> Scenario:
-    """Four groups of 25 cross between four square blocks (RVO2, Blocks); each goal is its own here."""
+def blocks(count: int, seed: int = 0) -> Scenario:
+    """Four groups cross between four square blocks (RVO2, Blocks: 25 each); each goal is its own here.
+
+    Raises:
+        UsageError: `count` is no multiple of 4 up to 100.
+    """
+    if count % 4 or not 4 <= count <= 100:
+        raise UsageError(f"{count} robots are not four groups of up to 25: choose a multiple of 4 up to 100")
     robots = []
-    for n in range(100):
-        i, j = 55.0 + 10.0 * (n % 5), 55.0 + 10.0 * (n // 5 % 5)
-        x, y = (i, j, -i, -j)[n // 25], (j, -i, -j, i)[n // 25]
+    for n in range(count):
+        group, member = divmod(n, count // 4)
+        i, j = 55.0 + 10.0 * (member % 5), 55.0 + 10.0 * (member // 5)
+        x, y = (i, j, -i, -j)[group], (j, -i, -j, i)[group]
         robots.append(RobotSpec(n + 1, 2.0, (x, y), (-x, -y)))
     corners = [(sx * 25.0, sy * 25.0) for sx in (1, -1) for sy in (1, -1)]
     return validated(
         Scenario(
             tuple(robots),
-            "blocks",
-            "four groups of 25 robots cross between four blocks; sizes as in RVO2",
+            f"blocks-{count}",
+            f"four groups of {count // 4} robots cross between four blocks; sizes as in RVO2",
             seed,
             Workspace(points=_box((0.0, 0.0), 110.0, 110.0)),
             Time(step=0.25, limit=600.0, tolerance=1.0),

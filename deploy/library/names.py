@@ -46,7 +46,6 @@ _FIXED: dict[str, tuple[_Build, Entry]] = {
         sphere_world,
         Entry("sphere-world", "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
     ),
-    "blocks": (blocks, Entry("blocks", "100", "four groups cross between four blocks, as in RVO2")),
     "crash": (crash, Entry("crash", "6", "figure-3c; one robot is killed and started again")),
 }
 _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
@@ -59,6 +58,7 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
         Entry("turtlebots-N", "2 to 100", "robots on two wheels each change places on a circle"),
     ),
     "forest": (forest, Entry("forest-N", "1 to 20", "among 40 boxes, as in LSC-DR's forest10")),
+    "blocks": (blocks, Entry("blocks-N", "4 to 100", "four groups cross between four blocks, as in RVO2")),
     "boxes": (boxes, Entry("boxes-N", "1 to 100", "random goals among 8 boxes, as in GCBF+")),
     "beads": (beads, Entry("beads-N", "1 to 100", "in a corridor, where all keep their order")),
     "random": (
@@ -66,7 +66,7 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
         Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
     ),
 }
-_NUMBERED = re.compile(r"(swap|turtlebots|random|forest|boxes|beads)-([1-9][0-9]{0,5})")
+_NUMBERED = re.compile(r"(swap|turtlebots|random|blocks|forest|boxes|beads)-([1-9][0-9]{0,5})")
 
 
 def catalogue() -> list[Entry]:
