@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.laws import require
+from agents.laws import require as require_law
 from deploy.library import catalogue
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
+from world.plants.choice import require as require_plant
 
 Settings = Mapping[str, Any]
 
@@ -50,7 +51,8 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
     """
     plain = json.loads(json.dumps(document, default=_plain))
     scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
-    require(scenario.control.law)
+    require_law(scenario.control.law)
+    require_plant(scenario.world.plant)
     return scenario
 
 

@@ -1,4 +1,4 @@
-"""mkdocs' hook: adds the pages that are made from the code when the site is built."""
+"""mkdocs' hooks: add the pages that are made from the code, and guides that mkdocs.yml does not list."""
 
 from __future__ import annotations
 
@@ -7,6 +7,14 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+def on_config(config: Any) -> Any:
+    """See mkdocs. Whoever writes a page need not think of its place."""
+    guides = next(section["Guides"] for section in config.nav if "Guides" in section)
+    listed = str(config.nav)
+    guides += [path.name for path in sorted((ROOT / "docs").glob("*.md")) if path.name not in listed]
+    return config
 
 
 def on_files(files: Any, config: Any) -> Any:

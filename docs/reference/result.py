@@ -12,7 +12,7 @@ FIELDS = {
     "robots": "ids, ascending",
     "law": "`control.law`",
     "filter": "`control.filter`",
-    "plant": "`world.plant`",
+    "plant": "its `kind`, and the first `contacts` that a physics engine found: `pair`, `tick`",
     "k": "the number in use",
     "verdict": "`collision` outranks `arrived`, `timeout`, `deadlock`, `interrupted` and `aborted`",
     "reason": "for the verdict, for people",

@@ -11,11 +11,12 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from random import Random
-from typing import Any
+from typing import Any, Literal
 
 from agents.peers.state import addressed_to
 from protocol.geometry import Shape
 from protocol.messages import Command, State, Tick
+from protocol.scenario.body import Body
 from protocol.scenario.model import (
     Actuation,
     Control,
@@ -302,7 +303,22 @@ def _scenario(seed: int, rng: Random) -> Scenario:
         sensing=(sensing,),
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
         things=_things(seed, specs, room),
+        body=_body(seed),
     )
+
+
+def _body(seed: int) -> Body | Literal["point"]:
+    """A point; in one of four runs a base that holds its velocity and brakes, on wheels or without."""
+    if seed % 4 != 2:
+        return "point"
+    rng = Random(f"body {seed}")
+    error, lag, play = rng.choice(((0.0, 0.0, 0.0), (0.05, 0.01, 1e-3)))
+    odometry, drift = rng.choice(((0.0, 0.0), (0.1, 1e-3)))
+    acceleration, hold = rng.choice((3.0, 10.0, 50.0)), rng.choice((0.0, 0.02, 0.1))
+    slips = {"error": error, "lag": lag, "play": play, "odometry": odometry, "drift": drift}
+    if rng.random() < 0.5:
+        return Body("omnidirectional", acceleration=acceleration, hold=hold, **slips)
+    return Body("differential-drive", None, 0.02, 0.04, 1.5, acceleration, hold, **slips)
 
 
 def _room(seed: int, room: float) -> Workspace:
