@@ -30,7 +30,7 @@ class GradientLaw:
         self._radius = spec.radius
         self._room, self._k = scenario.workspace.shape, scenario.k
         self._workspace = round_boundary(self._room)
-        self._attraction = Attraction(self._room, spec.radius)
+        self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance

@@ -58,8 +58,9 @@ _RECORDED = """\
 
 `disknav run --record` writes the same messages to an MCAP file: one channel a key, with the time of the
 tick as log time. There a message is a JSON object under the field names above, without its type; `[x, y]`
-is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has its JSON schema. The
-metadata records `scenario`, `result` and `launch` hold JSON objects.
+is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has its JSON schema. Topics that
+begin with `/` draw the run, for [Foxglove](foxglove.md), and say nothing that the others do not. The
+metadata records `scenario` and `result` hold JSON objects.
 """
 
 _UNIT = re.compile(r"(m/s|m\^2|m|s|rad)[,;] (.*)")
@@ -108,7 +109,12 @@ def _conventions() -> str:
         "The `alive` keys are liveliness tokens: a robot's is there from the moment it has joined until its\n"
         "process ends or hangs; subscribe to `disknav/<run>/**` liveliness, with history, to see all."
     )
-    return "\n".join([*notes, "", alive, ""])
+    admin = (
+        "Who declares which of these keys stands in zenoh's admin space of a router started with `--admin`\n"
+        "(or of a `zenohd`): `@/*/router/subscriber/disknav/<run>/**`; so do `publisher`, `queryable` and\n"
+        "`token`. `@/*/router` tells who is connected. Asking for `@/**` at once can block a router for good."
+    )
+    return "\n".join([*notes, "", alive, "", admin, ""])
 
 
 def _overview() -> str:

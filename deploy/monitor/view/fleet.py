@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
-from deploy.monitor.view.thinned import Thinned
+from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, GoalStatus, Health, Message, Thing, Truth
 from protocol.scenario.model import Scenario
 from protocol.steering import Steering
