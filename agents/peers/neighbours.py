@@ -50,6 +50,7 @@ class Neighbours:
 
     def on_member(self, member: Member) -> None:
         """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
+        self._meet(member)
         state = self.state(member.robot)
         if state is not None and state.incarnation > member.incarnation:
             return
@@ -58,6 +59,15 @@ class Neighbours:
         elif member.status == "gone":
             self.standing.pop(member.robot, None)
             self._forget(member.robot)
+
+    def _meet(self, member: Member) -> None:
+        """Have a place for a peer that the scenario did not name; its radius is the roster's."""
+        index = self._index.setdefault(member.robot, len(self._radii))
+        if index == len(self._radii):
+            self._radii.append((member.robot, member.radius))
+            self._states.append(None)
+        elif self._radii[index][1] != member.radius:
+            self._radii[index] = (member.robot, member.radius)
 
     def _forget(self, peer: int) -> None:
         index = self._index.get(peer)

@@ -29,13 +29,14 @@ class PeerReader:
         index: see `PeerState`.
 
     Attributes:
+        radius, index: as given.
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_index", "_others", "_peer", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_others", "_peer", "_reader", "_robot", "index", "oldest", "radius")
 
     def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, index: int = 0) -> None:
-        self._robot, self._peer, self._radius, self._index = robot, peer, radius, index
+        self._robot, self._peer, self.radius, self.index = robot, peer, radius, index
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
@@ -85,10 +86,10 @@ class PeerReader:
             slice_norm,
             vx,
             vy,
-            radius=self._radius,
+            radius=self.radius,
             proposals=proposals,
             answers=answers,
-            index=self._index,
+            index=self.index,
         )
         return state if state.is_finite else None
 
@@ -119,7 +120,7 @@ class PeerReader:
         message = self._reader.read(payload)
         assert isinstance(message, State)
         check_finite("state", message)
-        return addressed_to(self._robot, message, self._radius, self._index)
+        return addressed_to(self._robot, message, self.radius, self.index)
 
 
 def _identity(cursor: Cursor) -> int:
