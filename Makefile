@@ -6,11 +6,12 @@ READY := .venv/.ready
 COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
+  $(addprefix protocol/geometry/,disk.py polygon.py) \
   $(addprefix protocol/,cursor.py reader.py codec.py) \
   $(addprefix agents/,roster.py polygon.py estimate.py robot.py node.py) \
   $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
-  $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py) \
-  $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py fixed_disk.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
+  $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py entries.py separating_lines.py) \
   $(addprefix agents/laws/,view.py gradient.py) \
   $(addprefix world/coordinator/,commands.py roster.py lives.py) \
   $(addprefix world/plants/,integrator.py) \
@@ -21,7 +22,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile demo test fast check golden bench fuzz figures clean
+.PHONY: help setup compile inner demo test fast check golden bench fuzz figures clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -29,6 +30,9 @@ help:  ## say what there is
 setup: $(READY) $(COMPILED)  ## build .venv with everything that running and testing needs, and compile
 
 compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
+
+inner:
+	@echo $(INNER)
 
 $(COMPILED): $(READY) compile.py Makefile $(INNER)
 	@mkdir -p build; rm -f *__mypyc*.so
@@ -41,7 +45,7 @@ $(COMPILED): $(READY) compile.py Makefile $(INNER)
 $(READY): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	HATCH_BUILD_NO_HOOKS=true $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
 	@touch $@
 
 demo: $(READY) $(COMPILED)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png

@@ -13,9 +13,10 @@ from typing import Final
 
 from agents.estimate import Estimate
 from agents.laws import View, choose
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import boundary_of
 from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
+from agents.lines.things import Things
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
@@ -58,13 +59,14 @@ class Robot:
         latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         trusting = sensing.contradiction == "newest"
         self._estimate = Estimate(reach, trusting, scenario.ticks(latest))
-        self._boundary = RoundBoundary(scenario.workspace.radius - spec.radius)
+        self._boundary = boundary_of(scenario.workspace.shape, spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
         self._lines: SeparatingLines | None = None
+        self._things: Things | None = None
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
@@ -101,18 +103,20 @@ class Robot:
 
     def _locate(self) -> None:
         """Tell the lines where this robot is."""
-        estimate, lines = self._estimate, self._lines
-        if estimate.position is None or lines is None:
+        estimate, lines, things = self._estimate, self._lines, self._things
+        if estimate.position is None or lines is None or things is None:
             return
         if estimate.shape is not None and self._filtered:
-            self._confine(lines, estimate.shape)
+            self._confine(lines, things, estimate.shape)
         if estimate.lost:
             lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
+            things.locate(estimate.position, inf)
         else:
             lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
+            things.locate(estimate.position, estimate.bound, estimate.shape)
 
-    def _confine(self, lines: SeparatingLines, shape: Polygon) -> None:
-        """Cut off from the set of possible positions what the workspace and the obeyed lines exclude."""
+    def _confine(self, lines: SeparatingLines, things: Things, shape: Polygon) -> None:
+        """Cut off from the set of possible positions what workspace, obeyed lines and things exclude."""
         estimate = self._estimate
         for _ in range(CORNERS):
             edge = self._boundary.beyond(estimate.x, estimate.y, shape)
@@ -121,6 +125,8 @@ class Robot:
             shape = estimate.shape or shape
         for peer, side in lines.crossed(estimate.x, estimate.y, shape):
             estimate.confine(side, f"the line with robot {peer}")
+        for number, side in things.crossed(estimate.x, estimate.y, estimate.shape or shape):
+            estimate.confine(side, f"thing {number}")
 
     def _on_roster(self, roster: Roster) -> None:
         """Follow a roster that may be a newer one."""
@@ -128,15 +134,23 @@ class Robot:
         for member in news:
             self._neighbours.on_member(member)
         if self._lines is None:
-            starts = {peer.id: peer.start for peer in self._scenario.robots}
+            scenario, founding = self._scenario, self._roster.founding
+            starts = {peer.id: peer.start for peer in scenario.robots}
+            self._things = Things(
+                self._radii[self.robot],
+                scenario.shapes,
+                starts[self.robot] if founding else None,
+                speed=self._speed,
+                period=scenario.time.step,
+            )
             self._lines = SeparatingLines(
                 self.robot,
                 self.incarnation,
                 self._radii,
                 speed=self._speed,
-                period=self._scenario.time.step,
+                period=scenario.time.step,
                 members=news,
-                starts=starts if self._roster.founding else None,
+                starts=starts if founding else None,
             )
             self._locate()
         else:
@@ -221,6 +235,7 @@ class Robot:
             goal=self.goal,
             displacement=self._moved,
             neighbours=self._neighbours,
+            things=() if self._things is None else self._things.shapes,
         )
 
     def complaint(self) -> Command:
@@ -241,12 +256,13 @@ class Robot:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        if not lines.ready or self._estimate.lost:
+        things = self._things
+        if things is None or not (lines.ready and things.ready) or self._estimate.lost:
             return STILL
         return safe_velocity(
             desired,
             position,
-            lines.half_planes(),
+            [*lines.half_planes(), *things.half_planes()],
             boundary=self._boundary,
             speed=self._control.speed,
             period=self._scenario.time.step,

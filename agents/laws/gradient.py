@@ -7,8 +7,10 @@ from collections.abc import Sequence
 
 from agents.laws.view import View
 from agents.navigation import pace
+from agents.navigation.attraction import Attraction
 from agents.navigation.deadlock import Progress, barred, circling
 from agents.navigation.flow import Flow, desired_velocity
+from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
 from agents.peers.state import PeerState
 from protocol.scenario.model import Scenario
@@ -22,7 +24,10 @@ class GradientLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._radius = spec.radius
-        self._workspace, self._k = scenario.workspace.radius, scenario.k
+        self._room, self._k = scenario.workspace.shape, scenario.k
+        self._workspace = round_boundary(self._room)
+        self._attraction = Attraction(self._room, spec.radius)
+        self._aim = (spec.goal, spec.goal)  # the goal of the last tick, and where it pulled
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
@@ -35,14 +40,16 @@ class GradientLaw:
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
         position, goal, neighbours = view.position, view.goal, view.neighbours
-        peers = neighbours.disks()
+        peers = [*neighbours.disks(), *standing(self._room, view.things, *position)]
+        aim = self._attraction.aim(position, goal, view.things)
+        self._aim, goal = (goal, aim), aim
         field = self._slice = Slice(goal, self._radius, self._workspace, self._k, peers)
         begin = field.gradient(*position)
         moving = neighbours.moving()
         away = math.hypot(position[0] - goal[0], position[1] - goal[1])
         scale = self._scale(math.hypot(begin.dx, begin.dy), away, moving)
         free = self._free(away, scale)
-        strength = self._stuck(view, away, free, peers, moving)
+        strength = self._stuck(view, goal, away, free, peers, moving)
         self._wanted = self._follow(Flow(field, scale), position, begin)
         if strength == 0.0:
             return self._wanted
@@ -54,7 +61,7 @@ class GradientLaw:
         """See `agents.laws.law.Law`; before the first tick the attraction alone."""
         if self._slice is None:
             return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
-        self._slice.goal = goal
+        self._slice.goal = self._aim[1] if goal == self._aim[0] else goal
         return self._slice.norm(*position)
 
     def _follow(self, flow: Flow, position: Vector, begin: Gradient) -> Vector:
@@ -69,7 +76,13 @@ class GradientLaw:
         return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)
 
     def _stuck(
-        self, view: View, away: float, free: float, peers: list[Peer], moving: Sequence[PeerState]
+        self,
+        view: View,
+        goal: Vector,
+        away: float,
+        free: float,
+        peers: list[Peer],
+        moving: Sequence[PeerState],
     ) -> float:
         """How strongly to escape from a deadlock, 0 to 1."""
         if self._progress is None:
@@ -84,7 +97,7 @@ class GradientLaw:
             desired=self._wanted,
             free=free,
             gamma=away**2 + gamma,
-            barred=lambda: barred(view.position, view.goal, self._radius, peers),
+            barred=lambda: barred(view.position, goal, self._radius, peers),
             latency=(view.tick - oldest) * self._period,
         )
 

@@ -1,10 +1,14 @@
-"""What a law without a navigation function wants before it looks at others: straight to the goal."""
+"""What a law without a navigation function wants before it looks at others: straight to the goal, or along
+the shortest way to it among things."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from agents.navigation.attraction import Attraction
 from protocol.draws import Purpose, generator
+from protocol.geometry import Shape
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -23,9 +27,11 @@ class Nominal:
         self._speed, self._period = scenario.control.speed, scenario.time.step
         self._held = max(1, scenario.ticks(_HELD))
         self._tolerance, self._noise = scenario.time.tolerance, noise
+        self._attraction = Attraction(scenario.workspace.shape, scenario.spec(robot).radius)
 
-    def velocity(self, position: Vector, goal: Vector, tick: int) -> Vector:
+    def velocity(self, position: Vector, goal: Vector, tick: int, things: Sequence[Shape] = ()) -> Vector:
         """m/s, at most the speed limit and the random part."""
+        goal = self._attraction.aim(position, goal, things)
         dx, dy = goal[0] - position[0], goal[1] - position[1]
         away = math.hypot(dx, dy)
         if away <= 0.5 * self._tolerance:

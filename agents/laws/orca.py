@@ -8,11 +8,13 @@ State says, moved on by their velocity over its age. Only the robot's own new ve
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from agents.laws.law import Law
 from agents.laws.nominal import Nominal
 from agents.laws.view import View
 from agents.peers.neighbours import Neighbours
+from protocol.geometry import Shape
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -21,36 +23,51 @@ HORIZON = 2.0  # s, ahead of which encounters count
 NOISE = 0.1  # of the speed limit
 MARGIN = 0.001  # m, around each disk: reciprocal velocities plan to touch exactly, in single precision
 _WALL = 2.0  # periods ahead of which the boundary counts: more only slows the way to goals beside it
-_SIDES = 48  # of the polygon that stands for the workspace's circle
 
 
 class OrcaLaw(Law):
     """One robot's reciprocal velocity; see `agents.laws.law.Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        from pyrvo import RVOSimulator
-
         control = scenario.control
-        horizon = HORIZON if control.horizon is None else control.horizon
+        self._horizon = HORIZON if control.horizon is None else control.horizon
         margin = MARGIN if control.margin is None else control.margin
         self._period, self._speed = scenario.time.step, control.speed
         self._radii = {spec.id: spec.radius + margin for spec in scenario.robots}
+        self._robot, self._room = robot, scenario.workspace.shape
         self._nominal = Nominal(
             scenario, robot, NOISE if control.symmetry_noise is None else control.symmetry_noise
         )
-        self._agents: dict[int, int] = {}
-        everyone, far = len(scenario.robots), 2.0 * scenario.workspace.radius
+        self._begin(())
+
+    def _begin(self, things: Sequence[Shape]) -> None:
+        """A simulator with these things; what stands in one cannot be changed."""
+        from pyrvo import RVOSimulator
+
+        self._things, self._agents = list(things), dict[int, int]()
+        everyone, far = len(self._radii), 2.0 * self._room.around.radius
         self._simulator = RVOSimulator(
-            self._period, far, everyone, horizon, _WALL * self._period, self._radii[robot], self._speed
+            self._period,
+            far,
+            everyone,
+            self._horizon,
+            _WALL * self._period,
+            self._radii[self._robot],
+            self._speed,
         )
-        self._simulator.add_obstacle(_inside(scenario.workspace.radius))
+        first, *others = self._room.outline()
+        self._simulator.add_obstacle([first, *reversed(others)])  # clockwise: robots are kept inside
+        for shape in things:
+            self._simulator.add_obstacle(shape.outline())
         self._simulator.process_obstacles()
         self._own = self._simulator.add_agent((0.0, 0.0))
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
+        if self._things != list(view.things):
+            self._begin(view.things)
         moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
-        preferred = self._nominal.velocity(view.position, view.goal, view.tick)
+        preferred = self._nominal.velocity(view.position, view.goal, view.tick, view.things)
         self._place(self._own, view.position, moving, preferred)
         for peer in self._radii:
             self._observe(peer, view.neighbours, view.tick)
@@ -81,9 +98,3 @@ class OrcaLaw(Law):
         simulator.set_agent_position(agent, position)
         simulator.set_agent_velocity(agent, velocity)
         simulator.set_agent_pref_velocity(agent, preferred)
-
-
-def _inside(radius: float) -> list[Vector]:
-    """Vertices, clockwise, so that robots are kept inside."""
-    angles = [-math.tau * n / _SIDES for n in range(_SIDES)]
-    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]

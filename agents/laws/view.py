@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 from mypy_extensions import mypyc_attr
 
 from agents.peers.neighbours import Neighbours
+from protocol.geometry import Shape
 
 Vector = tuple[float, float]
 
@@ -22,14 +24,22 @@ class View:
         goal: own, m; it may be another one in the next tick.
         displacement: really executed during the last tick, m.
         neighbours: peers as last heard, and disks that stand.
+        things: what stands and is no robot.
 
     Attributes: as given.
     """
 
-    __slots__ = ("displacement", "goal", "neighbours", "position", "tick")
+    __slots__ = ("displacement", "goal", "neighbours", "position", "things", "tick")
 
     def __init__(
-        self, *, tick: int, position: Vector, goal: Vector, displacement: Vector, neighbours: Neighbours
+        self,
+        *,
+        tick: int,
+        position: Vector,
+        goal: Vector,
+        displacement: Vector,
+        neighbours: Neighbours,
+        things: Sequence[Shape] = (),
     ) -> None:
         self.tick, self.position, self.goal = tick, position, goal
-        self.displacement, self.neighbours = displacement, neighbours
+        self.displacement, self.neighbours, self.things = displacement, neighbours, things

@@ -4,18 +4,20 @@ A centre x that moves by d stays inside if n.(x + d) <= W for every direction n,
 the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
 for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W - h(n), and
 n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n, half-planes are
-handed out one by one, for a displacement that violates them. A boundary with straight sides would give those.
+handed out one by one, for a displacement that violates them. Of a convex polygon the walls themselves are.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon
+from protocol.geometry import Disk, Shape
 
 _WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left
 
@@ -102,6 +104,66 @@ class RoundBoundary:
             return None
         nx, ny = qx / distance, qy / distance
         return HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
+
+
+@final
+@mypyc_attr(acyclic=True)
+class StraightBoundary:
+    """The walls of a convex room.
+
+    Args:
+        walls: half-planes for the own centre.
+    """
+
+    __slots__ = ("walls",)
+
+    def __init__(self, walls: Sequence[HalfPlane]) -> None:
+        self.walls = list(walls)
+
+    def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
+        """The wall behind which `shape` around (x, y) sticks out most, if that is worth a cut."""
+        far, found = _WORTH * shape.radius, None
+        for wall in self.walls:
+            out = shape.extent(wall.nx, wall.ny) - wall.slack(x, y)
+            if out > far:
+                far, found = out, wall
+        return found
+
+    def cut(
+        self,
+        x: float,
+        y: float,
+        shape: Polygon | None,
+        dx: float,
+        dy: float,
+        *,
+        noise: float = 0.0,
+        tolerance: float = 0.0,
+    ) -> HalfPlane | None:
+        """A half-plane of displacements that the displacement (dx, dy) violates; see `RoundBoundary.cut`.
+
+        Args:
+            tolerance: in m, by which a violation does not count.
+        """
+        extra = noise * math.hypot(dx, dy)
+        worst, found = tolerance, None
+        for wall in self.walls:
+            extent = 0.0 if shape is None else shape.extent(wall.nx, wall.ny)
+            room = max(0.0, wall.slack(x, y) - extent - 2.0 * ROUNDING)
+            excess = wall.nx * dx + wall.ny * dy + extra - room
+            if excess > worst:
+                worst, found = excess, HalfPlane(wall.nx, wall.ny, room)
+        return found
+
+
+Boundary = RoundBoundary | StraightBoundary
+
+
+def boundary_of(room: Shape, radius: float) -> Boundary:
+    """What a room leaves to the centre of a disk of `radius`, m."""
+    if isinstance(room, Disk):
+        return RoundBoundary(room.radius - radius)
+    return StraightBoundary([HalfPlane(nx, ny, offset - radius) for nx, ny, offset in room.sides])
 
 
 def _against(dx: float, dy: float) -> HalfPlane | None:

@@ -6,9 +6,10 @@ import math
 from typing import Final, final
 
 from agents.lines.ends import Follower, Owner
-from agents.lines.fixed_disk import FixedDisk
 from agents.lines.line import HalfPlane, Line
+from agents.lines.tangent import Tangent
 from agents.peers.state import PeerState
+from protocol.geometry import Disk
 from protocol.messages import Member
 
 _ROOM: Final = 0.25  # of the smaller radius, beyond both error bounds: a late line must still find room
@@ -81,7 +82,7 @@ class RobotPair:
         self.radius, self.own_radius = radius, own_radius
         self.peer = peer
         self.end: Owner | Follower = (Owner if owns else Follower)(incarnation, initial, peer_incarnation)
-        self.disk: FixedDisk | None = None
+        self.disk: Tangent | None = None
         self.line_half_planes: tuple[HalfPlane, ...] = ()
         self.renew()
 
@@ -112,16 +113,14 @@ class RobotPair:
         Args:
             x, y, bound: own position, m, and its error bound, m.
         """
-        state = self.state
-        if state is not None and state.placed:
-            dx, dy, theirs = x - state.x, y - state.y, state.bound
-        elif self.disk is not None and self.disk.half_plane is None:
-            dx, dy, theirs = x - self.disk.x, y - self.disk.y, 0.0
-        else:
-            return 0.0, 0.0
+        state, room = self.state, _ROOM * min(self.own_radius, self.radius)
+        if state is None or not state.placed:
+            if self.disk is None or self.disk.half_plane is not None:
+                return 0.0, 0.0
+            return self.disk.lacking(x, y, bound + room)
+        dx, dy = x - state.x, y - state.y
         distance = math.hypot(dx, dy)
-        lacking = self.own_radius + self.radius + bound + theirs - distance
-        lacking += _ROOM * min(self.own_radius, self.radius)
+        lacking = self.own_radius + self.radius + bound + state.bound - distance + room
         if lacking <= 0.0:
             return 0.0, 0.0
         if distance == 0.0:
@@ -172,7 +171,7 @@ class RobotPair:
         assert member.position is not None
         self.radius = member.radius
         radius = member.radius + member.bound
-        self.disk = FixedDisk(*member.position, radius, self.own_radius, self.half_planes)
+        self.disk = Tangent(Disk(*member.position, radius), self.own_radius, self.half_planes)
         self.excused = member.status == "appearing"
         self._end(member.incarnation)
 

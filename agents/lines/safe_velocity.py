@@ -14,7 +14,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.polygon import Polygon
 
@@ -29,7 +29,7 @@ def safe_velocity(
     position: Vector,
     half_planes: Sequence[HalfPlane],
     *,
-    boundary: RoundBoundary,
+    boundary: Boundary,
     speed: float,
     period: float,
     shape: Polygon | None = None,

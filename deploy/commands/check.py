@@ -8,6 +8,8 @@ from deploy.commands import options
 from deploy.output import json_output
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from deploy.theory.check.report import Certified
     from protocol.scenario.model import Scenario
 
@@ -28,15 +30,23 @@ def check(
     from deploy.theory.check.check import report
     from deploy.theory.check.render import render
     from deploy.theory.check.report import to_json
+    from deploy.theory.check.scope import theorem_for
+    from deploy.theory.check.surrounded import surrounded
 
     json_output.check(json_file)
     valid = load(scenario, setting or [], seed)
-    found = report(valid, _certificate(scenario, valid))
-    json_output.write_json(to_json(found), json_file)
+    shown: RenderableType
+    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
+        found = report(valid, _certificate(scenario, valid))
+        plain, shown = to_json(found), render(found)
+    else:
+        among = surrounded(valid)
+        plain, shown = among.to_json(), among.render()
+    json_output.write_json(plain, json_file)
     if not json_output.is_standard_output(json_file):
         from rich.console import Console
 
-        Console().print(render(found))
+        Console().print(shown)
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:

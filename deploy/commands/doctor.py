@@ -13,7 +13,7 @@ from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 if TYPE_CHECKING:
     from deploy.software.findings import Finding
 
-_MARKS = {"good": "[green]ok[/]", "note": "[yellow]--[/]", "bad": "[red]!![/]"}
+_MARKS = {"good": ("ok", "green"), "note": ("--", "yellow"), "bad": ("!!", "red")}
 
 
 def doctor(json_file: options.Json = None) -> None:
@@ -56,12 +56,13 @@ def _trial() -> Finding:
 
 
 def _print(found: list[Finding]) -> None:
+    """Line by line and not wrapped, so that commands can be copied."""
     from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=None, padding=(0, 2), show_header=False)
+    console = Console(soft_wrap=True)
+    width = max(len(finding.what) for finding in found)
     for finding in found:
-        table.add_row(_MARKS[finding.level], finding.what, finding.text)
+        console.print(Text.assemble(_MARKS[finding.level], f"  {finding.what:<{width}}  {finding.text}"))
         if finding.remedy:
-            table.add_row("", "", f"[dim]→[/] {finding.remedy}")
-    Console(soft_wrap=False).print(table)
+            console.print(Text.assemble(" " * (width + 4), ("→ ", "dim"), finding.remedy))

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from agents.laws import require
 from deploy.library.names import build
-from deploy.theory.gain.tuning import automatic_k
+from deploy.theory.gain.tuning import automatic_k, crowd
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
@@ -44,10 +42,7 @@ def resolved(scenario: Scenario) -> Scenario:
     """The same with a number for k where it is "auto"."""
     if scenario.control.k != "auto":
         return scenario
-    radii = np.array([robot.radius for robot in scenario.robots])
-    return replace(
-        scenario, control=replace(scenario.control, k=automatic_k(radii, scenario.workspace.radius))
-    )
+    return replace(scenario, control=replace(scenario.control, k=automatic_k(*crowd(scenario))))
 
 
 def _certified(name: str, scenario: Scenario) -> Scenario:

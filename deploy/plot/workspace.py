@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Patch, Polygon
 from matplotlib.patheffects import withStroke
 
 from deploy.plot.style import FAINT, INK, colour, dash
 from deploy.recording.reader import Recording
+from protocol.geometry import Disk, Shape
 
 _MOMENTS = 5  # disks drawn between start and end, at most
 MANY = 20  # robots from which on ids would hide the disks
@@ -33,19 +34,28 @@ def draw_workspace(axes: Axes, recording: Recording) -> None:
 
 
 def frame(axes: Axes, recording: Recording) -> None:
-    """The empty workspace: its boundary, equal scales, axes in metres."""
-    radius = recording.scenario.workspace.radius
-    axes.add_patch(Circle((0.0, 0.0), radius, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
-    margin = 1.04 * radius
+    """The empty workspace: its boundary, what stands in it, equal scales, axes in metres."""
+    room = recording.scenario.workspace.shape
+    for shape in recording.scenario.shapes.values():
+        axes.add_patch(_patch(shape, facecolor=FAINT, edgecolor=INK, alpha=0.35, linewidth=0.8, zorder=3))
+    axes.add_patch(_patch(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
+    (left, low), (right, high) = room.box
+    margin = 0.02 * max(right - left, high - low)
     axes.set(
-        xlim=(-margin, margin),
-        ylim=(-margin, margin),
+        xlim=(left - margin, right + margin),
+        ylim=(low - margin, high + margin),
         aspect="equal",
         anchor="N",
         xlabel="x, m",
         ylabel="y, m",
     )
     axes.grid(visible=False)
+
+
+def _patch(shape: Shape, **look: object) -> Patch:
+    if isinstance(shape, Disk):
+        return Circle((shape.x, shape.y), shape.radius, **look)
+    return Polygon(shape.points, closed=True, **look)
 
 
 def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:

@@ -10,10 +10,12 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from math import hypot
 
+from protocol.geometry import Disk, Shape
 from protocol.scenario.fault_checks import fault_findings
-from protocol.scenario.model import Time, Workspace
+from protocol.scenario.model import Time
 from protocol.scenario.shape import Document, Finding, Steps
 from protocol.scenario.sound import Sound
+from protocol.scenario.space_checks import Placed, room_of, space_findings
 
 _NAMED = 3  # overlaps of one disk that are spelled out
 _LONGEST = 10**9  # ticks
@@ -41,13 +43,16 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         _Disk(i, *(sound.get("robots", i, key) for key in ("id", "radius", "start", "goal")))
         for i in range(sound.size("robots"))
     ]
+    room, findings = room_of(sound)
     ids = {disk.id for disk in disks if disk.id is not None}
     known = ids if all(disk.id is not None for disk in disks) else None
     return [
         *_ids(disks),
-        *_fit(disks, sound.get("workspace", "radius", default=Workspace().radius)),
+        *findings,
+        *_fit(disks, room),
         *_overlaps(disks, "start"),
         *_overlaps(disks, "goal"),
+        *space_findings(sound, room, _placed(disks)),
         *_times(sound),
         *fault_findings(sound, known),
     ]
@@ -60,18 +65,26 @@ def _ids(disks: list[_Disk]) -> Iterator[Finding]:
             yield ("robots", disk.index, "id"), f"{disk.id} is the id of robots[{first[disk.id]}] already"
 
 
-def _fit(disks: list[_Disk], workspace: float | None) -> Iterator[Finding]:
+def _fit(disks: list[_Disk], room: Shape | None) -> Iterator[Finding]:
     for disk in disks:
-        if workspace is None or disk.radius is None:
+        if room is None or disk.radius is None:
             continue
-        if disk.radius >= workspace:
-            text = f"a disk of radius {disk.radius:g} m does not fit into the workspace of {workspace:g} m"
+        if isinstance(room, Disk) and disk.radius >= room.radius:
+            text = f"a disk of radius {disk.radius:g} m does not fit into the workspace of {room.radius:g} m"
             yield ("robots", disk.index, "radius"), text
             continue
         for key, point in (("start", disk.start), ("goal", disk.goal)):
-            if point is not None and (beyond := hypot(*point) + disk.radius - workspace) >= 0.0:
+            if point is not None and (beyond := room.distance(*point) + disk.radius) >= 0.0:
                 text = f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
                 yield ("robots", disk.index, key), text
+
+
+def _placed(disks: list[_Disk]) -> Iterator[Placed]:
+    """Every disk where it begins and where it shall be."""
+    for disk in disks:
+        for key, point in (("start", disk.start), ("goal", disk.goal)):
+            if point is not None and disk.radius is not None:
+                yield Placed(f"the {key} of {disk.name}", Disk(point[0], point[1], disk.radius))
 
 
 def _overlaps(disks: list[_Disk], key: str) -> Iterator[Finding]:

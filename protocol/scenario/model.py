@@ -12,7 +12,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, Len
 
-from protocol.errors import Problem, ScenarioError
+from protocol.errors import Problem, ScenarioError, UsageError
+from protocol.geometry import ConvexPolygon, Disk, Shape
 
 # The bounds of size keep squares and products of lengths away from the ends of a double's range.
 Positive = Annotated[float, Ge(1e-9), Le(1e6)]
@@ -21,18 +22,64 @@ Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
+Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
+DEFAULT_RADIUS = 0.30  # m, of the workspace
 STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}
 
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
-    """The disk around the origin that all robots share; `radius` in m."""
+    """What all robots share: a disk around the origin (`radius`, m), 0.30 m unless anything is given, or a
+    convex polygon (`points`, m)."""
 
     __pydantic_config__ = STRICT
-    radius: Positive = 0.30
+    radius: Positive | None = None
+    points: Corners | None = None
+
+    def __post_init__(self) -> None:
+        if self.radius is None and self.points is None:
+            object.__setattr__(self, "radius", DEFAULT_RADIUS)
+
+    @property
+    def shape(self) -> Shape:
+        """The set that no disk leaves."""
+        if self.points is not None:
+            return ConvexPolygon(self.points)
+        assert self.radius is not None
+        return Disk(0.0, 0.0, self.radius)
+
+    @property
+    def disk_radius(self) -> float:
+        """Radius of a round workspace, m, for what is said of no other.
+
+        Raises:
+            UsageError: it is a polygon.
+        """
+        if self.radius is None:
+            raise UsageError("the workspace is a polygon; this is possible in a round one only")
+        return self.radius
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
+
+    __pydantic_config__ = STRICT
+    center: Point | None = None
+    radius: Positive | None = None
+    points: Corners | None = None
+
+    @property
+    def shape(self) -> Shape:
+        """What no disk touches."""
+        if self.points is not None:
+            return ConvexPolygon(self.points)
+        assert self.center is not None
+        assert self.radius is not None
+        return Disk(*self.center, self.radius)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +209,7 @@ class Scenario:
     link: Link = Link()
     process: tuple[ProcessFault, ...] = ()
     actuation: Actuation = Actuation()
+    things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
 
     def ticks(self, seconds: float) -> int:
         """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
@@ -179,6 +227,11 @@ class Scenario:
                 self.name, [Problem("control.k", f'is still "{self.control.k}"; resolve it before the run')]
             )
         return self.control.k
+
+    @property
+    def shapes(self) -> dict[int, Shape]:
+        """What stands from the start, by the number of the thing."""
+        return {number: thing.shape for number, thing in enumerate(self.things, 1)}
 
     @property
     def ids(self) -> tuple[int, ...]:

@@ -23,7 +23,7 @@ def document_of(scenario: Scenario) -> Document:
         document[key] = _table(getattr(scenario, key), complete=True)
     if scenario.sensing != (Sensing(),):
         document["sensing"] = [_table(sensing) for sensing in scenario.sensing]
-    for key in ("link", "process", "actuation"):
+    for key in ("link", "process", "actuation", "things"):
         if value := _plain(getattr(scenario, key)):
             document[key] = value
     document["robots"] = _plain(scenario.robots)

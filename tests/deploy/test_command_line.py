@@ -14,6 +14,7 @@ import typer
 from typer.testing import CliRunner
 
 from deploy.commands.application import GROUPS, app
+from deploy.software.findings import Finding
 from protocol.errors import UsageError
 
 COMMAND = typer.main.get_command(app)
@@ -170,3 +171,14 @@ def test_doctor_finds_this_machine_fit() -> None:
         for each in found.values()
         if each["level"] != "good" and "does not say" not in each["text"]
     )
+
+
+def test_doctor_prints_commands_that_can_be_copied(monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = Finding(
+        "extra plot", "note", "matplotlib not installed", "pip install 'disknav[plot] @ file:///a'"
+    )
+    monkeypatch.setattr("deploy.software.findings.findings", lambda: iter([lacking]))
+    monkeypatch.setattr("deploy.commands.doctor._trial", lambda: Finding("fleet", "bad", "did not run"))
+    done = CliRunner().invoke(app, ["doctor"], catch_exceptions=False)
+    assert lacking.remedy in done.stdout
+    assert done.exit_code == 1

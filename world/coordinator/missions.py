@@ -140,9 +140,13 @@ class Missions:
     def _out_of_reach(self, robot: int, point: Vector, standing: Iterable[Standing]) -> str:
         """Why the disk of a robot cannot be at a point; "" if it can."""
         radius, where = self._scenario.spec(robot).radius, f"({point[0]:g}, {point[1]:g})"
-        beyond = math.hypot(*point) + radius - self._scenario.workspace.radius
+        beyond = self._scenario.workspace.shape.distance(*point) + radius
         if beyond >= 0.0:
             return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
+        for number, shape in self._scenario.shapes.items():
+            depth = radius - shape.distance(*point)
+            if depth >= 0.0:
+                return f"{where}: robot {robot} would overlap thing {number} by {depth:.3g} m"
         for each in standing:
             depth = radius + self._scenario.spec(each.robot).radius - math.dist(point, each.position)
             if depth >= 0.0:

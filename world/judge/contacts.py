@@ -1,4 +1,4 @@
-"""Contacts: when, and how deeply, two disks or a disk and the boundary overlapped.
+"""Contacts: when, and how deeply, two disks overlapped, or a disk and the boundary or a thing.
 
 A contact is a gap below `-TOUCH`: rounding at an exact touch is none.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from protocol.geometry import Disk
 from world.judge.clearance import Disks, Plane, Reals
 
 _STILL = 1e-280  # m^2, a motion too short for its square to be exact: none
@@ -19,7 +20,7 @@ Interval = tuple[float, float]
 
 @dataclass
 class Contact:
-    """One uninterrupted overlap of `pair` (0: the boundary); times in ticks, `deepest` in m, negative."""
+    """An overlap of `pair` (0: the boundary, -n: thing n); times in ticks, `deepest` in m, negative."""
 
     pair: tuple[int, int]
     begin: float
@@ -58,8 +59,10 @@ class Contacts:
             i, j = disks.first[index], disks.second[index]
             inside = within(before[i] - before[j], after[i] - after[j], disks.contact[index] - TOUCH)
             return [] if inside is None else [inside]
-        robot = index - pairs
-        inside = within(before[robot], after[robot], disks.wall[robot] + TOUCH)
+        robot, surroundings = (index - pairs) % len(disks.ids), disks.surroundings
+        if index - pairs >= len(disks.ids) or not isinstance(surroundings.room, Disk):
+            return surroundings.overlaps(index - pairs, before[robot], after[robot], TOUCH)
+        inside = within(before[robot], after[robot], surroundings.wall[robot] + TOUCH)
         if inside is None:
             return [(0.0, 1.0)]
         return [part for part in ((0.0, inside[0]), (inside[1], 1.0)) if part[0] < part[1]]

@@ -2,7 +2,8 @@
 
     phi = (gamma^k / (gamma^k + beta))^(1/k)
 
-0 at the goal, 1 on the boundary of free space and, by convention here, everywhere outside it. Lengths in m.
+Things enter beta like the disks of a sphere world (Koditschek and Rimon). 0 at the goal, 1 on the boundary of
+free space and, by convention here, everywhere outside it. Lengths in m.
 """
 
 from __future__ import annotations
@@ -27,10 +28,8 @@ class NavigationFunction:
         """phi of each of n configurations (n, p), complex, m; finite for any k and number of robots."""
         offset = positions - self._goals.points
         relative = self._disks.relative(positions)
-        contact, wall = self._disks.contact, self._disks.wall
-        beta_pairs = relative.real**2 + relative.imag**2 - contact**2
-        beta_wall = wall**2 - positions.real**2 - positions.imag**2
-        beta = np.concatenate((beta_pairs, beta_wall), axis=-1)
+        beta_pairs = relative.real**2 + relative.imag**2 - self._disks.contact**2
+        beta = np.concatenate((beta_pairs, self._disks.surroundings.beta(positions)), axis=-1)
         gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
         free = (beta.min(axis=-1) > 0.0).tolist()
         log_beta = np.log(np.maximum(beta, _TINY)).sum(axis=-1).tolist()

@@ -40,7 +40,7 @@ class Record:
         self._contacts = Contacts(disks)
         self._deviation = LateralDeviation(goals)
         self._aside: list[tuple[Vector, ...]] = []
-        self._batch = max(1, min(_BATCH, _LARGEST // (len(disks.contact) + len(disks.wall))))
+        self._batch = max(1, min(_BATCH, _LARGEST // (len(disks))))
         self._tick = 0  # of the newest configuration that is measured
         self._plane = as_plane([positions])
         self._increases = 0

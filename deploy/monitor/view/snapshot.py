@@ -6,6 +6,7 @@ from typing import Any
 
 from deploy.monitor.view.fleet import View
 from deploy.monitor.view.robot import ALARMS, RobotView
+from protocol.geometry import Disk, Shape
 from protocol.messages import Truth
 
 _SAMPLES = 8  # of the past that a snapshot carries, at most
@@ -19,7 +20,9 @@ def overview(view: View) -> dict[str, Any]:
         told |= {
             "scenario": scenario.name,
             "description": scenario.description,
-            "radius": scenario.workspace.radius,
+            "room": _outline(scenario.workspace.shape),
+            "box": scenario.workspace.shape.box,
+            "things": [_outline(shape) for shape in scenario.shapes.values()],
             "step": scenario.time.step,
             "limit": scenario.time.limit,
             "speed": scenario.control.speed,
@@ -29,6 +32,13 @@ def overview(view: View) -> dict[str, Any]:
             "tick": view.recent[-1].tick if view.recent else -1,
         }
     return told
+
+
+def _outline(shape: Shape) -> dict[str, Any]:
+    """A disk or a polygon, as a scenario file has it."""
+    if isinstance(shape, Disk):
+        return {"center": (shape.x, shape.y), "radius": shape.radius}
+    return {"points": shape.points}
 
 
 def _still(robot: RobotView) -> dict[str, Any]:

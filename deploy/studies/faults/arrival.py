@@ -91,7 +91,7 @@ def room(scenario: Scenario) -> float:
         math.dist(one.goal, other.goal) - radii[one.id] - radii[other.id]
         for one, other in combinations(scenario.robots, 2)
     )
-    inside = (scenario.workspace.radius - math.hypot(*spec.goal) - radii[spec.id] for spec in scenario.robots)
+    inside = (-scenario.workspace.shape.distance(*spec.goal) - radii[spec.id] for spec in scenario.robots)
     return min(*beside, *inside, math.inf)
 
 

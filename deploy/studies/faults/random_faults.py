@@ -69,7 +69,7 @@ def _barred(result: Result) -> bool:
     missing = set(result["robots"]) - set(result["arrived"]) - set(result["down"])
     for dead in map(scenario.spec, result["down"]):
         place = result["positions"][str(dead.id)]
-        room = scenario.workspace.radius - math.hypot(*place) - dead.radius
+        room = -scenario.workspace.shape.distance(*place) - dead.radius
         for robot in map(scenario.spec, missing):
             if math.dist(place, robot.goal) < robot.radius + dead.radius or room < 2.0 * robot.radius:
                 return True

@@ -47,7 +47,7 @@ def pair(scenario: Scenario) -> Pair:
         Problem(
             np.array([robot.goal for robot in scenario.robots]),
             np.array([robot.radius for robot in scenario.robots]),
-            scenario.workspace.radius,
+            scenario.workspace.disk_radius,
             scenario.k,
         ),
         np.array([robot.start for robot in scenario.robots]),

@@ -22,7 +22,7 @@ import numpy as np
 
 from deploy.theory.certify.frontier import Frontier, Open
 from deploy.theory.function import Problem
-from protocol.errors import DocumentError
+from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
 from protocol.scenario.model import Scenario
 
@@ -43,10 +43,16 @@ class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @classmethod
     def of(cls, scenario: Scenario) -> Goals:
-        """The goals of a scenario."""
+        """The goals of a scenario.
+
+        Raises:
+            UsageError: things stand in it, or its workspace is a polygon.
+        """
+        if scenario.things:
+            raise UsageError("certificates are for robots alone, not among things")
         specs = [scenario.spec(robot) for robot in scenario.ids]
         goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)
-        return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.radius))
+        return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.disk_radius))
 
     @property
     def problem(self) -> Problem:

@@ -57,7 +57,7 @@ def _problem(scenario: Scenario) -> tuple[Problem, Array, tuple[int, ...]]:
     """The problem, the start, and robot ids, all in order of id."""
     specs = [scenario.spec(robot) for robot in scenario.ids]
     radii = np.array([spec.radius for spec in specs])
-    workspace, k = scenario.workspace.radius, scenario.control.k
+    workspace, k = scenario.workspace.disk_radius, scenario.control.k
     gain = automatic_k(radii, workspace) if isinstance(k, str) else k
     goals, start = (np.array([getattr(spec, name) for spec in specs], dtype=np.float64) for name in _ENDS)
     return Problem(goals, radii, workspace, gain), start, scenario.ids

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from deploy.theory.function import Array
+from protocol.geometry import Disk, Shape
+from protocol.scenario.model import Scenario
 
 PAPER_K = 60.0  # the gain of the paper's six robots (section 4)
 PAPER_ROBOTS = 6.0
@@ -14,6 +18,18 @@ SPARSE = 0.15  # density up to which the number of robots alone decides
 def density(radii: Array, workspace: float) -> float:
     """Area of the disks over area of the workspace."""
     return float((np.asarray(radii) ** 2).sum() / workspace**2)
+
+
+def crowd(scenario: Scenario) -> tuple[Array, float]:
+    """Radii of everything that is in the way, robots first, and of the workspace, m, as `automatic_k` takes
+    them; what is not round counts by its area."""
+    things = [_round(shape) for shape in scenario.shapes.values()]
+    radii = np.array([*(robot.radius for robot in scenario.robots), *things])
+    return radii, _round(scenario.workspace.shape)
+
+
+def _round(shape: Shape) -> float:
+    return shape.radius if isinstance(shape, Disk) else math.sqrt(shape.area / math.pi)
 
 
 def automatic_k(radii: Array, workspace: float) -> float:

@@ -12,8 +12,9 @@ from tests.agents.lines.small_model import Bounds, search
 from tests.interpreted import Edit
 
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
-    f"agents.lines.{name}" for name in ("ends", "robot_pair", "fixed_disk", "separating_lines", "boundary")
+    f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
+_THINGS = "agents.lines.things"
 _ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
 _ROLL, _COMMANDS, _LIVES, _BODIES = (
     "world.coordinator.roster",
@@ -367,7 +368,7 @@ WHO_IS_THERE = (
     Mutant(
         "standing-behind-the-line",
         "a line stays in the place of the tangent only if the disk stands behind it",
-        (Edit(_DISK, "if -side.slack(x, y) >= self._contact)", "if True)"),),
+        (Edit(_DISK, "if shape.limit(side.nx, side.ny, own_radius) >= side.limit:", "if True:"),),
     ),
     Mutant(
         "line-replaces-standing-when-agreed",
@@ -501,4 +502,50 @@ ITSELF = (
 )
 
 
-MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF)
+SURROUNDINGS = (
+    Mutant(
+        "things-before-moving",
+        "a robot moves only while it is behind a tangent to everything that stands",
+        (
+            Edit(
+                _ROBOT,
+                "if things is None or not (lines.ready and things.ready)",
+                "if things is None or not lines.ready",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "start-of-founders",
+        "only a founding life knows that its disk is where the scenario lets it begin",
+        (Edit(_ROBOT, "starts[self.robot] if founding else None", "starts[self.robot]"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "own-error-at-things",
+        "every place where the own centre can be keeps clear of things",
+        (Edit(_THINGS, "side.limit - (extent + 2.0 * ROUNDING)", "side.limit"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "own-error-at-straight-walls",
+        "and of straight walls",
+        (Edit(_BOUNDARY, "wall.slack(x, y) - extent - 2.0 * ROUNDING", "wall.slack(x, y)"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "nearest-point",
+        "a tangent touches the thing itself: one through its middle leaves half of it on the own side",
+        (
+            Edit(
+                _DISK,
+                "HalfPlane(nx, ny, target.limit(nx, ny, self._radius))",
+                "HalfPlane(nx, ny, nx * around.x + ny * around.y - self._radius)",
+            ),
+        ),
+        model="skirmish",
+    ),
+)
+
+
+MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF, *SURROUNDINGS)

@@ -15,10 +15,11 @@ _LINES = [
         "boundary",
         "placement",
         "ends",
-        "fixed_disk",
+        "tangent",
         "robot_pair",
         "entries",
         "separating_lines",
+        "things",
     )
 ]
 _ROBOT = ["agents.roster", "agents.estimate", "agents.lines.safe_velocity", "agents.robot"]

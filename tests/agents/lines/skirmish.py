@@ -1,4 +1,4 @@
-"""Whole robots in a world: every one drives at another or at the wall, and whatever can go wrong does.
+"""Whole robots in a world: each drives at another, at a thing or at the wall, and whatever can go wrong does.
 
 World, robots, and all that is in them are the real ones; only the law is replaced by one that wants to
 collide. The model is what lies between: processes that die, sleep and wake over an old queue, come late, talk
@@ -14,8 +14,18 @@ from random import Random
 from typing import Any
 
 from agents.peers.state import addressed_to
+from protocol.geometry import Shape
 from protocol.messages import Command, State, Tick
-from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import (
+    Actuation,
+    Control,
+    RobotSpec,
+    Scenario,
+    Sensing,
+    Thing,
+    Time,
+    Workspace,
+)
 from tests.agents.lines.product import Product
 
 TICKS = 40
@@ -113,9 +123,13 @@ class Skirmish:
         ids = scenario.ids
         for number, robot in enumerate(ids):
             radius = scenario.spec(robot).radius
-            outside = math.hypot(*after[number]) + radius - scenario.workspace.radius
+            outside = scenario.workspace.shape.distance(*after[number]) + radius
             if outside > TOLERANCE:
                 return f"robot {robot} is out of the workspace by {outside:.3g} m"
+            for thing, shape in scenario.shapes.items():
+                overlap = radius - _nearest(shape, self.before[number], after[number])
+                if overlap > TOLERANCE:
+                    return f"robot {robot} and thing {thing} overlap by {overlap:.3g} m"
             for index in range(number):
                 contact = radius + scenario.spec(ids[index]).radius
                 pairs = (self.before[number], self.before[index], after[number], after[index])
@@ -222,6 +236,8 @@ class _Attack:
 
     def __init__(self, rng: Random, world: Any, robot: int) -> None:
         self._rng, self._world, self._robot = rng, world, robot
+        self._things = [(shape.around.x, shape.around.y) for shape in world._scenario.shapes.values()]
+        self._targets = len(world.truth.robots) + len(self._things)
         self._target, self._turn = 0, 0.0
 
     def slice_norm(self, *_: Any) -> float:
@@ -230,8 +246,9 @@ class _Attack:
     def velocity(self, view: Any) -> Vector:
         position, rng, truth = view.position, self._rng, self._world.truth
         if rng.random() < 0.15:
-            self._target, self._turn = rng.randint(-1, len(truth.robots) - 1), rng.uniform(-0.6, 0.6)
-        x, y = truth.positions[self._target] if self._target >= 0 else (2.0 * position[0], 2.0 * position[1])
+            self._target, self._turn = rng.randint(-1, self._targets - 1), rng.uniform(-0.6, 0.6)
+        places = (*truth.positions, *self._things)
+        x, y = places[self._target] if self._target >= 0 else (2.0 * position[0], 2.0 * position[1])
         angle = math.atan2(y - position[1], x - position[0]) + self._turn
         speed = SPEED * rng.choice((0.3, 1.0, 1.0))
         return speed * math.cos(angle), speed * math.sin(angle)
@@ -258,12 +275,58 @@ def _scenario(seed: int, rng: Random) -> Scenario:
     return Scenario(
         tuple(specs),
         seed=seed,
-        workspace=Workspace(room),
+        workspace=_room(seed, room),
         time=Time(step=STEP, limit=1e3, tolerance=1e-6, fence=STEP * rng.choice((1, 3, 8)), deadlock=1e3),
         control=Control(k=20.0, speed=SPEED),
         sensing=(sensing,),
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
+        things=_things(seed, specs, room),
     )
+
+
+def _room(seed: int, room: float) -> Workspace:
+    """A disk; in one of eight runs a polygon around it."""
+    if seed % 8 != 7:
+        return Workspace(room)
+    rng = Random(f"room {seed}")
+    sides, turn = rng.randint(3, 6), rng.random()
+    reach = room / math.cos(math.pi / sides)
+    angles = [turn + math.tau * side / sides for side in range(sides)]
+    return Workspace(points=tuple((reach * math.cos(each), reach * math.sin(each)) for each in angles))
+
+
+def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Thing, ...]:
+    """None; in one of four runs up to three, close to where the robots begin."""
+    if seed % 4 != 3:
+        return ()
+    rng = Random(f"things {seed}")
+    drawn = [_thing(rng, room) for _ in range(40)]
+    clear = [
+        each for each in drawn if all(each.shape.distance(*spec.start) > spec.radius + 1e-3 for spec in specs)
+    ]
+    return tuple(clear[: rng.randint(1, 3)])
+
+
+def _thing(rng: Random, room: float) -> Thing:
+    x, y = rng.uniform(-room, room), rng.uniform(-room, room)
+    if rng.random() < 0.4:
+        return Thing(center=(x, y), radius=rng.uniform(0.005, 0.06))
+    ahead, aside = rng.uniform(0.005, 0.1), rng.uniform(0.001, 0.05)
+    turn = rng.uniform(0.0, math.tau)
+    cos, sin = math.cos(turn), math.sin(turn)
+    corners = ((ahead, aside), (-ahead, aside), (-ahead, -aside), (ahead, -aside))[: rng.choice((3, 4))]
+    return Thing(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))
+
+
+def _nearest(shape: Shape, before: Vector, after: Vector) -> float:
+    """Smallest distance from a shape during straight motion, a convex function of time, m."""
+    (ax, ay), (bx, by) = before, after
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        one, other = low + (high - low) / 3.0, high - (high - low) / 3.0
+        near, far = (shape.distance(ax + t * (bx - ax), ay + t * (by - ay)) for t in (one, other))
+        low, high = (low, other) if near < far else (one, high)
+    return shape.distance(ax + low * (bx - ax), ay + low * (by - ay))
 
 
 def _closest(one: Vector, other: Vector, one_after: Vector, other_after: Vector) -> float:

@@ -414,7 +414,7 @@ def _frozen_bond(pair: Any) -> tuple[Any, ...]:
     return (
         tuple(tuple(value.items()) if isinstance(value, dict) else value for value in vars(end).values()),
         tuple((side.nx, side.limit) for side in pair.line_half_planes),
-        None if disk is None else (disk.x, side),
+        None if disk is None else (disk.shape.x, side),
         None if state is None else state.incarnation,
         pair.heard,
         pair.excused,

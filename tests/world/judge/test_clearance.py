@@ -4,6 +4,7 @@ from hypothesis import strategies as st
 
 from tests.world.driving import scenario
 from world.judge.clearance import Disks, gaps
+from world.judge.surroundings import Surroundings
 
 SAMPLES = 2001
 coordinate = st.floats(-0.3, 0.3)
@@ -19,13 +20,13 @@ def test_gaps_agree_with_dense_sampling(motions):
     setting = scenario(*[((0.0, 0.0), (0.0, 0.0))] * len(motions))
     disks = Disks(setting)
     disks.contact = np.array([radii[i] + radii[j] for i, j in zip(disks.first, disks.second, strict=True)])
-    disks.wall = 0.3 - np.array(radii)
+    disks.surroundings = Surroundings(setting.workspace.shape, {}, np.array(radii))
     found = gaps(disks, before, after)
 
     share = np.linspace(0.0, 1.0, SAMPLES)[:, None]
     path = before + share * (after - before)
     apart = np.abs(path[:, disks.first] - path[:, disks.second]) - disks.contact
-    inside = disks.wall - np.abs(path)
+    inside = disks.surroundings.wall - np.abs(path)
     sampled = np.concatenate((apart, inside), axis=1).min(axis=0)
     travelled = np.concatenate((np.abs(disks.relative(after - before)), np.abs(after - before)))
     assert np.all(found <= sampled + 1e-12)

@@ -37,7 +37,7 @@ def nearness(
     Elsewhere it is that of the nearest miss: the smaller a gap is, beside what a robot moves in a tick, the
     higher, while one of the two moves; and higher the more lives of the two have ended or begun by then,
     for two settled robots keep touching distance as a matter of course. Against the boundary what
-    counts instead is how wrong measurements are.
+    counts instead, as against things, is how wrong measurements are.
     """
     if len(truths) < 2:
         return Nearness(0.0, _niche(scenario, "nobody", 0))
@@ -53,10 +53,12 @@ def nearness(
     changes = _changes(disks, len(before), faults)
     pairs = near[:, : len(disks.contact)] * (moved[:, disks.first] | moved[:, disks.second])
     between = changes[:, disks.first] + changes[:, disks.second]
+    around = len(disks.surroundings) // len(disks.ids)
     weighed = np.concatenate(
         (
             pairs * (1.0 + np.minimum(between, _MOST)),
-            near[:, len(disks.contact) :] * moved * (1.0 + _wrongness(scenario, disks, reach)),
+            near[:, len(disks.contact) :]
+            * np.tile(moved * (1.0 + _wrongness(scenario, disks, reach)), around),
         ),
         axis=1,
     )

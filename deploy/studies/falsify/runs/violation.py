@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Kind = Literal["contact", "wall", "error", "aborted", "endless", "order", "bus"]
+Kind = Literal["contact", "wall", "thing", "error", "aborted", "endless", "order", "bus"]
 
 MEANING: dict[Kind, str] = {
     "contact": "two robots touch",
     "wall": "a robot leaves the workspace",
+    "thing": "a robot touches what stands",
     "error": "an exception ends the run",
     "aborted": "the world gives up, though nobody is missing for good",
     "endless": "the run does not end",
@@ -58,10 +59,11 @@ def other_trajectory(kind: Literal["order", "bus"], one: str, other: str, what: 
     return Violation(kind, f"trajectory {one[:12]}, but {other[:12]} {what}")
 
 
-def _by_kind(contacts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Contacts between robots, and those with the boundary."""
-    inner = [contact for contact in contacts if contact["pair"][0] != 0]
-    return inner, [contact for contact in contacts if contact["pair"][0] == 0]
+def _by_kind(contacts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], ...]:
+    """Contacts between robots, those with the boundary, and those with things."""
+    inner = [contact for contact in contacts if contact["pair"][0] > 0]
+    wall = [contact for contact in contacts if contact["pair"][0] == 0]
+    return inner, wall, [contact for contact in contacts if contact["pair"][0] < 0]
 
 
 def _contact(contacts: list[dict[str, Any]]) -> Violation:
@@ -71,4 +73,6 @@ def _contact(contacts: list[dict[str, Any]]) -> Violation:
     when = f"by {depth:.3g} m, {begin:.6g} to {end:.6g} s"
     if one == 0:
         return Violation("wall", f"robot {other} is beyond the boundary {when}")
+    if one < 0:
+        return Violation("thing", f"robot {other} and thing {-one} overlap {when}")
     return Violation("contact", f"robots {one} and {other} overlap {when}")

@@ -16,6 +16,7 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, sensing
 from deploy.studies.falsify.scenarios.lives import stories
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
+from deploy.studies.falsify.scenarios.surroundings import around, things
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Time, Workspace
@@ -48,7 +49,7 @@ def drawn(seed: int, number: int) -> tuple[Scenario, int]:
 
 def _attempt(dice: Dice, name: str) -> Scenario | None:
     workspace = Workspace(dice.pick((0.3, 0.3, dice.log_uniform(0.01, 200.0))))
-    robots = _robots(dice, workspace.radius)
+    robots = _robots(dice, workspace.disk_radius)
     if robots is None:
         return None
     scale = _scale(dice, robots)
@@ -58,13 +59,14 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
                 robots,
                 name=name,
                 seed=dice.whole(0, 2**31),
-                workspace=workspace,
+                workspace=around(dice, workspace),
                 time=_time(dice, scale),
                 control=_control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k),
                 sensing=sensing(dice, scale),
                 link=link(dice, scale),
                 process=stories(dice, scale.robots, scale.ticks, scale.step),
                 actuation=actuation(dice),
+                things=things(dice, robots, workspace.disk_radius),
             )
         )
     except ScenarioError:

@@ -142,7 +142,7 @@ def _other_actuation(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
 
 def _moved(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
     """Starts or goals closer together, at the wall, a little aside, or exchanged for the others."""
-    radii, wall = [spec.radius for spec in scenario.robots], scenario.workspace.radius
+    radii, wall = [spec.radius for spec in scenario.robots], scenario.workspace.shape.around.radius
     starts = [spec.start for spec in scenario.robots]
     goals = [spec.goal for spec in scenario.robots]
     match dice.whole(0, 3):

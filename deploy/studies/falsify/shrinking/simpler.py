@@ -66,11 +66,14 @@ def sooner(_: Document) -> list[Edit]:
 
 
 def plainer(document: Document) -> list[Edit]:
-    """Ranges as single numbers, small seeds, ids from 1 on."""
+    """Ranges as single numbers, small seeds, ids from 1 on, a round workspace."""
     edits: list[Edit] = [
         partial(_set, steps, value[1]) for steps, value in _leaves(document) if _is_span(steps, value)
     ]
     edits += [partial(_set, ("seed",), seed) for seed in _SEEDS if seed < document["seed"]]
+    if "points" in (workspace := document.get("workspace", {})):
+        reach = max(math.hypot(x, y) for x, y in workspace["points"])
+        edits.append(partial(_set, ("workspace",), {"radius": reach}))
     ids = {robot["id"]: number for number, robot in enumerate(document["robots"], 1)}
     return [partial(_rename, ids), *edits] if any(i != n for i, n in ids.items()) else edits
 

@@ -60,8 +60,7 @@ def _late(scenario: Scenario) -> bool:
 def _smallest_gap(scenario: Scenario) -> float:
     """Between starts, and to the boundary, in radii."""
     gaps = [
-        (scenario.workspace.radius - math.hypot(*one.start) - one.radius) / one.radius
-        for one in scenario.robots
+        (-scenario.workspace.shape.distance(*one.start) - one.radius) / one.radius for one in scenario.robots
     ]
     return min(
         gaps
@@ -106,10 +105,13 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "inexact motors": lambda s: s.actuation.noise == 0.3,
     "a short period": lambda s: s.time.step < 0.006,
     "a long period": lambda s: s.time.step > 0.5,
-    "centimetres": lambda s: s.workspace.radius < 0.02,
-    "hundreds of metres": lambda s: s.workspace.radius > 100.0,
+    "centimetres": lambda s: (s.workspace.radius or 1.0) < 0.02,
+    "hundreds of metres": lambda s: (s.workspace.radius or 1.0) > 100.0,
     "unequal radii": lambda s: max(r.radius for r in s.robots) > 3.0 * min(r.radius for r in s.robots),
-    "density 0.4": lambda s: sum(r.radius**2 for r in s.robots) > 0.399 * s.workspace.radius**2,
+    "density 0.4": lambda s: sum(r.radius**2 for r in s.robots) > 0.399 * (s.workspace.radius or 1.0) ** 2,
+    "straight walls": lambda s: s.workspace.points is not None,
+    "things": lambda s: len(s.things) > 2,
+    "polygons": lambda s: any(thing.points for thing in s.things),
     "starts that all but touch": lambda s: 0.0 <= _smallest_gap(s) < 1e-12,
     "starts a micrometre apart": lambda s: 1e-8 < _smallest_gap(s) < 1e-5,
     "both paces": lambda s: s.control.pace == "own",

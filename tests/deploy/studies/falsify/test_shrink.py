@@ -9,7 +9,7 @@ import pytest
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.shrinking.shrink import shrunk
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, Link, Scenario, Sensing, Time
+from protocol.scenario.model import Control, Link, Scenario, Sensing, Time, Workspace
 
 LARGE = max((drawn(0, number)[0] for number in range(200)), key=lambda s: len(s.process) * len(s.robots))
 ENOUGH = 5000
@@ -63,7 +63,7 @@ def test_the_budget_is_kept_and_what_was_reached_is_valid(budget: int) -> None:
 
 
 def test_numbers_become_round_as_far_as_they_may() -> None:
-    scenario = replace(LARGE, workspace=replace(LARGE.workspace, radius=LARGE.workspace.radius * 1.23456789))
-    bound = scenario.workspace.radius
-    smallest, _ = shrunk(scenario, lambda s: s.workspace.radius > 0.9 * bound, ENOUGH)
+    bound = LARGE.workspace.shape.around.radius * 1.23456789
+    scenario = replace(LARGE, workspace=Workspace(bound))
+    smallest, _ = shrunk(scenario, lambda s: (s.workspace.radius or 0.0) > 0.9 * bound, ENOUGH)
     assert len(repr(smallest.workspace.radius)) <= 5

@@ -2,6 +2,26 @@
 const HEAD = 6; // px, head of an arrow
 const NEAR = 3; // gaps of more radii than that have no line worth seeing
 
+// The edge of a disk or of a polygon.
+export function outline(space, { center, radius, points }) {
+  const path = new Path2D();
+  if (points) points.forEach((point, i) => (i ? path.lineTo(...space.point(point)) : path.moveTo(...space.point(point))));
+  else path.arc(...space.point(center), radius * space.scale, 0, 2 * Math.PI);
+  path.closePath();
+  return path;
+}
+
+export function drawThing(space, thing) {
+  const { context } = space;
+  const path = outline(space, thing);
+  context.fillStyle = context.strokeStyle = space.colour("muted");
+  context.globalAlpha = 0.3;
+  context.fill(path);
+  context.globalAlpha = 1;
+  context.lineWidth = 1.25;
+  context.stroke(path);
+}
+
 export function drawTrail(space, robot, place) {
   const { context } = space;
   const points = [...robot.trail.items.slice(0, -1), place];

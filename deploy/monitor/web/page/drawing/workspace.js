@@ -1,6 +1,6 @@
 // The picture: workspace, goals, trails, disks, velocities, separating lines.
 import { Painted } from "./canvas.js";
-import { drawArrow, drawDisk, drawGoal, drawSeparatingLine, drawTrail } from "./shapes.js";
+import { drawArrow, drawDisk, drawGoal, drawSeparatingLine, drawThing, drawTrail, outline } from "./shapes.js";
 
 const MARGIN = 10; // px
 const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
@@ -21,8 +21,11 @@ export class Workspace extends Painted {
   draw(now) {
     const { overview, robots } = this.model;
     if (overview === null) return false;
-    this.scale = (Math.min(this.width, this.height) / 2 - MARGIN) / overview.radius;
-    this.drawFloor(overview.radius);
+    const [[left, low], [right, high]] = overview.box;
+    this.middle = [(left + right) / 2, (low + high) / 2];
+    this.scale = Math.min((this.width - 2 * MARGIN) / (right - left), (this.height - 2 * MARGIN) / (high - low));
+    this.drawFloor(overview);
+    overview.things.forEach((thing) => drawThing(this, thing));
     const places = robots.map((robot) => this.model.place(robot, now));
     if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i]));
     if (this.layers.goals()) robots.filter((robot) => robot.row?.status !== "at goal").forEach((robot) => drawGoal(this, robot));
@@ -34,23 +37,23 @@ export class Workspace extends Painted {
   }
 
   point([x, y]) {
-    return [this.width / 2 + x * this.scale, this.height / 2 - y * this.scale];
+    const [middleX, middleY] = this.middle;
+    return [this.width / 2 + (x - middleX) * this.scale, this.height / 2 - (y - middleY) * this.scale];
   }
 
   hue(robot) {
     return this.colour(robot.row?.alarm ? "alarm" : `robot-${robot.hue}`);
   }
 
-  drawFloor(radius) {
+  drawFloor({ room, box }) {
     const { context } = this;
-    const spacing = 10 ** Math.floor(Math.log10(radius));
-    const rim = new Path2D();
-    rim.arc(...this.point([0, 0]), radius * this.scale, 0, 2 * Math.PI);
+    const spacing = 10 ** Math.floor(Math.log10((box[1][0] - box[0][0]) / 2));
+    const rim = outline(this, room);
     context.fillStyle = this.colour("floor");
     context.fill(rim);
     context.save();
     context.clip(rim);
-    this.drawGrid(radius, spacing);
+    this.drawGrid(box, spacing);
     context.restore();
     context.lineWidth = 1.5;
     context.strokeStyle = this.colour("muted");
@@ -58,21 +61,23 @@ export class Workspace extends Painted {
     this.drawScale(spacing);
   }
 
-  drawGrid(radius, spacing) {
+  drawGrid([[left, low], [right, high]], spacing) {
     const { context } = this;
     context.beginPath();
-    for (let at = -Math.ceil(radius / spacing) * spacing; at <= radius; at += spacing) {
-      context.moveTo(...this.point([at, -radius]));
-      context.lineTo(...this.point([at, radius]));
-      context.moveTo(...this.point([-radius, at]));
-      context.lineTo(...this.point([radius, at]));
+    for (let at = Math.ceil(left / spacing) * spacing; at <= right; at += spacing) {
+      context.moveTo(...this.point([at, low]));
+      context.lineTo(...this.point([at, high]));
+    }
+    for (let at = Math.ceil(low / spacing) * spacing; at <= high; at += spacing) {
+      context.moveTo(...this.point([left, at]));
+      context.lineTo(...this.point([right, at]));
     }
     context.lineWidth = 1;
     context.strokeStyle = this.colour("grid");
     context.stroke();
   }
 
-  // The workspace is round, so a corner is free for the scale.
+  // A corner of a round workspace is free for the scale.
   drawScale(spacing) {
     const { context } = this;
     const length = spacing * this.scale;

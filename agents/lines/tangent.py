@@ -1,0 +1,74 @@
+"""Something that stands: a fenced peer's disk, or a thing. Nobody moves it, so no line has to be agreed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from agents.lines.line import ROUNDING, HalfPlane
+from agents.polygon import Polygon
+from protocol.geometry import Shape
+
+Vector = tuple[float, float]
+
+
+class Tangent:
+    """Keeps to the tangent half-plane between the own present position and a shape, renewed every tick.
+
+    A new tangent is taken only when the own disk surely satisfies it; until then the last one stays
+    in force, first of all an obeyed half-plane behind which the shape is.
+
+    Args:
+        shape: what stands.
+        own_radius: radius of this robot, m.
+        obeyed: half-planes for the own centre that were obeyed so far.
+
+    Attributes:
+        shape: as given.
+        half_plane: where the own centre stays; None while the own disk is not known to be clear.
+    """
+
+    def __init__(self, shape: Shape, own_radius: float, obeyed: Iterable[HalfPlane] = ()) -> None:
+        self.shape, self._radius = shape, own_radius
+        self._around = shape.around
+        self.half_plane: HalfPlane | None = None  # not known to be clear of it, so stand still
+        for side in obeyed:
+            if shape.limit(side.nx, side.ny, own_radius) >= side.limit:
+                self.half_plane = side
+                break
+
+    def renew(self, x: float, y: float, bound: float, shape: Polygon | None = None, far: float = 0.0) -> None:
+        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`.
+
+        Of what is more than `far` (m) out of reach, the disk around it does.
+        """
+        around = self._around
+        dx, dy = around.x - x, around.y - y
+        distance = math.hypot(dx, dy)
+        target: Shape = around
+        if self.shape is not around and distance - around.radius - self._radius - bound <= far:
+            target = self.shape
+            px, py = self.shape.nearest(x, y)
+            dx, dy = px - x, py - y
+            distance = math.hypot(dx, dy)
+        if distance == 0.0:
+            return
+        nx, ny = dx / distance, dy / distance
+        tangent = HalfPlane(nx, ny, target.limit(nx, ny, self._radius))
+        extent = bound if shape is None else shape.extent(nx, ny)
+        if tangent.slack(x, y) >= extent + ROUNDING:
+            self.half_plane = tangent
+
+    def lacking(self, x: float, y: float, room: float) -> Vector:
+        """How far to back off from (x, y), m, to be clear of it by `room`, m."""
+        px, py = self.shape.nearest(x, y)
+        if px == x and py == y:
+            px, py = self._around.x, self._around.y
+        dx, dy = x - px, y - py
+        distance = math.hypot(dx, dy)
+        lacking = room + self._radius - self.shape.distance(x, y)
+        if lacking <= 0.0:
+            return 0.0, 0.0
+        if distance == 0.0:
+            return lacking, 0.0
+        return lacking * dx / distance, lacking * dy / distance

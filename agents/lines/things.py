@@ -1,0 +1,84 @@
+"""Everything that stands in the workspace and is no robot, as one robot keeps clear of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from agents.lines.line import ROUNDING, HalfPlane
+from agents.lines.tangent import Tangent
+from agents.polygon import Polygon
+from protocol.geometry import Shape
+
+_ROOM: Final = 0.25  # of the own radius, by which to be clear of what is to appear
+_FAR: Final = 4.0  # ticks of motion: what is farther away is kept to as the disk around it
+
+Vector = tuple[float, float]
+
+
+class Things:
+    """The tangents to all things.
+
+    Args:
+        radius: of this robot, m.
+        shapes: what stands from the start, by number.
+        start: where this robot began the run, m, clear of all of them; None if it did not.
+        speed: the most that the robot really moves, m/s.
+        period: of one tick, s.
+    """
+
+    def __init__(
+        self, radius: float, shapes: Mapping[int, Shape], start: Vector | None, *, speed: float, period: float
+    ) -> None:
+        self._radius, self._period, self._max_step = radius, period, speed * period
+        self._tangents = {number: Tangent(shape, radius) for number, shape in shapes.items()}
+        self._each = list(self._tangents.values())
+        self._x = self._y = 0.0
+        self._bound = math.inf
+        self._shape: Polygon | None = None
+        if start is not None:
+            for tangent in self._each:
+                tangent.renew(*start, 0.0, far=math.inf)
+
+    def locate(self, position: Vector, bound: float, shape: Polygon | None = None) -> None:
+        """Take the own position (m) at the start of a tick; the truth is at most `bound` (m) from it, and
+        within `shape` around it if that is given."""
+        self._x, self._y = position
+        self._bound, self._shape = bound, shape
+        for tangent in self._each:
+            tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step)
+
+    @property
+    def shapes(self) -> list[Shape]:
+        """All of them."""
+        return [tangent.shape for tangent in self._each]
+
+    @property
+    def ready(self) -> bool:
+        """Whether this robot is behind a tangent to everything; who is not must stand still."""
+        return all(tangent.half_plane is not None for tangent in self._each)
+
+    def half_planes(self) -> list[HalfPlane]:
+        """Where the estimated own centre must stay, without those out of reach within a tick; radius and
+        extent of the own set are subtracted."""
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._max_step
+        found = []
+        for tangent in self._each:
+            side = tangent.half_plane
+            if side is not None and side.slack(self._x, self._y) < near:
+                extent = self._bound if self._shape is None else self._shape.extent(side.nx, side.ny)
+                found.append(HalfPlane(side.nx, side.ny, side.limit - (extent + 2.0 * ROUNDING)))
+        return found
+
+    def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
+        """Tangents, by thing, that a set around (x, y) sticks out of. The truth does not."""
+        radius = shape.radius
+        found = []
+        for number, tangent in self._tangents.items():
+            side = tangent.half_plane
+            if side is None or side.slack(x, y) >= radius:
+                continue
+            if side.slack(x, y) < shape.extent(side.nx, side.ny):
+                found.append((number, side))
+        return found
