@@ -145,6 +145,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
     halted: bool = False  # whether an emergency stop is in force: everybody stands
+    newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -23,7 +23,7 @@ def report(
     verdict: tuple[str, str],
     arrived: list[int],
     record: Record,
-    lengths: Sequence[float],
+    lengths: Mapping[int, float],
     commands: Commands,
     lives: Lives,
     sensors: Iterable[Sensor],
@@ -36,10 +36,9 @@ def report(
     Args:
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
-        lengths: path length of each robot, m, in the order of ids.
+        lengths: path length of each robot that is or was there, m.
     """
     step, truth = scenario.time.step, record.truth
-    paths = dict(zip(scenario.ids, lengths, strict=True))
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -53,8 +52,8 @@ def report(
         "collisions": len(record.contacts.all),
         "contacts": [_contact(contact, step) for contact in record.contacts.all[:LISTED]],
         "min_clearance": record.clearance,
-        "nrl": normalised_length(record.goals, paths),
-        "path_lengths": {str(robot): length for robot, length in paths.items()},
+        "nrl": normalised_length(record.goals, dict(lengths)),
+        "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},
         "lateral_deviation": {
             str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)
         },

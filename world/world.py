@@ -13,10 +13,11 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Sense, Standing, Tick, Truth
-from protocol.scenario.model import Scenario
+from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Tick, Truth
+from protocol.scenario.model import RobotSpec, Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
+    Added,
     Closed,
     Ended,
     Expected,
@@ -27,9 +28,11 @@ from world.coordinator.inputs import (
     Lost,
     Opened,
     Ordered,
+    Removed,
     checksum,
 )
 from world.coordinator.lives import Lives
+from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
@@ -38,6 +41,8 @@ from world.judge.verdict import Judge
 from world.plants.integrator import Bodies
 from world.report import report
 from world.sensing import Sensor
+
+_NOT_RUNNING = "the run has not begun, or is over"
 
 
 class World:
@@ -77,6 +82,8 @@ class World:
         self._record = Record(scenario, goals, self._bodies.positions)
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
+        self._membership = Membership(scenario, self._lives, self._missions)
+        self._departed: dict[int, float] = {}  # path lengths of robots that left, m
 
     @property
     def truth(self) -> Truth:
@@ -141,6 +148,7 @@ class World:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
         incarnation = self._lives.join(robot, heard=self.tick - 1 if self._told is None else self.tick)
+        self._membership.joined(robot)
         self._noted(Joined(robot, incarnation))
         return incarnation
 
@@ -279,6 +287,65 @@ class World:
         """What came of orders since this was last asked for."""
         return self._missions.news()
 
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with the robots that are there now."""
+        return self._scenario
+
+    @property
+    def roster(self) -> Roster:
+        """Who is there."""
+        return self._lives.roster
+
+    @property
+    def newcomers(self) -> tuple[int, ...]:
+        """Robots that were added, whose disks are there, and whose processes have not joined yet."""
+        return tuple(sorted(self._membership.newcomers))
+
+    def add(self, spec: RobotSpec) -> str:
+        """Have the disk of another robot appear at its start, once everybody keeps clear of that place.
+
+        Returns why that cannot be; "" if it is under way.
+        """
+        reason = self._membership.add(spec) if self.founded and not self.verdict else _NOT_RUNNING
+        if not reason:
+            self._noted(Added(spec))
+        return reason
+
+    def remove(self, robot: int) -> str:
+        """End a robot and take its disk away, at the end of the open tick or else now.
+
+        Returns why that cannot be; "" if it is done.
+        """
+        reason = self._membership.remove(robot) if self.founded and not self.verdict else _NOT_RUNNING
+        if reason:
+            return reason
+        if self._told is None:
+            self._turn_over()
+        self._noted(Removed(robot))
+        return ""
+
+    def dismiss(self, robot: int) -> bool:
+        """Whether a robot was removed; its process, which asks, is told no more."""
+        gone = self._lives.status_of(robot) == "gone"
+        if gone and robot in self._lives.of:
+            self._lives.dismiss(robot)
+        return gone
+
+    def _turn_over(self) -> None:
+        """Between two ticks: who was added and may appear is there, who was removed is not."""
+        bodies = self._bodies
+        left = self._membership.turn_over(self.tick, dict(zip(bodies.ids, bodies.positions, strict=True)))
+        if left is None:
+            return
+        self._departed |= {robot: bodies.lengths[bodies.ids.index(robot)] for robot in left}
+        scenario = self._scenario = self._membership.scenario
+        bodies.recast(scenario)
+        self._sensors = {robot: self._sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
+        self._missions.recast(scenario)
+        self._record.recast(scenario, bodies.positions)
+        self._judge.recast(scenario, self.tick)
+
     def halt(self, halted: bool) -> None:
         """Have everybody stand, from the open tick on, or release them."""
         if halted != self.halted:
@@ -302,6 +369,7 @@ class World:
         self._told = None
         self.tick += 1
         self._record.add(self._bodies.positions)
+        self._turn_over()
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
@@ -348,7 +416,7 @@ class World:
             verdict=(self.verdict, self.reason),
             arrived=self._judge.arrived(self._bodies.positions),
             record=self._record,
-            lengths=self._bodies.lengths,
+            lengths=dict(zip(self._bodies.ids, self._bodies.lengths, strict=True)) | self._departed,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

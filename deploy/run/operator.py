@@ -69,7 +69,9 @@ class Operator:
             if member is not None and member.status in ("standing", "live"):
                 return member
             if time.monotonic() >= deadline:
-                raise BusError(f"robot {robot} has not appeared within {within:g} s: somebody is in its place")
+                raise BusError(
+                    f"robot {robot} has not appeared within {within:g} s: somebody is in its place"
+                )
             self._bus.receive(_LOOK)
 
     def _change(self, change: dict[str, object]) -> FleetReply:

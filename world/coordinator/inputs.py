@@ -12,6 +12,7 @@ import msgspec
 
 from protocol.goals import GoalOrder
 from protocol.messages import Command, Count, Id, Vector
+from protocol.scenario.model import RobotSpec
 
 
 class Joined(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="join"):
@@ -71,9 +72,34 @@ class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt")
     halted: bool
 
 
+class Added(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="add"):
+    """See `World.add`."""
+
+    spec: RobotSpec
+
+
+class Removed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="remove"):
+    """See `World.remove`."""
+
+    robot: Id
+
+
 _encode = msgspec.msgpack.encode
 
-Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Ordered | Halted | Ended
+Input = (
+    Command
+    | Opened
+    | Closed
+    | Joined
+    | Lost
+    | Expected
+    | GivenUp
+    | Ordered
+    | Halted
+    | Added
+    | Removed
+    | Ended
+)
 
 
 def checksum(positions: Sequence[Vector]) -> int:

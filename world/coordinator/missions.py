@@ -37,6 +37,17 @@ class Missions:
         self._underway: set[int] = set()  # whose order has not come to an end
         self._news: list[GoalStatus] = []
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        for robot in set(self._missions) - set(scenario.ids):
+            del self._missions[robot], self._status[robot]
+            self._underway.discard(robot)
+        for robot in set(scenario.ids) - set(self._missions):
+            goal = scenario.spec(robot).goal
+            self._missions[robot] = Mission((goal,))
+            self._status[robot] = GoalStatus(robot, 0, 0, "under way", goal)
+        self._scenario = scenario
+
     @property
     def pending(self) -> bool:
         """Whether anybody's order has not come to an end."""
@@ -71,7 +82,8 @@ class Missions:
         if ahead + len(order.points) > MOST_POINTS:
             return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
         others = [each for each in standing if each.robot != robot]
-        reasons = (self._out_of_reach(robot, point, others) for point in order.points)
+        radius = self._scenario.spec(robot).radius
+        reasons = (self.obstacle(robot, radius, point, others) for point in order.points)
         return next((reason for reason in reasons if reason), "")
 
     def accept(self, robot: int, order: GoalOrder, tick: int, position: Vector) -> GoalReply:
@@ -137,9 +149,9 @@ class Missions:
         self._status[robot] = said
         self._news.append(said)
 
-    def _out_of_reach(self, robot: int, point: Vector, standing: Iterable[Standing]) -> str:
-        """Why the disk of a robot cannot be at a point; "" if it can."""
-        radius, where = self._scenario.spec(robot).radius, f"({point[0]:g}, {point[1]:g})"
+    def obstacle(self, robot: int, radius: float, point: Vector, standing: Iterable[Standing]) -> str:
+        """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
+        where = f"({point[0]:g}, {point[1]:g})"
         beyond = self._scenario.workspace.shape.distance(*point) + radius
         if beyond >= 0.0:
             return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"

@@ -46,6 +46,11 @@ class Roster:
         """The disks that never move again in their present life."""
         return tuple(each for each in self._members.values() if each.status == "standing")
 
+    def status(self, robot: int) -> str:
+        """Of the disk of a robot; "" if nobody ever had that id."""
+        member = self._members.get(robot)
+        return "" if member is None else member.status
+
     def is_live(self, robot: int) -> bool:
         """Whether the disk of a robot may move."""
         return robot in self._members and self._members[robot].status == "live"

@@ -36,6 +36,10 @@ class Contacts:
         self._disks = disks
         self._latest: dict[int, Contact] = {}
 
+    def recast(self, disks: Disks) -> None:
+        """Other disks from now on; an overlap that goes on is noted anew."""
+        self._disks, self._latest = disks, {}
+
     def add(self, tick: int, gaps: Reals, before: Plane, after: Plane) -> None:
         """Note the contacts of one tick, given its gaps (`clearance.gaps`) and its motion."""
         if gaps.min() >= -TOUCH:

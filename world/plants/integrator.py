@@ -40,6 +40,11 @@ class Actuation:
         self._bound = scenario.actuation.bound
         self._draws = {robot: Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2) for robot in scenario.ids}
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        for robot in scenario.ids:
+            self._draws.setdefault(robot, Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2))
+
     def displacement(self, velocity: Vector, robot: int, tick: int) -> Vector:
         """Displacement during `tick`, m.
 
@@ -72,6 +77,17 @@ class Bodies:
         self.displacements: list[Vector] = [STANDING] * len(self.ids)
         self.lengths = [0.0] * len(self.ids)
         self._actuation = Actuation(scenario)
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went: a new one is at its start; of one that left nothing is kept."""
+        each = zip(self.positions, self.displacements, self.lengths, strict=True)
+        known = dict(zip(self.ids, each, strict=True))
+        self.ids = scenario.ids
+        kept = [known.get(robot, (scenario.spec(robot).start, STANDING, 0.0)) for robot in self.ids]
+        self.positions = [position for position, _, _ in kept]
+        self.displacements = [displacement for _, displacement, _ in kept]
+        self.lengths = [length for _, _, length in kept]
+        self._actuation.recast(scenario)
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """All move at once for one tick: x += executed velocity times step; without a command, none."""

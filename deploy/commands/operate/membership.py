@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -30,8 +29,8 @@ def add(
 ) -> None:
     """Add a robot to a running fleet: the others clear its place, then its disk is put there.
 
-    A fleet that [b]disknav serve[/b] or [b]disknav run[/b] started starts its process, too; of any other start it
-    with [b]disknav robot[/b].
+    Where [b]disknav serve[/b] or [b]disknav run[/b] started the fleet its process is started, too; elsewhere
+    start it with [b]disknav robot[/b].
 
     Example: disknav add yard 7 0.1 -0.2 --radius 0.03 --goal -0.1 0.2
 
