@@ -12,11 +12,14 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/peers/,state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
   $(addprefix agents/lines/,safe_velocity.py line.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py entries.py separating_lines.py) \
+  $(addprefix agents/bodies/,point.py inertial.py) \
+  $(addprefix protocol/bodies/,base.py sweep.py) \
   $(addprefix agents/laws/,view.py gradient.py) \
   $(addprefix world/coordinator/,commands.py roster.py lives.py) \
-  $(addprefix world/plants/,integrator.py) \
+  $(addprefix world/plants/,base.py integrator.py) \
   $(addprefix world/judge/,verdict.py record.py) \
-  $(addprefix world/,sensing.py world.py node.py) \
+  $(addprefix world/sensing/,position.py odometry.py) \
+  $(addprefix world/,world.py node.py) \
   $(addprefix world/shell/,run.py publishers.py pacing.py) \
   $(addprefix deploy/recording/mcap/,file.py) \
   $(addprefix deploy/recording/,channel.py writer.py)

@@ -43,9 +43,10 @@ class Estimate:
     """The own position as the set of all places where the robot can be.
 
     Args:
-        max_step: the most that the robot can really move in one tick, m; what is assumed of a tick
-            whose odometry was missed.
+        max_step: the most that the robot can really move until it stands, if it is given a velocity for one
+            tick, m; what is assumed of ticks whose odometry was missed.
         trusting: whether to begin anew from the newest measurement when two contradict each other.
+        coasts: whether it may move on in ticks without a command, `max_step` in all.
         oldest: age of the oldest measurement that may come, ticks.
 
     Attributes:
@@ -56,12 +57,15 @@ class Estimate:
         contradiction: which measurement contradicted what, "" if none ever did.
     """
 
-    def __init__(self, max_step: float, trusting: bool = False, oldest: int = 0) -> None:
+    def __init__(
+        self, max_step: float, trusting: bool = False, oldest: int = 0, coasts: bool = False
+    ) -> None:
         self.bound = math.inf
         self.shape: Polygon | None = None
         self.contradiction = ""
         self._max_step = max_step
         self._trusting = trusting
+        self._coast = max_step if coasts else 0.0
         self._tick: int | None = None
         self.x = self.y = 0.0
         self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
@@ -124,10 +128,11 @@ class Estimate:
         return True
 
     def _move(self, sense: Sense, passed: int) -> None:
-        """Apply odometry. Of missed ticks only the first can have moved it: there was no command after."""
+        """Apply odometry. There was no command in missed ticks but the first, so that all of them together
+        have not led further than `max_step`."""
         if passed > 1:
             self._history.append(Move(0.0, 0.0, self._max_step))
-            self._history.extend([Move(0.0, 0.0, 0.0)] * min(passed - 2, self._kept))
+            self._history.extend([Move(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))
             self._widen(self._max_step)
         dx, dy = sense.displacement
         self._history.append(Move(dx, dy, sense.displacement_bound))

@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from math import inf
 from typing import Final
 
+from agents.bodies.choice import body_of
 from agents.estimate import Estimate
 from agents.laws import View, choose
 from agents.lines.boundary import boundary_of
-from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
 from agents.peers.link import Link
@@ -55,10 +55,13 @@ class Robot:
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
-        sensing, reach = scenario.sensing_of(robot), self._speed * scenario.time.step
+        self._body = body_of(scenario, robot)
+        sensing = scenario.sensing_of(robot)
         latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         trusting = sensing.contradiction == "newest"
-        self._estimate = Estimate(reach, trusting, scenario.ticks(latest))
+        self._estimate = Estimate(
+            self._body.reach, trusting, scenario.ticks(latest), coasts=not scenario.body_of(robot).ideal
+        )
         self._boundary = boundary_of(scenario.workspace.shape, spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
@@ -70,6 +73,7 @@ class Robot:
         self._awaited: set[int] = set()
         self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._desired = self._moved = STILL
+        self._blind = True  # whether nothing is known of how far it went in the last tick
         self._halted = False  # an emergency stop is in force
         self._open = False  # whether the tick's State is out and its Command is not
 
@@ -96,8 +100,10 @@ class Robot:
 
     def _on_sense(self, sense: Sense | None) -> None:
         """Take in where this robot is; nothing is known of a tick without odometry."""
+        self._blind = sense is None
         if sense is not None:
             self._estimate.update(self.tick, sense)
+            self._body.on_motion(sense.motion)
         self._moved = STILL if sense is None else sense.displacement
         self._locate()
 
@@ -108,12 +114,13 @@ class Robot:
             return
         if estimate.shape is not None and self._filtered:
             self._confine(lines, things, estimate.shape)
-        if estimate.lost:
+        if estimate.lost or self._blind:
             lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
             things.locate(estimate.position, inf)
         else:
-            lines.locate(self.tick, estimate.position, estimate.bound, estimate.shape)
-            things.locate(estimate.position, estimate.bound, estimate.shape)
+            known = (estimate.position, estimate.bound, estimate.shape, self._body.swept)
+            lines.locate(self.tick, *known)
+            things.locate(*known)
 
     def _confine(self, lines: SeparatingLines, things: Things, shape: Polygon) -> None:
         """Cut off from the set of possible positions what workspace, obeyed lines and things exclude."""
@@ -142,6 +149,7 @@ class Robot:
                 starts[self.robot] if founding else None,
                 speed=self._speed,
                 period=scenario.time.step,
+                reach=self._body.reach,
             )
             self._lines = SeparatingLines(
                 self.robot,
@@ -149,6 +157,7 @@ class Robot:
                 self._radii,
                 speed=self._speed,
                 period=scenario.time.step,
+                reach=self._body.reach,
                 members=news,
                 starts=starts if founding else None,
             )
@@ -256,19 +265,11 @@ class Robot:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""
         if not self._filtered:
             return desired
-        things = self._things
-        if things is None or not (lines.ready and things.ready) or self._estimate.lost:
+        things, estimate = self._things, self._estimate
+        if things is None or not (lines.ready and things.ready) or estimate.lost or self._blind:
             return STILL
-        return safe_velocity(
-            desired,
-            position,
-            [*lines.half_planes(), *things.half_planes()],
-            boundary=self._boundary,
-            speed=self._control.speed,
-            period=self._scenario.time.step,
-            shape=self._estimate.shape,
-            noise=self._scenario.actuation.bound,
-        )
+        half_planes = [*lines.half_planes(), *things.half_planes()]
+        return self._body.velocity(desired, position, half_planes, self._boundary, estimate.shape)
 
     # -- about itself
 

@@ -109,12 +109,13 @@ def _state_numbers(state: State) -> Iterator[float]:
 
 
 def _sense_numbers(sense: Sense) -> tuple[float, ...]:
+    motion = sense.motion
     return (
         *(sense.position or ()),
         sense.bound,
         *sense.displacement,
         sense.displacement_bound,
-        *(sense.stop or ()),
+        *(() if motion is None else (*motion.velocity, motion.heading, *motion.stop)),
     )
 
 

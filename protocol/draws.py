@@ -22,6 +22,7 @@ class Purpose(IntEnum):
     SCENARIO = 4
     STUDY = 5
     CONTROL = 6
+    ODOMETRY = 7
 
 
 _MASK = (1 << 64) - 1

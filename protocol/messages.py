@@ -80,6 +80,14 @@ class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
 
 
+class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a base says that it does as a tick begins, in the frame that it takes for the world's."""
+
+    velocity: Vector  # m/s, of the robot's control point, the centre of its disk
+    heading: float  # rad, the direction that it faces
+    stop: Vector  # m, from here to where it stands if it hears nothing more
+
+
 class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """What a base and a localisation say of one robot; a plant that is simulated speaks for both."""
 
@@ -88,7 +96,7 @@ class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
     bound: Size  # m, the truth of then is at most this far from `position`
     displacement: Vector  # m, odometry: really executed during the previous tick, immediate
     displacement_bound: Size = 0.0  # m, what was executed is at most this far from `displacement`
-    stop: Vector | None = None  # m, from here to where the base stops if it hears nothing more; None: here
+    motion: BaseMotion | None = None  # what the base does; None if it stands whenever a tick begins
 
 
 class Tick(Message, frozen=True, array_like=True, gc=False):

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from protocol.messages import (
     Answer,
+    BaseMotion,
     Clock,
     Command,
     GoalStatus,
@@ -52,7 +53,8 @@ members = several(
 rosters = st.none() | st.builds(Roster, counts, members)
 proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
 answers = several(st.builds(Answer, ids, counts, counts, counts))
-senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, positions)
+motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
+senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "tick": st.builds(
         Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()

@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Tick, Truth
+from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Tick, Truth, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
@@ -38,11 +38,11 @@ from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
 from world.judge.verdict import Judge
-from world.plants.integrator import Bodies
+from world.plants.choice import plant_of
+from world.plants.integrator import STANDING
 from world.report import report
-from world.sensing import Sensor
-
-_NOT_RUNNING = "the run has not begun, or is over"
+from world.sensing.odometry import Odometer
+from world.sensing.position import Sensor
 
 
 class World:
@@ -73,13 +73,14 @@ class World:
         self.halted = False
         self.note: Callable[[Input], None] | None = None
         self._scenario = scenario
-        self._bodies = Bodies(scenario)
+        self._plant = plant_of(scenario)
+        self._odometers = {robot: Odometer(scenario, robot, self._plant.slips) for robot in scenario.ids}
         self._sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._lives = Lives(scenario, incarnations or {}, version)
         self._commands = Commands(self._lives)
         self._missions = Missions(scenario)
         goals = Goals(scenario)
-        self._record = Record(scenario, goals, self._bodies.positions)
+        self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
         self._membership = Membership(scenario, self._lives, self._missions)
@@ -97,7 +98,7 @@ class World:
     @property
     def checksum(self) -> int:
         """Of where every disk is, to the last bit."""
-        return checksum(self._bodies.positions)
+        return checksum(self._plant.positions)
 
     @property
     def is_open(self) -> bool:
@@ -225,18 +226,18 @@ class World:
     def _begun(self) -> bool:
         """Whether the run has begun, or begins now."""
         if not self.founded and not self.awaiting_join:
-            self._lives.found(dict(zip(self._bodies.ids, self._bodies.positions, strict=True)))
+            self._lives.found(dict(zip(self._plant.ids, self._plant.positions, strict=True)))
         return self.founded
 
     def _sense(self) -> dict[int, Sense]:
         """Of every robot, those who do not listen included: sensors keep running."""
-        bodies, sensors = self._bodies, self._sensors
-        return {
-            robot: sensors[robot].sense(self.tick, position, displacement)
-            for robot, position, displacement in zip(
-                bodies.ids, bodies.positions, bodies.displacements, strict=True
-            )
-        }
+        sensed = {}
+        for index, (robot, place) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            sensor = self._sensors[robot]
+            position, stamp = sensor.measure(self.tick, place)
+            moved, bound, motion = self._odometers[robot].read(self._plant.report(index), self.tick)
+            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+        return sensed
 
     def _tell(
         self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
@@ -262,7 +263,7 @@ class World:
         refusal = self._missions.refusal(robot, order, self._lives.standing)
         if refusal:
             return GoalReply(False, text=refusal)
-        position = self._bodies.positions[self._bodies.ids.index(robot)]
+        position = self._plant.positions[self._plant.ids.index(robot)]
         reply = self._missions.accept(robot, order, self.tick, position)
         self._redirect(robot)
         self._noted(Ordered(robot, order))
@@ -276,10 +277,10 @@ class World:
 
     def goal_status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot's goal; None if there is no such robot."""
-        if robot not in self._bodies.ids:
+        if robot not in self._plant.ids:
             return None
         status = self._missions.status(robot)
-        if status.number == 0 and robot in self._judge.arrived(self._bodies.positions):
+        if status.number == 0 and robot in self._judge.arrived(self._plant.positions):
             return msgspec.structs.replace(status, tick=self.tick, status="arrived")
         return status
 
@@ -307,17 +308,24 @@ class World:
 
         Returns why that cannot be; "" if it is under way.
         """
-        reason = self._membership.add(spec) if self.founded and not self.verdict else _NOT_RUNNING
+        reason = self._fixed or self._plant.refusal(spec) or self._membership.add(spec)
         if not reason:
             self._noted(Added(spec))
         return reason
+
+    @property
+    def _fixed(self) -> str:
+        """Why nobody can come or go; "" if that is possible."""
+        if not self.founded or self.verdict:
+            return "the run has not begun, or is over"
+        return self._plant.fixed
 
     def remove(self, robot: int) -> str:
         """End a robot and take its disk away, at the end of the open tick or else now.
 
         Returns why that cannot be; "" if it is done.
         """
-        reason = self._membership.remove(robot) if self.founded and not self.verdict else _NOT_RUNNING
+        reason = self._fixed or self._membership.remove(robot)
         if reason:
             return reason
         if self._told is None:
@@ -334,16 +342,20 @@ class World:
 
     def _turn_over(self) -> None:
         """Between two ticks: who was added and may appear is there, who was removed is not."""
-        bodies = self._bodies
-        left = self._membership.turn_over(self.tick, dict(zip(bodies.ids, bodies.positions, strict=True)))
+        plant = self._plant
+        left = self._membership.turn_over(self.tick, dict(zip(plant.ids, plant.positions, strict=True)))
         if left is None:
             return
-        self._departed |= {robot: bodies.lengths[bodies.ids.index(robot)] for robot in left}
+        self._departed |= {robot: plant.lengths[plant.ids.index(robot)] for robot in left}
         scenario = self._scenario = self._membership.scenario
-        bodies.recast(scenario)
+        plant.recast(scenario)
         self._sensors = {robot: self._sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
+        self._odometers = {
+            robot: self._odometers.get(robot) or Odometer(scenario, robot, plant.slips)
+            for robot in scenario.ids
+        }
         self._missions.recast(scenario)
-        self._record.recast(scenario, bodies.positions)
+        self._record.recast(scenario, plant.positions)
         self._judge.recast(scenario, self.tick)
 
     def halt(self, halted: bool) -> None:
@@ -364,31 +376,38 @@ class World:
         if self._told is None:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
-        self._bodies.move({} if self.halted else self._commands.velocities, self.tick)
+        self._plant.move(self._obeyed(), self.tick)
         self._fence()
         self._told = None
         self.tick += 1
-        self._record.add(self._bodies.positions)
+        self._record.add(self._plant.positions, self._plant.between)
         self._turn_over()
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
 
+    def _obeyed(self) -> dict[int, Vector]:
+        """What the bases are told in this tick; while all are halted, to brake."""
+        if self.halted:
+            return dict.fromkeys(self._plant.ids, STANDING)
+        commands = self._commands.velocities
+        return {robot: self._odometers[robot].obeyed(commands[robot], self.tick) for robot in commands}
+
     def _fence(self) -> None:
-        for robot, position in zip(self._bodies.ids, self._bodies.positions, strict=True):
-            if robot not in self._commands.velocities:
+        for index, (robot, position) in enumerate(zip(self._plant.ids, self._plant.positions, strict=True)):
+            if robot not in self._commands.velocities and self._plant.stands(index):
                 self._lives.fence(self.tick, robot, position)
 
     def _decide(self) -> None:
         if self.halted:
             self._judge.disturb(self.tick)
-        for robot in self._missions.advance(self.tick, self._bodies.ids, self._bodies.positions):
+        for robot in self._missions.advance(self.tick, self._plant.ids, self._plant.positions):
             self._redirect(robot)
         if not self.verdict and not self._scenario.time.endless:
             up = self._lives.up
-            alone = len(up) < len(self._bodies.ids) and self._lives.gone_for_good(self.tick - 1)
+            alone = len(up) < len(self._plant.ids) and self._lives.gone_for_good(self.tick - 1)
             verdict, reason = self._judge.judge(
-                self.tick, self._bodies.positions, up, alone, pending=self._missions.pending
+                self.tick, self._plant.positions, up, alone, pending=self._missions.pending
             )
             if verdict:
                 self._finish(verdict, reason)
@@ -414,9 +433,9 @@ class World:
         return report(
             self._scenario,
             verdict=(self.verdict, self.reason),
-            arrived=self._judge.arrived(self._bodies.positions),
+            arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
-            lengths=dict(zip(self._bodies.ids, self._bodies.lengths, strict=True)) | self._departed,
+            lengths=dict(zip(self._plant.ids, self._plant.lengths, strict=True)) | self._departed,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

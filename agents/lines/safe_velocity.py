@@ -54,14 +54,14 @@ def safe_velocity(
     want = (desired[0] * period, desired[1] * period)
     limits = _near(half_planes, x, y, max_step * (1.0 + noise))
     if noise > 0.0:
-        limits = [wedge for limit in limits for wedge in _wedge(limit, noise)]
-    step = _nearest(want, limits, max_step)
+        limits = [half for limit in limits for half in wedge(limit, noise)]
+    step = nearest(want, limits, max_step)
     for _ in range(_CUTS):
         cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)
         if cut is None:
             break
-        limits = [*limits, *(_wedge(cut, noise) if noise > 0.0 else (cut,))]
-        step = _nearest(want, limits, max_step)
+        limits = [*limits, *(wedge(cut, noise) if noise > 0.0 else (cut,))]
+        step = nearest(want, limits, max_step)
     for shrink in _SHRINK:
         # Shrinking makes room at all edges but those through 0; only then can these be moved off.
         step = _nudged((step[0] * shrink, step[1] * shrink), limits)
@@ -87,7 +87,7 @@ def _near(half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float)
     return near
 
 
-def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
+def wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
     """Two half-planes inside {d: n.d + noise |d| <= s}: apex s/(1 + noise) n, edges along the asymptotes."""
     nx, ny, slack = limit.nx, limit.ny, limit.limit
     cosine = math.sqrt(1.0 - noise * noise)
@@ -98,7 +98,7 @@ def _wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
     )
 
 
-def _nearest(want: Vector, limits: Sequence[HalfPlane], max_step: float) -> Vector:
+def nearest(want: Vector, limits: Sequence[HalfPlane], max_step: float) -> Vector:
     """The point nearest to `want` in a disk of radius `max_step` around 0 and all half-planes.
 
     One constraint after another: the nearest point so far stays if the next one allows it, otherwise

@@ -27,6 +27,7 @@ from agents.lines.placement import Disk, fit_line, initial_line, is_same
 from agents.lines.robot_pair import RobotPair
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
+from protocol.bodies.sweep import Sweep
 from protocol.messages import Answer, Member, Proposal
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
@@ -49,6 +50,8 @@ class SeparatingLines:
         radii: radius of every robot, m, own included.
         speed: the most that a robot really moves, m/s.
         period: of one tick, s.
+        reach: the longest way from the beginning of a tick until the body stands, m; unless given, that of a
+            tick at full speed.
         members: the others in the first roster that this incarnation hears.
         starts: where every robot begins, m, if this incarnation is a founding one.
     """
@@ -61,12 +64,14 @@ class SeparatingLines:
         *,
         speed: float,
         period: float,
+        reach: float = 0.0,
         members: Sequence[Member] = (),
         starts: Mapping[int, tuple[float, float]] | None = None,
     ) -> None:
         self._robot, self._incarnation = robot, incarnation
         self._radius = radii[robot]
         self._period, self._max_step = period, speed * period
+        self._reach = reach if reach > 0.0 else self._max_step
         founding = {each.robot: each.founding for each in members}
         self._pairs = {
             peer: self._pair(
@@ -84,6 +89,7 @@ class SeparatingLines:
         self._x = self._y = 0.0
         self._bound = float("inf")
         self._shape: Polygon | None = None
+        self._swept: Sweep | None = None
         for member in members:
             if member.status != "live":
                 self.on_member(member)
@@ -100,16 +106,22 @@ class SeparatingLines:
         )
 
     def locate(
-        self, tick: int, position: tuple[float, float], bound: float, shape: Polygon | None = None
+        self,
+        tick: int,
+        position: tuple[float, float],
+        bound: float,
+        shape: Polygon | None = None,
+        swept: Sweep | None = None,
     ) -> None:
         """Take the own position (m) at the start of `tick`; the truth is at most `bound` (m) from it, and
-        within `shape` around it if that is given."""
+        within `shape` around it if that is given. From there it passes `swept` until all commands that are
+        still out have ended."""
         self._tick = tick
         self._x, self._y = position
-        self._bound, self._shape = bound, shape
+        self._bound, self._shape, self._swept = bound, shape, swept
         for pair in self._each if self._disturbed else ():
             if pair.disk is not None:
-                pair.disk.renew(self._x, self._y, bound, shape)
+                pair.disk.renew(self._x, self._y, bound, shape, swept=swept)
 
     def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
@@ -135,7 +147,7 @@ class SeparatingLines:
         self._disturbed = self._disturbed or member.status != "live"
         pair.on_member(member)
         if pair.disk is not None:
-            pair.disk.renew(self._x, self._y, self._bound, self._shape)
+            pair.disk.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
 
     @property
     def keeps_clear(self) -> bool:
@@ -173,7 +185,7 @@ class SeparatingLines:
         Without those that are out of reach within a tick.
         """
         x, y = self._x, self._y
-        near = self._bound + 2.0 * ROUNDING + 2.0 * self._max_step
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for pair in self._each:
             if pair.settled:
@@ -218,6 +230,9 @@ class SeparatingLines:
         standing = not self.ready
         vx, vy = (0.0, 0.0) if standing else desired
         me = Disk(self._x, self._y, self._radius + self._bound, vx, vy)
+        if self._swept is not None:
+            mx, my = self._swept.middle
+            me = Disk(me.x + mx, me.y + my, me.radius + self._swept.spread, vx, vy)
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         renewals = RENEWALS
@@ -249,9 +264,12 @@ class SeparatingLines:
         return self._fits(line, owner=False)
 
     def _fits(self, line: Line, owner: bool) -> bool:
-        """Whether the own disk surely satisfies a line now."""
+        """Whether the own disk surely satisfies a line now and until every command that is out has ended."""
         side = line.side(self._radius, owner)
-        return line.is_unit and side.slack(self._x, self._y) >= self._extent(side.nx, side.ny) + ROUNDING
+        extent = self._extent(side.nx, side.ny)
+        if self._swept is not None:
+            extent += self._swept.extent(side.nx, side.ny)
+        return line.is_unit and side.slack(self._x, self._y) >= extent + ROUNDING
 
     def _consider(self, pair: RobotPair, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.polygon import Polygon
+from protocol.bodies.sweep import Sweep
 from protocol.geometry import Shape
 
 Vector = tuple[float, float]
@@ -37,8 +38,17 @@ class Tangent:
                 self.half_plane = side
                 break
 
-    def renew(self, x: float, y: float, bound: float, shape: Polygon | None = None, far: float = 0.0) -> None:
-        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`.
+    def renew(
+        self,
+        x: float,
+        y: float,
+        bound: float,
+        shape: Polygon | None = None,
+        far: float = 0.0,
+        swept: Sweep | None = None,
+    ) -> None:
+        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`;
+        from there the body passes `swept`.
 
         Of what is more than `far` (m) out of reach, the disk around it does.
         """
@@ -56,6 +66,8 @@ class Tangent:
         nx, ny = dx / distance, dy / distance
         tangent = HalfPlane(nx, ny, target.limit(nx, ny, self._radius))
         extent = bound if shape is None else shape.extent(nx, ny)
+        if swept is not None:
+            extent += swept.extent(nx, ny)
         if tangent.slack(x, y) >= extent + ROUNDING:
             self.half_plane = tangent
 

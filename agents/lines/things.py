@@ -9,6 +9,7 @@ from typing import Final
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.tangent import Tangent
 from agents.polygon import Polygon
+from protocol.bodies.sweep import Sweep
 from protocol.geometry import Shape
 
 _ROOM: Final = 0.25  # of the own radius, by which to be clear of what is to appear
@@ -26,12 +27,21 @@ class Things:
         start: where this robot began the run, m, clear of all of them; None if it did not.
         speed: the most that the robot really moves, m/s.
         period: of one tick, s.
+        reach: see `agents.lines.separating_lines.SeparatingLines`.
     """
 
     def __init__(
-        self, radius: float, shapes: Mapping[int, Shape], start: Vector | None, *, speed: float, period: float
+        self,
+        radius: float,
+        shapes: Mapping[int, Shape],
+        start: Vector | None,
+        *,
+        speed: float,
+        period: float,
+        reach: float = 0.0,
     ) -> None:
         self._radius, self._period, self._max_step = radius, period, speed * period
+        self._reach = reach if reach > 0.0 else self._max_step
         self._tangents = {number: Tangent(shape, radius) for number, shape in shapes.items()}
         self._each = list(self._tangents.values())
         self._x = self._y = 0.0
@@ -41,13 +51,16 @@ class Things:
             for tangent in self._each:
                 tangent.renew(*start, 0.0, far=math.inf)
 
-    def locate(self, position: Vector, bound: float, shape: Polygon | None = None) -> None:
+    def locate(
+        self, position: Vector, bound: float, shape: Polygon | None = None, swept: Sweep | None = None
+    ) -> None:
         """Take the own position (m) at the start of a tick; the truth is at most `bound` (m) from it, and
-        within `shape` around it if that is given."""
+        within `shape` around it if that is given. From there it passes `swept` until all commands that are
+        still out have ended."""
         self._x, self._y = position
         self._bound, self._shape = bound, shape
         for tangent in self._each:
-            tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step)
+            tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step, swept)
 
     @property
     def shapes(self) -> list[Shape]:
@@ -62,7 +75,7 @@ class Things:
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay, without those out of reach within a tick; radius and
         extent of the own set are subtracted."""
-        near = self._bound + 2.0 * ROUNDING + 2.0 * self._max_step
+        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for tangent in self._each:
             side = tangent.half_plane

@@ -62,7 +62,7 @@ is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has 
 metadata records `scenario`, `result` and `launch` hold JSON objects.
 """
 
-_UNIT = re.compile(r"(m/s|m\^2|m|s)[,;] (.*)")
+_UNIT = re.compile(r"(m/s|m\^2|m|s|rad)[,;] (.*)")
 _WORDS: dict[type, str] = {
     msgspec.inspect.BoolType: "true or false",
     msgspec.inspect.IntType: "integer",
@@ -73,6 +73,7 @@ _INNER = (
     messages.Proposal,
     messages.Answer,
     messages.Sense,
+    messages.BaseMotion,
     messages.Roster,
     messages.Member,
     messages.Standing,

@@ -14,10 +14,9 @@ from annotated_types import Ge, Le, Len
 
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive
 
-# The bounds of size keep squares and products of lengths away from the ends of a double's range.
-Positive = Annotated[float, Ge(1e-9), Le(1e6)]
-NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
 Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
@@ -27,7 +26,6 @@ Span = NonNegative | tuple[NonNegative, NonNegative]
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
 DEFAULT_RADIUS = 0.30  # m, of the workspace
-STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +125,7 @@ class Sensing:
     bias: Point = (0.0, 0.0)
     dropout: Probability = 0.0
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
     contradiction: Literal["stand", "newest"] = "stand"
 
@@ -184,13 +183,26 @@ class Actuation:
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """One robot: its disk (m), where it begins and where it shall be."""
+    """One robot: its disk (m), where it begins and where it shall be.
+
+    Start and goal are of the disk's centre. A body that lies beside that has a direction, too.
+    """
 
     __pydantic_config__ = STRICT
     id: RobotId
     radius: Positive
     start: Point
     goal: Point
+    heading: Angle = 0.0  # rad, at the start
+    body: Preset | Body | None = None  # the scenario's, unless given
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What moves the disks: formulas, or a physics engine (extra `mujoco`)."""
+
+    __pydantic_config__ = STRICT
+    plant: Literal["integrator", "mujoco"] = "integrator"
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +221,8 @@ class Scenario:
     link: Link = Link()
     process: tuple[ProcessFault, ...] = ()
     actuation: Actuation = Actuation()
+    world: World = World()
+    body: Preset | Body = "point"  # of every robot that has none of its own
     things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
 
     def ticks(self, seconds: float) -> int:
@@ -244,6 +258,12 @@ class Scenario:
             if spec.id == robot:
                 return spec
         raise KeyError(robot)
+
+    def body_of(self, robot: int) -> Body:
+        """What carries the disk of a robot."""
+        own = self.spec(robot).body
+        body = self.body if own is None else own
+        return PRESETS[body] if isinstance(body, str) else body
 
     def sensing_of(self, robot: int) -> Sensing:
         """How this robot is measured: the last entry that names it, or that names nobody."""

@@ -12,6 +12,7 @@ from datetime import date, time
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from protocol.scenario.body import PRESETS
 from protocol.scenario.model import Scenario
 from protocol.scenario.shape import Document, Finding, Step, Steps, table_at, unknown_key
 
@@ -23,6 +24,7 @@ _Table = TypeVar("_Table")
 _EITHER: dict[Step, str] = {
     "delay": "must be a number of seconds or an array [low, high]",
     "k": 'must be a number, "auto" or "certified"',
+    "body": f"must be a table or one of {', '.join(PRESETS)}",
 }
 _KINDS = {
     "int_type": "a whole number",
@@ -34,6 +36,7 @@ _KINDS = {
     "dataclass_type": "a table",
     "literal_error": "one of the known words",
 }
+_KEY_ERRORS = ("missing", "unexpected_keyword_argument")
 _BOUNDS = {
     "greater_than_equal": ("ge", "at least"),
     "less_than_equal": ("le", "at most"),
@@ -97,7 +100,7 @@ def _findings(document: Document, errors: Sequence[ErrorDetails], table: type) -
     found: dict[Steps, str] = {}
     rejected: dict[Steps, Any] = {}  # unions, with the value that was given
     for error in errors:
-        steps, value, union = _locate(document, error["loc"])
+        steps, value, union = _locate(document, error["loc"], error["type"] in _KEY_ERRORS)
         if steps == union and error["type"] in _KINDS:
             rejected[union] = value
         elif text := _text(error, steps, value, table):
@@ -108,8 +111,9 @@ def _findings(document: Document, errors: Sequence[ErrorDetails], table: type) -
     return list(found.items())
 
 
-def _locate(document: Document, location: Steps) -> tuple[Steps, Any, Steps | None]:
-    """Steps of an error in the document, the value there, and the union it lies in.
+def _locate(document: Document, location: Steps, of_key: bool) -> tuple[Steps, Any, Steps | None]:
+    """Steps of an error in the document, the value there, and the union it lies in; `of_key`: the last step
+    is a key that a table lacks, or should lack.
 
     pydantic puts the name of a union's alternative into the location: a step that the document lacks.
     """
@@ -118,7 +122,7 @@ def _locate(document: Document, location: Steps) -> tuple[Steps, Any, Steps | No
     union: Steps | None = None
     for n, step in enumerate(location):
         last = n == len(location) - 1
-        if isinstance(value, dict) and (step in value or last):
+        if isinstance(value, dict) and (step in value or (last and of_key)):
             value = value.get(step)
         elif isinstance(value, list) and isinstance(step, int) and step < len(value):
             value = value[step]

@@ -10,14 +10,9 @@ from protocol.scenario.model import Sensing
 from tests.world.driving import STEP, two
 from world.plants import disturbance
 from world.plants.disturbance import Uniforms, truncated_normal
-from world.sensing import Sensor
+from world.sensing.position import Sensor
 
 TRUTH = (0.123, -0.0456)
-
-
-def seen(eye, tick, truth):
-    sense = eye.sense(tick, truth, (0.0, 0.0))
-    return sense.position, sense.stamp
 
 
 def sensor(robot=1, seed=0, **faults):
@@ -34,9 +29,9 @@ def test_the_error_of_a_measurement_never_exceeds_its_stated_bound(seed, noise, 
     faults = Sensing(noise=noise, noise_bound=noise_bound, bias=bias)
     eye = sensor(seed=seed, noise=noise, noise_bound=noise_bound, bias=bias)
     for tick in range(20):
-        sense = eye.sense(tick, TRUTH, (0.0, 0.0))
-        assert (sense.stamp, sense.bound) == (tick, faults.bound)
-        assert math.dist(sense.position, TRUTH) <= faults.bound
+        position, stamp = eye.measure(tick, TRUTH)
+        assert (stamp, eye.bound) == (tick, faults.bound)
+        assert math.dist(position, TRUTH) <= faults.bound
 
 
 def test_truncated_normal_has_the_right_distribution():
@@ -68,7 +63,7 @@ def test_a_bound_far_below_the_deviation_still_takes_one_draw():
 def test_ideal_sensing_tells_the_truth_and_draws_nothing(monkeypatch):
     monkeypatch.setattr(disturbance, "generator", lambda *_: pytest.fail("a random draw"))
     eye = sensor(noise_bound=0.01)
-    assert [seen(eye, tick, (0.1 * tick, 0.0)) for tick in range(3)] == [
+    assert [eye.measure(tick, (0.1 * tick, 0.0)) for tick in range(3)] == [
         ((0.1 * tick, 0.0), tick) for tick in range(3)
     ]
 
@@ -76,7 +71,7 @@ def test_ideal_sensing_tells_the_truth_and_draws_nothing(monkeypatch):
 @pytest.mark.parametrize(("delay", "ticks"), [(STEP, 1), (0.1, 2), (0.11, 3), (0.001, 1), (0.15, 3)])
 def test_a_fixed_delay_takes_effect_at_the_first_tick_at_or_after_it(delay, ticks):
     eye = sensor(delay=delay)
-    heard = [seen(eye, tick, (float(tick), 0.0)) for tick in range(10)]
+    heard = [eye.measure(tick, (float(tick), 0.0)) for tick in range(10)]
     assert heard[:ticks] == [(None, tick) for tick in range(ticks)]
     assert heard[ticks:] == [((float(tick - ticks), 0.0), tick - ticks) for tick in range(ticks, 10)]
     assert (eye.missing, eye.delayed) == (ticks, 10 - ticks)
@@ -87,7 +82,7 @@ def test_random_delays_deliver_the_newest_once_and_never_go_back(seed):
     eye = sensor(seed=seed, delay=(0.0, 0.3))
     newest = -1
     for tick in range(60):
-        position, stamp = seen(eye, tick, (float(tick), 0.0))
+        position, stamp = eye.measure(tick, (float(tick), 0.0))
         if position is None:
             assert stamp == tick
         else:
@@ -99,17 +94,17 @@ def test_random_delays_deliver_the_newest_once_and_never_go_back(seed):
 
 def test_dropout_loses_its_share():
     eye = sensor(dropout=0.3)
-    missing = sum(seen(eye, tick, TRUTH)[0] is None for tick in range(3000))
+    missing = sum(eye.measure(tick, TRUTH)[0] is None for tick in range(3000))
     assert missing == eye.missing == eye.dropped
     assert 800 < missing < 1000
     nothing = sensor(dropout=1.0)
-    assert all(seen(nothing, tick, TRUTH)[0] is None for tick in range(50))
+    assert all(nothing.measure(tick, TRUTH)[0] is None for tick in range(50))
 
 
 def test_sensing_faults_may_name_robots():
     setting = two(sensing=(Sensing(), Sensing(bias=(0.01, 0.0), robots=(2,))))
-    assert seen(Sensor(setting, 1), 0, TRUTH) == (TRUTH, 0)
-    assert seen(Sensor(setting, 2), 0, TRUTH) == ((TRUTH[0] + 0.01, TRUTH[1]), 0)
+    assert Sensor(setting, 1).measure(0, TRUTH) == (TRUTH, 0)
+    assert Sensor(setting, 2).measure(0, TRUTH) == ((TRUTH[0] + 0.01, TRUTH[1]), 0)
 
 
 def test_draws_of_a_tick_do_not_depend_on_what_was_asked_before():

@@ -188,7 +188,7 @@ def test_the_report_has_every_field_and_is_plain_json():
     assert json.loads(json.dumps(report, allow_nan=False)) == report
     assert report["faults"]["sensing"] == [
         {"delay": [0.0, 0.3], "noise": 0.002, "noise_bound": None, "bias": [0.0, 0.0]}
-        | {"dropout": 0.2, "robots": None, "contradiction": "stand"}
+        | {"dropout": 0.2, "robots": None, "heading": 0.0, "contradiction": "stand"}
     ]
     assert report["faults"]["actuation"] == {"noise": 0.1}
     assert report["faults"]["link"]["partition"] == []

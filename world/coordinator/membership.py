@@ -1,7 +1,8 @@
 """Who is in the fleet: robots that are added and removed while it runs.
 
 A disk that is added appears once every robot keeps clear of its place (`roster`, rule 2); it stands there
-until its process joins. A robot that is removed is over with the tick that is open, and its disk is gone then.
+until its process joins. A robot that is removed is over with the tick that is open, and its
+disk is gone then.
 """
 
 from __future__ import annotations

@@ -54,9 +54,9 @@ class Missions:
         return bool(self._underway)
 
     def goal(self, robot: int) -> Vector | None:
-        """Where a robot is to go, m; None: where the scenario says."""
-        mission = self._missions[robot]
-        return mission.points[0] if mission.number else None
+        """Where a robot is to go, m; None: where the scenario says, or nowhere as it has left."""
+        mission = self._missions.get(robot)
+        return mission.points[0] if mission is not None and mission.number else None
 
     def status(self, robot: int) -> GoalStatus:
         """How things stand with a robot of the scenario."""

@@ -40,13 +40,14 @@ class Contacts:
         """Other disks from now on; an overlap that goes on is noted anew."""
         self._disks, self._latest = disks, {}
 
-    def add(self, tick: int, gaps: Reals, before: Plane, after: Plane) -> None:
-        """Note the contacts of one tick, given its gaps (`clearance.gaps`) and its motion."""
+    def add(self, tick: float, gaps: Reals, before: Plane, after: Plane, span: float = 1.0) -> None:
+        """Note the contacts during a straight motion that begins at `tick` and takes `span` ticks, given its
+        gaps (`clearance.gaps`)."""
         if gaps.min() >= -TOUCH:
             return
         for index in (gaps < -TOUCH).nonzero()[0].tolist():
             for begin, end in self._intervals(index, before, after):
-                self._note(index, tick + begin, tick + end, float(gaps[index]))
+                self._note(index, tick + span * begin, tick + span * end, float(gaps[index]))
 
     def _note(self, index: int, begin: float, end: float, gap: float) -> None:
         latest = self._latest.get(index)

@@ -28,11 +28,14 @@ _LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the 
 class Record:
     """Clearance, contacts, phi and digest of a trajectory.
 
+    Args:
+        parts: straight motions that a tick consists of.
+
     Attributes:
         goals: by which it measures; another one is set by `redirect`.
     """
 
-    def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector]) -> None:
+    def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector], parts: int = 1) -> None:
         disks = self._disks = Disks(scenario)
         self.goals = goals
         self._phi = NavigationFunction(disks, goals, scenario.k)
@@ -40,7 +43,8 @@ class Record:
         self._contacts = Contacts(disks)
         self._deviation = LateralDeviation(goals)
         self._aside: list[tuple[Vector, ...]] = []
-        self._batch = max(1, min(_BATCH, _LARGEST // (len(disks))))
+        self._parts = parts
+        self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(disks)))
         self._tick = 0  # of the newest configuration that is measured
         self._plane = as_plane([positions])
         self._increases = 0
@@ -50,8 +54,10 @@ class Record:
         self._truth = Truth(0, disks.ids, tuple(positions), clearance, phi)
         self._news = [self._truth]
 
-    def add(self, positions: Sequence[Vector]) -> None:
-        """The configuration one tick later, reached by straight motion since the one before."""
+    def add(self, positions: Sequence[Vector], between: Sequence[tuple[Vector, ...]] = ()) -> None:
+        """The configuration one tick later, reached by straight motion since the one before; if a tick has
+        several parts, through those `between`."""
+        self._aside.extend(between)
         self._aside.append(tuple(positions))
         if len(self._aside) >= self._batch:
             self._measure()
@@ -130,22 +136,25 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
-        plane = as_plane(aside)
+        plane, parts = as_plane(aside), self._parts
         before = np.concatenate((self._plane, plane[:-1]))
         during = gaps(self._disks, before, plane)
-        smallest = during.min(axis=1).tolist()
-        for row, (positions, clearance, phi) in enumerate(
-            zip(aside, smallest, self._phi(plane), strict=True)
-        ):
-            self._contacts.add(self._tick + row, during[row], before[row], plane[row])
+        for row, nearest in enumerate(during):
+            self._contacts.add(self._tick + row / parts, nearest, before[row], plane[row], 1.0 / parts)
+        self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
+        self._deviation.add(plane)
+        self._plane = plane[-1:]
+
+    def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
+        """Take in the configurations at the ends of ticks, with the smallest gap in each of these."""
+        values = self._phi(as_plane(configurations))
+        for row, (positions, clearance, phi) in enumerate(zip(configurations, smallest, values, strict=True)):
             self._increases += phi > self._truth.phi + _RISE
             self._truth = Truth(self._tick + row + 1, self._disks.ids, positions, clearance, phi)
             self._news.append(self._truth)
-        self._digest.add(range(self._tick + 1, self._tick + 1 + len(aside)), aside)
-        self._deviation.add(plane)
+        self._digest.add(range(self._tick + 1, self._tick + 1 + len(configurations)), configurations)
         self._clearance = min(self._clearance, *smallest)
-        self._tick += len(aside)
-        self._plane = plane[-1:]
+        self._tick += len(configurations)
 
 
 def as_plane(positions: Sequence[Sequence[Vector]]) -> Plane:

@@ -73,7 +73,7 @@ class Run:
 
     def is_marked(self) -> bool:
         """Whether something is to happen at this tick that a launcher has to carry out."""
-        return self.world.tick in self._due
+        return self.world.tick in self._due or bool(self.world.newcomers)
 
     def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
         """What tells robots that the run is over."""

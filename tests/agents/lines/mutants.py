@@ -433,7 +433,7 @@ ITSELF = (
     Mutant(
         "actuation-error",
         "a command leaves room for the stated error of its execution",
-        (Edit(_ROBOT, "noise=self._scenario.actuation.bound", "noise=0.0"),),
+        (Edit("agents.bodies.point", "noise=self._noise,", "noise=0.0,"),),
         model="skirmish",
     ),
     Mutant(

@@ -22,10 +22,16 @@ _LINES = [
         "things",
     )
 ]
-_ROBOT = ["agents.roster", "agents.estimate", "agents.lines.safe_velocity", "agents.robot"]
+_ROBOT = [
+    "agents.roster",
+    "agents.estimate",
+    "agents.lines.safe_velocity",
+    *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
+    "agents.robot",
+]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands")),
-    *("world.plants.integrator", "world.world"),
+    *("world.plants.integrator", "world.plants.choice", "world.world"),
 ]
 
 

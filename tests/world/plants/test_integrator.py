@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from protocol.scenario.model import Actuation as ActuationFaults
 from protocol.scenario.model import Control
 from tests.world.driving import STEP, two
-from world.plants.integrator import Actuation, Bodies, limited
+from world.plants.integrator import Actuation, Integrator, limited
 
 component = st.floats(-1e300, 1e300) | st.floats(-1.0, 1.0)
 
@@ -45,7 +45,7 @@ def test_actuation_noise_disturbs_and_differs_between_robots_and_ticks():
 
 
 def test_displacements_lead_exactly_from_one_position_to_the_next():
-    bodies = Bodies(two(actuation=ActuationFaults(noise=0.1)))
+    bodies = Integrator(two(actuation=ActuationFaults(noise=0.1)))
     for tick in range(50):
         before = bodies.positions[0]
         bodies.move({1: (0.03, -0.07)}, tick)

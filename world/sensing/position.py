@@ -1,11 +1,11 @@
-"""Sensing: what a robot is told of its own position - late, noisy, biased, sometimes not at all."""
+"""Where a robot is told that it is: late, noisy, biased, sometimes not at all."""
 
 from __future__ import annotations
 
 from heapq import heappop, heappush
 
 from protocol.draws import Purpose
-from protocol.messages import Sense, Vector
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario, Sensing
 from world.plants.disturbance import Uniforms, truncated_normal
 
@@ -17,6 +17,7 @@ class Sensor:
     delays a later one may overtake an earlier one, which then is never delivered.
 
     Attributes:
+        bound: largest error of a measurement, m.
         delayed: measurements delivered at a later tick than they were taken.
         missing: ticks without a measurement.
         dropped: measurements that dropout swallowed.
@@ -27,6 +28,7 @@ class Sensor:
         self.missing = 0
         self.dropped = 0
         self._sensing = scenario.sensing_of(robot)
+        self.bound = self._sensing.bound
         self.ideal = _is_ideal(self._sensing)
         self._noise_bound = _noise_bound(self._sensing)
         self._scenario = scenario
@@ -34,14 +36,13 @@ class Sensor:
         self._arriving: list[tuple[int, int, Vector]] = []
         self._newest = -1
 
-    def sense(self, tick: int, truth: Vector, displacement: Vector) -> Sense:
-        """What the robot is told at `tick`: a position if a new one arrived, and its odometry.
+    def measure(self, tick: int, truth: Vector) -> tuple[Vector | None, int]:
+        """Position as measured and the tick at which it was taken; (None, tick) when nothing new arrived.
 
-        To be called once for every tick, in order, with the true position at its start and what was
-        executed during the one before.
+        To be called once for every tick, in order, with the true position at its start.
         """
         if self.ideal:
-            return Sense(truth, tick, 0.0, displacement)
+            return truth, tick
         self._take(tick, truth)
         position, stamp = None, tick
         while self._arriving and self._arriving[0][0] <= tick:
@@ -52,7 +53,7 @@ class Sensor:
             self.missing += 1
         elif stamp < tick:
             self.delayed += 1
-        return Sense(position, stamp, self._sensing.bound, displacement)
+        return position, stamp
 
     def _take(self, tick: int, truth: Vector) -> None:
         """Take one measurement and send it on its way."""

@@ -1,0 +1,23 @@
+"""What a scenario says that carries a robot."""
+
+from __future__ import annotations
+
+from agents.bodies.body import Body
+from agents.bodies.inertial import InertialBody
+from agents.bodies.point import PointBody
+from protocol.bodies.base import Base
+from protocol.scenario.model import Scenario
+
+
+def body_of(scenario: Scenario, robot: int) -> Body:
+    """The body of one robot."""
+    body, speed, period = scenario.body_of(robot), scenario.control.speed, scenario.time.step
+    if body.ideal:
+        return PointBody(speed, period, scenario.actuation.bound)
+    return InertialBody(
+        Base(body, period),
+        speed,
+        error=body.error + scenario.actuation.bound,
+        lag=body.lag,
+        heading=scenario.sensing_of(robot).heading,
+    )

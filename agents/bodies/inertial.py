@@ -1,0 +1,173 @@
+"""A body that does not stop at once: a velocity is commanded only if all that follows from it is allowed.
+
+What follows is the sweep of the tick, of the time that the base holds the velocity if it hears nothing, and
+of braking. If it lies in everything that must be obeyed, then so does what is left of it after the tick, and
+braking, which leads along the same way, ends sooner. So braking is always allowed, and is what remains if no
+velocity is (docs/safety.md, step 2).
+
+The candidate comes from a convex program in the place where the base would stand, as if its arcs were
+straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
+solved again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, final
+
+from agents.lines.boundary import Boundary
+from agents.lines.line import HalfPlane
+from agents.lines.safe_velocity import nearest, wedge
+from agents.polygon import Polygon
+from protocol.bodies.base import Base, Motion
+from protocol.bodies.sweep import Sweep, sweep
+from protocol.messages import BaseMotion
+
+_TRIES: Final = 6  # programs that are solved in a tick
+_SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
+_LEAST: Final = 1e-9  # m, by which a limit is lowered at least
+
+Vector = tuple[float, float]
+STILL: Final = (0.0, 0.0)  # to a base: brake
+
+
+@final
+class InertialBody:
+    """See `agents.bodies.body.Body`.
+
+    Args:
+        base: the body's kinematics.
+        speed: speed limit of the control point, m/s.
+        error: share of the way by which the control point may miss where it is sent.
+        lag: m, by which it may miss that further.
+        heading: rad, by which the direction that it says it has may be off.
+    """
+
+    def __init__(
+        self, base: Base, speed: float, *, error: float = 0.0, lag: float = 0.0, heading: float = 0.0
+    ) -> None:
+        error += 2.0 * math.sin(0.5 * heading)  # everything that is done is turned by it
+        self.reach = base.reach(speed) * (1.0 + error) + lag
+        self.swept: Sweep | None = None
+        self._base, self._speed, self._error, self._lag = base, speed, error, lag
+        self._motion = Motion(0.0)
+
+    def on_motion(self, motion: BaseMotion | None) -> None:
+        """See `agents.bodies.body.Body`."""
+        if motion is None:
+            self._motion = Motion(0.0)
+        else:
+            self._motion = self._base.motion(motion.velocity, motion.heading, motion.stop)
+        if self._motion.stands:
+            self.swept = None
+            return
+        arcs = [self._base.halt(self._motion)]
+        self.swept = sweep(self._base, self._motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
+
+    def velocity(
+        self,
+        desired: Vector,
+        position: Vector,
+        half_planes: Sequence[HalfPlane],
+        boundary: Boundary,
+        shape: Polygon | None,
+    ) -> Vector:
+        """See `agents.bodies.body.Body`."""
+        x, y = position
+        sides = []
+        for each in half_planes:
+            slack = each.slack(x, y)
+            if slack < self.reach:
+                sides.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
+        taken = [0.0] * len(sides)
+        cuts: list[HalfPlane] = []
+        last = self._motion.velocity
+        for _ in range(_TRIES):
+            command = self._limited(self._candidate(desired, sides, taken, cuts))
+            passed = self._passed(command)
+            fits = True
+            for index, side in enumerate(sides):
+                excess = passed.extent(side.nx, side.ny) - side.limit
+                if excess > 0.0:
+                    fits = False
+                    taken[index] += excess + _LEAST
+            cut = _cut(boundary, x, y, shape, passed)
+            if fits and cut is None:
+                return command
+            if cut is not None:
+                cuts.append(cut)
+            last = command
+        return self._less(last, sides, boundary, x, y, shape)
+
+    def _less(
+        self,
+        command: Vector,
+        sides: Sequence[HalfPlane],
+        boundary: Boundary,
+        x: float,
+        y: float,
+        shape: Polygon | None,
+    ) -> Vector:
+        """A part of a command that is too much; at last, to brake."""
+        vx, vy = self._motion.velocity
+        for share in _SHARES:
+            part = (vx + share * (command[0] - vx), vy + share * (command[1] - vy))
+            passed = self._passed(part)
+            if (
+                all(passed.extent(side.nx, side.ny) <= side.limit for side in sides)
+                and _cut(boundary, x, y, shape, passed) is None
+            ):
+                return part
+        return STILL
+
+    def _candidate(
+        self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
+    ) -> Vector:
+        """The velocity whose place to stand is nearest to the desired one's, as if all ways were straight."""
+        base, motion = self._base, self._motion
+        excess = max(1.0, math.hypot(*desired) / self._speed)
+        want = base.lead(motion, (desired[0] / excess, desired[1] / excess))
+        vx, vy = motion.velocity
+        mx, my = 0.5 * base.period * vx, 0.5 * base.period * vy
+        margin = self._error * math.hypot(mx, my) + self._lag
+        limits = []
+        for index, side in enumerate(sides):
+            room = side.limit - side.nx * mx - side.ny * my - margin - taken[index]
+            limits.append(HalfPlane(side.nx, side.ny, max(0.0, room)))
+        for cut in cuts:
+            limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))
+        if self._error > 0.0:
+            limits = [half for limit in limits for half in wedge(limit, self._error)]
+        ux, uy = base.velocity_for(motion, nearest(want, limits, self.reach))
+        excess = max(1.0, math.hypot(ux, uy) / self._speed)
+        return ux / excess, uy / excess
+
+    def _limited(self, velocity: Vector) -> Vector:
+        """What the base can make of a velocity in this tick, m/s."""
+        ahead, aside = self._base.limited(self._motion, velocity)
+        return Motion(self._motion.heading, ahead, aside).velocity
+
+    def _passed(self, command: Vector) -> Sweep:
+        """Everything that follows from a command if nothing more is heard."""
+        base, motion = self._base, self._motion
+        if command == STILL:
+            arcs = [base.halt(base.braking(motion))]
+            return sweep(base, motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
+        ahead, aside = base.limited(motion, command)
+        arcs = base.drive(motion, ahead, aside)
+        rise = len(arcs)
+        arcs.append(base.halt(base.driven(motion, ahead, aside)))
+        return sweep(base, motion.heading, arcs, error=self._error, lag=self._lag, rise=rise)
+
+
+def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:
+    """A half-plane of displacements that the sweep of a place known as `shape` around (x, y) violates."""
+    found: HalfPlane | None = None
+    for index, dx in enumerate(passed.xs):
+        dy = passed.ys[index]
+        way = math.hypot(dx, dy)
+        if way > 0.0:
+            cut = boundary.cut(x, y, shape, dx, dy, noise=passed.margins[index] / way)
+            found = cut if cut is not None else found
+    return found

@@ -1,0 +1,233 @@
+"""A base that holds its velocity, brakes in finite time, and turns as its wheels make it.
+
+Its velocity is that of the control point q, in the frame of the body: ahead, and aside to the left. On two
+wheels, q lies a distance l ahead of the axle's middle, so that the body's speed is `ahead` and its turning
+rate `aside / l`: any velocity of q can be had at once, but for the limits. While both stay the same, q
+describes an arc. A base of another kind does not turn, and its arcs are straight.
+
+A tick that brings a command consists of `STEPS` arcs, whose velocities lead evenly to the one commanded. The
+zero velocity means to brake. A tick without a command goes on as it was for the rest of the hold time, and
+then brakes. Braking scales both wheels by one factor, so that it leads along the same circle.
+
+A point is a base that takes every velocity at once and stands when the tick is over.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, final
+
+from mypy_extensions import mypyc_attr
+
+from protocol.scenario.body import Body
+
+STEPS: Final = 5  # velocities that the wheels are given in a tick, one after another
+_TINY: Final = 1e-100  # m, m/s: what is less is none, and what is not can be divided by
+_NEARLY: Final = 1.0 + 1e-12  # rounding of a velocity that was limited before
+
+Vector = tuple[float, float]
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Motion:
+    """What a base does: velocity of its control point in its own frame, m/s, direction, rad, and for how long
+    it still holds that velocity when it hears nothing, s. Immutable."""
+
+    __slots__ = ("ahead", "aside", "heading", "hold")
+
+    def __init__(self, heading: float, ahead: float = 0.0, aside: float = 0.0, hold: float = 0.0) -> None:
+        self.heading, self.ahead, self.aside, self.hold = heading, ahead, aside, hold
+
+    @property
+    def velocity(self) -> Vector:
+        """Of the control point in the world's frame, m/s."""
+        return turned(self.ahead, self.aside, self.heading)
+
+    @property
+    def stands(self) -> bool:
+        """Whether it does not move."""
+        return self.ahead == 0.0 and self.aside == 0.0
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Arc:
+    """A velocity in the frame of the body, m/s, held for a duration, s."""
+
+    __slots__ = ("ahead", "aside", "duration")
+
+    def __init__(self, ahead: float, aside: float, duration: float) -> None:
+        self.ahead, self.aside, self.duration = ahead, aside, duration
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Base:
+    """The kinematics of one body.
+
+    Args:
+        body: that moves.
+        period: of one tick, s.
+    """
+
+    __slots__ = ("_acceleration", "_half_track", "_hold", "_instant", "_offset", "_speed", "period")
+
+    def __init__(self, body: Body, period: float) -> None:
+        wheeled = body.kind == "differential-drive"
+        self.period = period
+        self._instant = body.kind == "point"
+        self._offset = body.offset if wheeled else 0.0
+        self._half_track = 0.5 * body.track
+        self._speed, self._acceleration, self._hold = body.speed, body.acceleration, body.hold
+
+    def turn(self, arc: Arc) -> float:
+        """Angle by which an arc turns the body, rad."""
+        return arc.aside * arc.duration / self._offset if self._offset > 0.0 else 0.0
+
+    def rim(self, ahead: float, aside: float) -> float:
+        """Speed of the faster wheel's rim; without wheels, of the whole, m/s."""
+        if self._offset > 0.0:
+            return abs(ahead) + abs(aside) * self._half_track / self._offset
+        return math.hypot(ahead, aside)
+
+    def limited(self, motion: Motion, velocity: Vector) -> Vector:
+        """What the base makes of a commanded velocity (m/s, world's frame): ahead and aside at the end of the
+        tick, both wheels scaled by one factor to what they can do, and to what they can reach."""
+        ahead, aside = turned(velocity[0], velocity[1], -motion.heading)
+        if not math.isfinite(ahead + aside):
+            return 0.0, 0.0
+        rim = self.rim(ahead, aside)
+        if rim > self._speed * _NEARLY:
+            ahead, aside = ahead * self._speed / rim, aside * self._speed / rim
+        more, less = ahead - motion.ahead, aside - motion.aside
+        change, most = self.rim(more, less), self._acceleration * self.period
+        if change > most * _NEARLY:
+            ahead, aside = motion.ahead + more * most / change, motion.aside + less * most / change
+        return ahead, aside
+
+    def drive(self, motion: Motion, ahead: float, aside: float) -> list[Arc]:
+        """The arcs of a tick that leads to a velocity that the base can reach."""
+        if self._instant:
+            return [Arc(ahead, aside, self.period)]
+        more, less = ahead - motion.ahead, aside - motion.aside
+        arcs = []
+        for step in range(STEPS):
+            part = (step + 0.5) / STEPS
+            arcs.append(Arc(motion.ahead + part * more, motion.aside + part * less, self.period / STEPS))
+        return arcs
+
+    def driven(self, motion: Motion, ahead: float, aside: float) -> Motion:
+        """What the base does at the end of that tick."""
+        if self._instant:
+            return Motion(motion.heading)
+        heading = motion.heading
+        for arc in self.drive(motion, ahead, aside):
+            heading += self.turn(arc)
+        return Motion(heading, ahead, aside, self._hold)
+
+    def braking(self, motion: Motion) -> Motion:
+        """The same, but told to stand: nothing is held any more."""
+        return Motion(motion.heading, motion.ahead, motion.aside, 0.0)
+
+    def coast(self, motion: Motion, duration: float) -> Arc:
+        """What the base does when it hears nothing for a time, s, as an arc at its present velocity: the
+        time in which it comes as far without braking."""
+        held = min(motion.hold, duration)
+        rest = min(duration - held, self._stopping(motion))
+        lost = self._lost(motion)
+        return Arc(motion.ahead, motion.aside, held + rest - 0.5 * lost * rest * rest)
+
+    def coasted(self, motion: Motion, duration: float) -> Motion:
+        """What the base does after that time."""
+        held = min(motion.hold, duration)
+        rest = duration - held
+        heading = motion.heading + self.turn(self.coast(motion, duration))
+        if rest <= 0.0:
+            return Motion(heading, motion.ahead, motion.aside, motion.hold - held)
+        left = 1.0 - self._lost(motion) * rest
+        if rest >= self._stopping(motion) or left <= 0.0:
+            return Motion(heading)
+        return Motion(heading, motion.ahead * left, motion.aside * left, 0.0)
+
+    def halt(self, motion: Motion) -> Arc:
+        """Everything that the base still does when it hears nothing, as one arc."""
+        return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))
+
+    def motion(self, velocity: Vector, heading: float, stop: Vector) -> Motion:
+        """What a base does that says of itself, in the world's frame, its velocity (m/s), heading (rad), and
+        the vector (m) from here to where it stands if it hears nothing."""
+        ahead, aside = turned(velocity[0], velocity[1], -heading)
+        speed = math.hypot(ahead, aside)
+        if speed < _TINY:
+            return Motion(heading)
+        still = Motion(heading, ahead, aside)
+        chord, rate = math.hypot(*stop), aside / self._offset if self._offset > 0.0 else 0.0
+        half = abs(rate) * chord / (2.0 * speed)
+        time = chord / speed * (math.asin(min(1.0, half)) / half if half > 1e-9 else 1.0)
+        return Motion(heading, ahead, aside, max(0.0, time - 0.5 * self._stopping(still)))
+
+    def lead(self, motion: Motion, velocity: Vector) -> Vector:
+        """From the middle of a tick's way, motion.velocity * period / 2 from its beginning, to where the base
+        stands if it is given a velocity (m/s, world's frame) in that tick and hears nothing more, m; as if it
+        did not turn."""
+        time = self._held_for + self._slowing(motion, velocity) * math.hypot(*velocity)
+        return velocity[0] * time, velocity[1] * time
+
+    def velocity_for(self, motion: Motion, lead: Vector) -> Vector:
+        """The velocity with that `lead`, m/s."""
+        distance = math.hypot(*lead)
+        if distance < _TINY:
+            return 0.0, 0.0
+        time = self._held_for
+        root = math.sqrt(time * time + 4.0 * self._slowing(motion, lead) * distance)
+        return 2.0 * lead[0] / (time + root), 2.0 * lead[1] / (time + root)
+
+    def reach(self, speed: float) -> float:
+        """The longest way from the beginning of a tick until it stands, at a speed of at most `speed`, m."""
+        if self._instant:
+            return speed * self.period
+        wheels = math.hypot(1.0, self._half_track / self._offset) if self._offset > 0.0 else 1.0
+        return speed * (self.period + self._hold + 0.5 * wheels * speed / self._acceleration)
+
+    @property
+    def _held_for(self) -> float:
+        """Time that a velocity counts for with the half of a tick that leads to it, s."""
+        return self.period if self._instant else 0.5 * self.period + self._hold
+
+    def _slowing(self, motion: Motion, direction: Vector) -> float:
+        """Way to brake from a velocity in that direction, divided by the square of its length, s^2/m."""
+        length = math.hypot(*direction)
+        if length < _TINY or self._instant:
+            return 0.0
+        ahead, aside = turned(direction[0], direction[1], -motion.heading)
+        return 0.5 * self.rim(ahead, aside) / (length * self._acceleration)
+
+    def _stopping(self, motion: Motion) -> float:
+        """Time to brake, s."""
+        return self.rim(motion.ahead, motion.aside) / self._acceleration
+
+    def _lost(self, motion: Motion) -> float:
+        """Share of the velocity that braking takes away in a second."""
+        rim = self.rim(motion.ahead, motion.aside)
+        return self._acceleration / rim if rim > 0.0 else 0.0
+
+
+def turned(x: float, y: float, angle: float) -> Vector:
+    """(x, y) turned by an angle, rad."""
+    if angle == 0.0:
+        return x, y
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+def chord(arc: Arc, turn: float) -> Vector:
+    """Displacement of the control point along an arc that turns the body by `turn`, in its first frame, m."""
+    if turn == 0.0:
+        return arc.ahead * arc.duration, arc.aside * arc.duration
+    sine = math.sin(0.5 * turn)
+    along, across = math.sin(turn) / turn, 2.0 * sine * sine / turn
+    return (
+        (along * arc.ahead - across * arc.aside) * arc.duration,
+        (across * arc.ahead + along * arc.aside) * arc.duration,
+    )

@@ -1,0 +1,79 @@
+"""What carries a robot's disk: nothing but a point, a base that cannot stop at once, or one on two wheels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from protocol.scenario.ranges import STRICT, NonNegative, Positive, Share
+
+Kind = Literal["point", "omnidirectional", "differential-drive"]
+Preset = Literal[
+    "point", "turtlebot3-burger", "turtlebot3-waffle", "turtlebot4", "create3", "robotarium", "e-puck"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A robot's body. What it is told to do is the velocity of its control point, the centre of its disk.
+
+    point: takes any velocity at once, and stands as soon as it is told nothing. The others hold the last
+    velocity for `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two
+    wheels; the control point lies `offset` ahead of the middle of their axle.
+    """
+
+    __pydantic_config__ = STRICT
+    kind: Kind = "point"
+    radius: Positive | None = None  # m, of the hull around its middle; the disk has `offset` more
+    offset: NonNegative = 0.0  # m, differential drive: from the axle's middle to the control point
+    track: NonNegative = 0.0  # m, differential drive: between the wheels
+    speed: Positive = 1e6  # m/s, of a wheel's rim; without wheels of the whole
+    acceleration: Positive = 1e6  # m/s^2, of the same, speeding up and braking
+    hold: NonNegative = 0.0  # s that it goes on with the last velocity after the tick that this was for
+    # What it does is off by at most `error` of the way, until it stands, and `lag` (m) more; what odometry
+    # says that it did in a tick, by at most `odometry` of the way and `drift` (m) more.
+    error: Share = 0.0
+    lag: NonNegative = 0.0
+    odometry: Share = 0.0
+    drift: NonNegative = 0.0
+
+    @property
+    def ideal(self) -> bool:
+        """Whether it does at once, and exactly, what it is told, whatever odometry says of it."""
+        return self.kind == "point" and self.error == 0.0 and self.lag == 0.0
+
+    @property
+    def disk(self) -> float | None:
+        """Radius of the disk around the control point that contains the hull, m."""
+        return None if self.radius is None else self.radius + self.offset
+
+
+def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Body:
+    return Body(
+        "differential-drive",
+        radius,
+        offset,
+        track,
+        speed,
+        acceleration=0.66,
+        hold=0.1,
+        error=0.1,
+        lag=0.002,
+        odometry=0.1,
+        drift=3e-4,
+    )
+
+
+# Radius, track and speed are the makers'. Acceleration and offset are choices: a wheel that gains 0.66 m/s
+# in a second does not spin on a smooth floor; an offset of a third of the track turns briskly. The errors are
+# what their models in MuJoCo keep to, with room to spare.
+PRESETS: Final[dict[str, Body]] = {
+    "point": Body(),
+    "turtlebot3-burger": _two_wheels(0.10, 0.160, 0.22, 0.05),
+    "turtlebot3-waffle": _two_wheels(0.20, 0.287, 0.26, 0.09),
+    "turtlebot4": _two_wheels(0.175, 0.233, 0.306, 0.08),
+    "create3": _two_wheels(0.175, 0.233, 0.306, 0.08),
+    "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035),
+    "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02),
+}
+POINT: Final = PRESETS["point"]

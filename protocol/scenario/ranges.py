@@ -1,0 +1,16 @@
+"""Ranges of numbers in a scenario file; they are enforced by `protocol.scenario.file`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from annotated_types import Ge, Le
+
+# The bounds of size keep squares and products of lengths away from the ends of a double's range.
+Positive = Annotated[float, Ge(1e-9), Le(1e6)]
+NonNegative = Annotated[float, Ge(0), Le(1e6)]
+Share = Annotated[float, Ge(0), Le(0.9)]
+Angle = Annotated[float, Ge(-1e3), Le(1e3)]
+HalfTurn = Annotated[float, Ge(0), Le(0.5)]
+
+STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}

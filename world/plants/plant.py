@@ -1,0 +1,63 @@
+"""What moves the disks: formulas, or a physics engine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from protocol.messages import Vector
+from protocol.scenario.model import RobotSpec, Scenario
+
+
+class Report(NamedTuple):
+    """What a robot's base says of itself at the start of a tick, in the world's frame."""
+
+    displacement: Vector  # m, of the control point in the tick before, by odometry
+    velocity: Vector = (0.0, 0.0)  # m/s, of the control point
+    heading: float = 0.0  # rad
+    stop: Vector | None = None  # m, from here to where it stands if it hears nothing more; None: it stands
+
+
+class Plant(Protocol):
+    """Every robot's disk and what carries it.
+
+    Attributes:
+        ids: robot ids in increasing order; all lists below are in this order.
+        positions: where the disks' centres really are, m.
+        lengths: path length of each so far, m.
+        parts: straight motions that a tick consists of, up to some micrometres that an arc is off its chord.
+        between: where the disks were at the ends of all parts of the last tick but the last one.
+        fixed: why robots can neither come nor go; "" if they can.
+        slips: whether odometry is inexact by itself; else errors up to the stated ones are to be added to it.
+    """
+
+    ids: tuple[int, ...]
+    positions: list[Vector]
+    lengths: list[float]
+    parts: int
+    between: list[tuple[Vector, ...]]
+    slips: bool
+    fixed: str
+
+    def refusal(self, spec: RobotSpec) -> str:
+        """Why this robot cannot be added; "" if it can."""
+        ...
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went, where the plant is not `fixed`: a new one is at its start; of one that left
+        nothing is kept."""
+
+    def move(self, commands: Mapping[int, Vector], tick: int) -> None:
+        """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
+
+    def report(self, index: int) -> Report:
+        """What the base at that place of `ids` says of itself."""
+        ...
+
+    def stands(self, index: int) -> bool:
+        """Whether the base at that place of `ids` does not move until it hears another command."""
+        ...
+
+    def touched(self) -> Sequence[tuple[int, int]]:
+        """Pairs of ids whose disks touched in the last tick, if the plant itself can tell."""
+        ...
