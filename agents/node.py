@@ -43,6 +43,7 @@ class RobotNode:
         run: name of the run.
         robot: own id.
         patience: s, see PATIENCE.
+        wait: s that there may be no world yet.
         say: takes what a person should know.
 
     Raises:
@@ -57,13 +58,14 @@ class RobotNode:
         robot: int,
         *,
         patience: float = PATIENCE,
+        wait: float = PATIENCE,
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._patience, self._say = patience, say
+        self._patience, self._wait, self._say = patience, wait, say
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
@@ -115,6 +117,8 @@ class RobotNode:
     @property
     def _bearable(self) -> float:
         """For how long nobody may answer, s; when all is over, only if the world said that it may be back."""
+        if self.core is None:
+            return self._wait
         return self._away if self._over else max(self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:

@@ -6,10 +6,11 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from agents.node import RobotNode
+from agents.node import PATIENCE, RobotNode
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
@@ -18,8 +19,12 @@ from protocol.title import entitle
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 
 
-def main(connection: Connection, run: str, robot: int) -> int:
+def main(
+    connection: Connection, run: str, robot: int, wait: float = PATIENCE, beat: Heartbeat | None = None
+) -> int:
     """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
+
+    `wait` is how long there may be no world yet, s.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
@@ -27,7 +32,9 @@ def main(connection: Connection, run: str, robot: int) -> int:
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            drive(RobotNode(bus, checked_run(run), robot, say=partial(_say, robot)), bus)
+            drive(
+                RobotNode(bus, checked_run(run), robot, wait=wait, say=partial(_say, robot)), bus, beat=beat
+            )
     except Stop:
         return SUCCESS
     except JoinError as error:
@@ -44,7 +51,9 @@ def _say(robot: int, what: object) -> None:
 
 
 if __name__ == "__main__":
-    endpoint, run_name, identity, *keys = sys.argv[1:]
+    endpoint, run_name, identity, waits, keys, alive = sys.argv[1:]
     entitle(f"robot {identity}", run_name)
-    proof = credentials(Path(keys[0]), f"robot-{identity}") if keys else None
-    sys.exit(main(Connection(connect=(endpoint,), credentials=proof), run_name, int(identity)))
+    proof = credentials(Path(keys), f"robot-{identity}") if keys else None
+    router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
+    sign = heartbeat(Path(alive) if alive else None)
+    sys.exit(main(router, run_name, int(identity), float(waits), sign))

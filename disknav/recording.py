@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from deploy.recording import reader
 from disknav.trajectory import Trajectory
 from protocol.errors import UsageError
-from protocol.keys import parse
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -26,7 +25,8 @@ class Recording:
     """A run as it was recorded.
 
     Attributes:
-        entries: everything that was said, in order: each with `time` (s, simulated), `key` and `message`.
+        entries: everything that was said, in order, read anew by every loop: each with
+            `time` (s, simulated), `key` and `message`.
         result: as of `disknav.Run`; None when the recording ended before that.
         cut: whether the file was cut short or is damaged; what is before the cut is here.
     """
@@ -35,7 +35,7 @@ class Recording:
     scenario: Scenario
     result: dict[str, Any] | None
     trajectory: Trajectory
-    entries: list[reader.Entry]
+    entries: reader.Entries
     cut: bool
 
     def columns(self, stream: str) -> dict[str, NDArray[Any]]:
@@ -49,7 +49,7 @@ class Recording:
         """
         if stream not in STREAMS:
             raise UsageError(f"no stream {stream!r}; there are {', '.join(STREAMS)}")
-        entries = [entry for entry in self.entries if parse(entry.key).stream == stream]
+        entries = list(self.entries.of(STREAMS[stream].message))
         times = np.array([entry.time for entry in entries])
         return {"time": times, **_flat(STREAMS[stream].message, [entry.message for entry in entries])}
 

@@ -2,7 +2,8 @@
 
 Both are msgpack maps: request `{"session": text, "health": Health | nil}`, reply one of `Admission`,
 `Refusal`, `Wait`, `Finished`, told apart by `"reply"`. Which robot asks is said by the key alone, so that a
-router's rules decide who may. Who only watches asks under `world/scenario`, and is told an `Overview`.
+router's rules decide who may. Who only watches asks under `world/scenario`, and is told an `Overview`:
+scenario, lockstep, and goals, the `GoalStatus` of every robot that was ordered elsewhere.
 
 `session` is a text of the process's own choosing, the same for all its requests. Who asks again is
 admitted as the same life, for a reply may be lost, until `health` says that this life is over.
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import msgspec
 
 from protocol.errors import MessageError
-from protocol.messages import Count, Health, Id
+from protocol.messages import Count, GoalStatus, Health, Id
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
@@ -65,10 +66,14 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 
 
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
-    """For those who only watch; only a lock-step run can be steered."""
+    """For those who only watch; only a lock-step run can be steered.
+
+    `goals`: of robots that were ordered elsewhere, how things stand now; all others go by the scenario.
+    """
 
     scenario: Scenario
     lockstep: bool
+    goals: tuple[GoalStatus, ...] = ()
 
 
 Reply = Admission | Refusal | Wait | Finished | Overview

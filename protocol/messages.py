@@ -153,6 +153,8 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
     halted: bool = False  # whether an emergency stop is in force: everybody stands
+    missed: Count = 0  # commands that never came, over all robots and ticks so far
+    rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
 
 

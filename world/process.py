@@ -11,6 +11,7 @@ from typing import Any
 
 from protocol.bus.connection import Connection
 from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
@@ -34,6 +35,7 @@ def main(
     journal: Path | None = None,
     *,
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
+    beat: Heartbeat | None = None,
 ) -> int:
     """Judge `scenarios` one after another in `run`; returns the exit status.
 
@@ -63,7 +65,8 @@ def main(
                 past=past,
                 tell=tell,
             )
-            drive(node, bus, on_stop=partial(node.interrupt, "interrupted", "the world was asked to stop"))
+            last_words = partial(node.interrupt, "interrupted", "the world was asked to stop")
+            drive(node, bus, on_stop=last_words, beat=beat)
     except Stop:
         pass
     except DisknavError as error:

@@ -136,6 +136,11 @@ class World:
         return frozenset(self._commands.waiting)
 
     @property
+    def missed(self) -> int:
+        """Commands that never came, over all active robots and ticks."""
+        return self._commands.missed
+
+    @property
     def complete(self) -> bool:
         """Whether nobody is in `waiting`."""
         return not self._commands.waiting

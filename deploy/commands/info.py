@@ -32,7 +32,7 @@ def info(
     with bar(f"reading {recording.name}") as progress:
         found = read(recording, progress)
     summary = _summary(found)
-    json_output.write_json({**summary, "streams": dict(found.counts()), "result": found.result}, json_file)
+    json_output.write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
     if not json_output.is_standard_output(json_file):
         Console().print(Group(_grid(summary), _streams(found)))
 
@@ -47,7 +47,7 @@ def _summary(recording: Recording) -> dict[str, str]:
         if result
         else "none: no result was recorded",
         "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
-        "messages": f"{len(recording.entries)}",
+        "messages": f"{recording.counts.total()}",
         "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
         "trajectory": _check(recording),
     }
@@ -79,6 +79,6 @@ def _streams(recording: Recording) -> Table:
     table.add_column("messages", justify="right")
     table.add_column("per tick", justify="right")
     ticks = max(1, int(recording.truths.ticks[-1]))
-    for key, count in sorted(recording.counts().items()):
+    for key, count in sorted(recording.counts.items()):
         table.add_row(key, str(count), f"{count / ticks:.2f}")
     return table

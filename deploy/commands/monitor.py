@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from deploy.commands import options
-from deploy.monitor.source import Source
+from deploy.monitor.source import SharedView, Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
@@ -33,6 +33,10 @@ def monitor(
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
     secure: options.Secure = None,
+    metrics: Annotated[
+        str | None,
+        typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
+    ] = None,
     port: Annotated[
         int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
     ] = None,
@@ -40,7 +44,7 @@ def monitor(
     """Watch a running fleet: a table in the terminal, or a live page with [b]--web[/b]. Ctrl-C ends it.
 
     The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
-    The run may begin later. The table ends with the run; the page stays until Ctrl-C.
+    The run may begin later. The table ends with the run; page and metrics stay until Ctrl-C.
 
     Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
 
@@ -58,11 +62,14 @@ def monitor(
     if name is None:
         raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
     entitle("monitor", name)
-    with closing(attach(_connection(router, membership), name)) as source:
+    role = membership.viewer if web else MONITOR
+    with closing(attach(_connection(router, membership, role), name)) as source:
         try:
+            if metrics is not None:
+                _export(source, metrics, until_signal=not web)
             if web:
                 _serve(source, port)
-            else:
+            elif metrics is None:
                 from deploy.monitor.terminal import show
 
                 show(source)
@@ -70,11 +77,19 @@ def monitor(
             pass
 
 
-def _connection(endpoints: list[str] | None, membership: Membership) -> Connection:
+def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
-        return membership.client(MONITOR, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+        return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
+
+
+def _export(source: SharedView, where: str, *, until_signal: bool) -> None:
+    from deploy.monitor.metrics import export
+
+    print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
+    if until_signal:
+        signal.pause()
 
 
 def _serve(source: Source, port: int | None) -> None:

@@ -82,7 +82,8 @@ def run(
 
         console = Console(soft_wrap=True)
         console.print(table(result))
-        for what, target in (("recording", record), ("picture", plot), ("result", json_file)):
-            if target is not None:
-                console.print(f"{what}: {target}", highlight=False)
+        files = [("recording", each) for each in result["recordings"]]
+        files += [(what, target) for what, target in (("picture", plot), ("result", json_file)) if target]
+        for what, target in files:
+            console.print(f"{what}: {target}", highlight=False)
     raise typer.Exit(exit_status(result))

@@ -1,22 +1,21 @@
-"""What is the same in every container orchestrator: images, places inside a container, commands."""
+"""What is the same in every container orchestrator: image, places inside a container, commands, probe."""
 
 from __future__ import annotations
 
 from deploy.manifests import plan
-from deploy.manifests.plan import KEYS_INSIDE, ROUTER_CONFIG, SCENARIO, Plan
+from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
 
-ZENOH_IMAGE = "eclipse/zenoh:1.10.2"
 CONFIG_INSIDE = "/config"
-ROUTER_CONFIG_INSIDE = f"{CONFIG_INSIDE}/{ROUTER_CONFIG}"
 SCENARIO_INSIDE = f"{CONFIG_INSIDE}/{SCENARIO}"
-ROUTER_COMMAND = ["/zenohd", "-c", ROUTER_CONFIG_INSIDE]
+ROUTER_COMMAND = ["router", "--listen", f"tls/0.0.0.0:{PORT}", "--secure", KEYS_INSIDE]
+SCRATCH = "/tmp"  # all that a container may write to, in memory
+_ALIVE = f"{SCRATCH}/alive"
+STALE = 10  # s without a sign of life: a hung interpreter; whoever lost its world ends by itself
+# The main loop went round lately. Two tools of the system, no interpreter, no connection.
+PROBE = f"test $(($(date +%s) - $(stat -c %Y {_ALIVE}))) -lt {STALE}"
+BUILD = "docker build -t {image} -f Containerfile .     in a checkout of disknav: compiled, from nothing else"
 
 
 def join(of: Plan, role: str, endpoint: str) -> list[str]:
     """The command line, after `disknav`, of the world or a robot."""
-    return plan.join(role, endpoint, KEYS_INSIDE, of.mode, SCENARIO_INSIDE)
-
-
-def probe(role: str, endpoint: str) -> list[str]:
-    """The command line, after `disknav`, that tells whether a role is well."""
-    return plan.probe(role, endpoint, KEYS_INSIDE)
+    return [*plan.join(role, endpoint, KEYS_INSIDE, of, SCENARIO_INSIDE), "--alive", _ALIVE]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Literal
 
 from deploy.manifests import compose, kubernetes
@@ -16,7 +18,7 @@ Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 
 def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30.0) -> None:
-    """Make `folder` with all that `orchestrator` needs.
+    """Make `folder` with all that `orchestrator` needs; it appears whole or not at all, for its owner only.
 
     Raises:
         UsageError: there is something in it already, or a library is missing.
@@ -27,11 +29,18 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
         from deploy.security.keystore import create
     except ModuleNotFoundError as error:
         raise missing_library("a certificate", "cryptography", "secure") from error
-    create(folder / KEYS, plan.roster, hosts=_hosts(orchestrator, plan), days=days)
-    for name, text in _files(orchestrator, plan, folder / KEYS).items():
-        path = folder / name
-        path.touch(mode=0o600 if name == kubernetes.SECRET else 0o644)
-        path.write_text(text, encoding="utf-8")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
+    try:
+        create(fresh / KEYS, plan.roster, hosts=_hosts(orchestrator, plan), days=days)
+        for name, text in _files(orchestrator, plan, fresh / KEYS).items():
+            path = fresh / name
+            path.touch(mode=0o600 if name == kubernetes.SECRET else 0o644)
+            path.write_text(text, encoding="utf-8")
+        fresh.rename(folder)
+    except BaseException:
+        rmtree(fresh, ignore_errors=True)
+        raise
 
 
 def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:

@@ -1,4 +1,4 @@
-"""Kubernetes: a Deployment of the stock router, a Job for the world, an indexed Job for the robots."""
+"""Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ from typing import Any
 from deploy.manifests import container, pods
 from deploy.manifests.container import CONFIG_INSIDE
 from deploy.manifests.json_text import json_text
-from deploy.manifests.plan import KEYS_INSIDE, PORT, ROUTER_CONFIG, SCENARIO, Plan, zenohd_config
+from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
 from deploy.security.roster import ROUTER, WORLD
 
 FLEET, SECRET = "fleet.yaml", "secret.yaml"
-_HEAD = """\
-Router, world and robots of the run {run}. The image {image} is this software. In this folder:
+_HEAD = f"""\
+Router, world and robots of the run {{run}}. {container.BUILD}
+Then, with the image where the cluster finds it, in this folder:
   kubectl apply -f secret.yaml -f fleet.yaml
-  kubectl wait --for=condition=complete --timeout=10m job/{name}-world"""
+  kubectl wait --for=condition=complete --timeout=10m job/{{name}}-world
+The job of the world completes if all arrived and nothing touched, else it fails; its log is the report."""
 _SECRET_HEAD = "Private keys: whoever reads this file can take part in the run."
 # An index is not an id: the list of ids, from which a pod takes the one at its index.
 _PICK = 'set -- $ROBOTS; shift "$INDEX"; exec disknav '
@@ -47,7 +49,7 @@ def _config(plan: Plan) -> dict[str, Any]:
         "apiVersion": "v1",
         "kind": "ConfigMap",
         "metadata": pods.metadata(plan, "config"),
-        "data": {SCENARIO: plan.scenario, ROUTER_CONFIG: zenohd_config(plan.roster)},
+        "data": {SCENARIO: plan.scenario},
     }
 
 
@@ -67,12 +69,12 @@ def _router(plan: Plan) -> dict[str, Any]:
     listening = {"tcpSocket": {"port": "zenoh"}, "periodSeconds": 5}
     running = {
         "name": ROUTER,
-        "image": container.ZENOH_IMAGE,
-        "command": container.ROUTER_COMMAND,
+        "image": plan.image,
+        "command": ["disknav", *container.ROUTER_COMMAND],
         "ports": [{"name": "zenoh", "containerPort": PORT}],
-        "readinessProbe": listening,
+        "startupProbe": {**listening, "failureThreshold": 30},
         "livenessProbe": listening,
-        "volumeMounts": [pods.mount("config", CONFIG_INSIDE), pods.mount("keys", KEYS_INSIDE)],
+        "volumeMounts": [pods.mount("keys", KEYS_INSIDE), pods.SCRATCH],
     }
     return {
         "apiVersion": "apps/v1",
@@ -92,8 +94,12 @@ def _world(plan: Plan) -> dict[str, Any]:
         "name": WORLD,
         "image": plan.image,
         "command": ["disknav", *command],
-        **pods.health(["disknav", *container.probe(WORLD, _endpoint(plan))]),
-        "volumeMounts": [pods.mount("config", CONFIG_INSIDE), pods.mount("keys", KEYS_INSIDE)],
+        **pods.health(plan),
+        "volumeMounts": [
+            pods.mount("config", CONFIG_INSIDE),
+            pods.mount("keys", KEYS_INSIDE),
+            pods.SCRATCH,
+        ],
     }
     # A world that has gone cannot be replaced in the middle of a run.
     template = pods.pod(plan, WORLD, running, pods.keys(plan, WORLD), restart="Never")
@@ -111,9 +117,9 @@ def _robots(plan: Plan) -> dict[str, Any]:
             {"name": "ROBOTS", "value": " ".join(ids)},
             {"name": "INDEX", "valueFrom": {"fieldRef": {"fieldPath": pods.INDEX}}},
         ],
-        **pods.health(["/bin/sh", "-c", _PICK + " ".join(container.probe("robot-$1", _endpoint(plan)))]),
+        **pods.health(plan),
         # Each sees the folder of its own index, with its own keys alone.
-        "volumeMounts": [{**pods.mount("keys", KEYS_INSIDE), "subPathExpr": "$(INDEX)"}],
+        "volumeMounts": [{**pods.mount("keys", KEYS_INSIDE), "subPathExpr": "$(INDEX)"}, pods.SCRATCH],
     }
     volume = pods.indexed_keys(plan, plan.robots)
     return pods.job(

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
-from deploy.processes.router_config import router_config
+import deploy
 from deploy.run.options import Mode
-from deploy.security.access import access_control
-from deploy.security.roster import ROSTER, ROUTER, Roster, robot_role
-from protocol.bus.connection import Connection
-from protocol.bus.credentials import AUTHORITY, Credentials, certificate_file, key_file
+from deploy.security.roster import ROSTER, Roster, robot_role
+from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
 
 SCENARIO = "scenario.toml"
-ROUTER_CONFIG = "router.json5"
 KEYS = "keys"  # the folder of keys beside the files
 PORT = 7447
+IMAGE = "localhost/disknav"  # nobody else can offer one under this name
 KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
 
 
@@ -25,9 +25,11 @@ class Plan:
     roster: Roster
     scenario: str  # TOML
     mode: Mode = "realtime"
-    image: str = "disknav"  # container image with this software
+    image: str = IMAGE  # container image with this software
     command: str = "/usr/local/bin/disknav"  # where this software is on a host
+    software: tuple[str, ...] = ()  # folders on a host without which that does not run
     router: str = f"tls/127.0.0.1:{PORT}"  # where hosts find the router
+    wait: float = 300.0  # s that router, world and robots may take to be there, in any order
 
     @property
     def name(self) -> str:
@@ -44,23 +46,15 @@ class Plan:
         return (AUTHORITY, ROSTER, certificate_file(role), key_file(role))
 
 
-def join(role: str, router: str, keys: str, mode: Mode, scenario: str) -> list[str]:
+def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[str]:
     """The command line, after `disknav`, of the world or a robot."""
-    connection = ["--router", router, "--secure", keys]
+    connection = ["--router", router, "--secure", keys, "--wait", f"{plan.wait:g}"]
     if role.startswith("robot-"):
         return ["robot", role.removeprefix("robot-"), *connection]
-    return ["world", scenario, "--mode", mode, *connection]
+    return ["world", scenario, "--mode", plan.mode, *connection]
 
 
-def probe(role: str, router: str, keys: str) -> list[str]:
-    """The command line, after `disknav`, that tells whether a role is well."""
-    return ["probe", role, "--router", router, "--secure", keys]
-
-
-def zenohd_config(roster: Roster) -> str:
-    """Configuration of the stock router in a container, with the rules of this run."""
-    files = Credentials(
-        *(f"{KEYS_INSIDE}/{name}" for name in (AUTHORITY, certificate_file(ROUTER), key_file(ROUTER)))
-    )
-    connection = Connection("router", credentials=files, access=access_control(roster))
-    return router_config(connection, f"tls/0.0.0.0:{PORT}")
+def installation() -> tuple[str, ...]:
+    """Folders of this host without which this software does not run: environment, interpreter, sources."""
+    folders = (sys.prefix, sys.base_prefix, *(str(Path(each).parent) for each in deploy.__path__))
+    return tuple(dict.fromkeys(str(Path(folder).resolve()) for folder in folders))

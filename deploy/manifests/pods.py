@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
 from typing import Any
 
+from deploy.manifests import container
 from deploy.manifests.plan import Plan
 
 INDEX = "metadata.annotations['batch.kubernetes.io/job-completion-index']"
 _USER = 65532  # anybody but root
+SCRATCH = {"name": "scratch", "mountPath": container.SCRATCH}
 _MODE = 0o400  # fsGroup adds reading by the group; the owner is root
 
 
@@ -47,18 +50,18 @@ def indexed_keys(plan: Plan, roles: Sequence[str]) -> dict[str, Any]:
     return _secret(plan, items)
 
 
-def health(command: list[str]) -> dict[str, Any]:
-    """Ready when its health is heard; started again when it has not been for a while."""
-    probe = {"exec": {"command": command}, "periodSeconds": 15, "timeoutSeconds": 10}
+def health(plan: Plan) -> dict[str, Any]:
+    """Started again when its main loop has not come round for a while; nobody asks a robot for service, so
+    nothing depends on its being ready."""
+    probe = {"exec": {"command": ["/bin/sh", "-c", container.PROBE]}, "periodSeconds": 5, "timeoutSeconds": 2}
     return {
-        "readinessProbe": probe,
-        "startupProbe": {**probe, "failureThreshold": 20},
-        "livenessProbe": {**probe, "failureThreshold": 4},
+        "startupProbe": {**probe, "failureThreshold": ceil(plan.wait / 5) + 6},
+        "livenessProbe": {**probe, "failureThreshold": 3},
     }
 
 
 def pod(
-    plan: Plan, part: str, container: dict[str, Any], secret: dict[str, Any], *, restart: str
+    plan: Plan, part: str, running: dict[str, Any], secret: dict[str, Any], *, restart: str
 ) -> dict[str, Any]:
     """A pod of one container that can do nothing but compute and connect."""
     confined = {
@@ -84,8 +87,8 @@ def pod(
                 "fsGroup": _USER,
                 "seccompProfile": {"type": "RuntimeDefault"},
             },
-            "containers": [{**container, "securityContext": confined, "resources": resources}],
-            "volumes": [secret, config],
+            "containers": [{**running, "securityContext": confined, "resources": resources}],
+            "volumes": [secret, config, {"name": "scratch", "emptyDir": {"medium": "Memory"}}],
         },
     }
 
@@ -103,5 +106,10 @@ def job(plan: Plan, part: str, spec: dict[str, Any]) -> dict[str, Any]:
 def _secret(plan: Plan, items: list[dict[str, str]]) -> dict[str, Any]:
     return {
         "name": "keys",
-        "secret": {"secretName": f"{plan.name}-keys", "defaultMode": _MODE, "items": items},
+        "secret": {
+            "secretName": f"{plan.name}-keys",
+            "defaultMode": _MODE,
+            "items": items,
+            "optional": False,
+        },
     }

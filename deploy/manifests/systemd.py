@@ -8,6 +8,8 @@ from deploy.manifests.plan import KEYS, SCENARIO, Plan, join
 from deploy.security.roster import ROUTER, WORLD
 
 ETC = "/etc/disknav"  # the folder of a run lies in here
+_HOMES = ("/home/", "/root/", "/run/user/")
+_WATCHDOG = "WatchdogSec=10"  # the main loop tells every second that it goes round
 _HARDENING = """\
 # An account that exists while this runs; keys reach it as credentials, so their files can stay root's.
 DynamicUser=yes
@@ -15,7 +17,7 @@ NoNewPrivileges=yes
 CapabilityBoundingSet=
 AmbientCapabilities=
 ProtectSystem=strict
-ProtectHome={home}
+{home}
 ProtectProc=invisible
 ProcSubset=pid
 ProtectClock=yes
@@ -74,23 +76,22 @@ WantedBy=multi-user.target
 
 def _router(plan: Plan, folder: str) -> str:
     arguments = ["router", "--listen", plan.router, "--secure", "%d"]
-    return _unit(
-        plan,
-        "Router of the fleet",
-        _service(plan, folder, arguments, ROUTER, restart="Restart=always\nRestartSec=1"),
-    )
+    how = ["Restart=always", "RestartSec=1"]
+    return _unit(plan, "Router of the fleet", _service(plan, folder, arguments, ROUTER, how))
 
 
 def _world(plan: Plan, folder: str) -> str:
-    arguments = join(WORLD, plan.router, "%d", plan.mode, f"%d/{SCENARIO}")
-    # A world that has gone cannot be replaced in the middle of a run.
-    service = _service(plan, folder, arguments, WORLD, restart="Restart=no", more=(SCENARIO,))
+    arguments = join(WORLD, plan.router, "%d", plan, f"%d/{SCENARIO}")
+    # A world that has gone cannot be replaced in the middle of a run; 130 is one that was asked to stop.
+    how = ["Restart=no", "SuccessExitStatus=130", _WATCHDOG]
+    service = _service(plan, folder, arguments, WORLD, how, more=(SCENARIO,))
     return _unit(plan, "World of the fleet", service, after=(ROUTER,))
 
 
 def _robot(plan: Plan, folder: str) -> str:
-    arguments = join("robot-%i", plan.router, "%d", plan.mode, "")
-    service = _service(plan, folder, arguments, "robot-%i", restart="Restart=on-failure\nRestartSec=1")
+    arguments = join("robot-%i", plan.router, "%d", plan, "")
+    how = ["Restart=on-failure", "RestartSec=1", _WATCHDOG]
+    service = _service(plan, folder, arguments, "robot-%i", how)
     return _unit(plan, "Robot %i of the fleet", service, after=(ROUTER,))
 
 
@@ -106,14 +107,35 @@ StartLimitIntervalSec=60
 StartLimitBurst=10
 
 [Service]
-Type=exec
-{service}{_HARDENING.format(home="read-only" if plan.command.startswith(("/home/", "/root/")) else "yes")}"""
+Type=notify
+TimeoutStartSec={plan.wait + 30:.0f}
+{service}{_HARDENING.format(home=_home(plan))}"""
 
 
 def _service(
-    plan: Plan, folder: str, arguments: Sequence[str], role: str, *, restart: str, more: Sequence[str] = ()
+    plan: Plan,
+    folder: str,
+    arguments: Sequence[str],
+    role: str,
+    how: Sequence[str],
+    more: Sequence[str] = (),
 ) -> str:
     loads = [f"LoadCredential={name}:{folder}/{KEYS}/{name}" for name in plan.files(role)]
     loads += [f"LoadCredential={name}:{folder}/{name}" for name in more]
-    lines = [f"ExecStart={' '.join([plan.command, *arguments])}", *loads, restart, "TimeoutStopSec=5"]
+    lines = [f"ExecStart={' '.join([_quoted(plan.command), *arguments])}", *loads, *how, "TimeoutStopSec=5"]
     return "\n".join(lines) + "\n"
+
+
+def _home(plan: Plan) -> str:
+    """Homes are hidden, but for software that lies in one, whatever the modes of the folders above it."""
+    there = [path for path in plan.software if path.startswith(_HOMES)]
+    if not there:
+        return "ProtectHome=yes"
+    binds = [f"BindReadOnlyPaths={_quoted(path)}" for path in there]
+    return "\n".join(["ProtectHome=tmpfs", *binds])
+
+
+def _quoted(path: str) -> str:
+    """A path as systemd reads one word."""
+    escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%")
+    return f'"{escaped}"' if escaped != path or set(path) & set(" :") else path

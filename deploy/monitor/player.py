@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable
+from concurrent.futures import Future
 from functools import partial
 
 from deploy.monitor.source import SharedView
 from deploy.monitor.view.fleet import View
+from protocol.goals import GoalOrder, GoalReply
 from protocol.messages import Message
 from protocol.scenario.model import Scenario
 from protocol.steering import Steer, Steering
@@ -44,6 +46,12 @@ class Player(SharedView):
         with self._changed:
             self._steering.apply(steer)
         self._show()
+
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:  # noqa: ARG002
+        """See `Source.order`: what was recorded has happened."""
+        answer: Future[GoalReply] = Future()
+        answer.set_result(GoalReply(False, text="this is a recording: its robots go where they went"))
+        return answer
 
     def close(self) -> None:
         """Stop playing; may be called twice."""

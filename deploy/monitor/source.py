@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any, Protocol
 
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import View
+from protocol.goals import GoalOrder, GoalReply
 from protocol.steering import Steer
 
 
@@ -23,6 +25,9 @@ class Source(Protocol):
 
     def steer(self, steer: Steer) -> None:
         """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
+
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
+        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
 
 
 class SharedView:

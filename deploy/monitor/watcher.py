@@ -1,9 +1,12 @@
-"""A participant that only watches: it keeps a view of one run, on any bus, and passes on who steers."""
+"""A participant that watches one run, on any bus: it keeps a view, and passes on what viewers ask for."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Future
+from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -16,14 +19,18 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.goals import GoalOrder, GoalReply
+from protocol.goals import decode_reply as decode_goal_reply
 from protocol.joining import Overview, decode_reply
-from protocol.keys import every_robot, parse, world_key
+from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage
 from protocol.steering import Steer, Steering
 
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
 _ASK_TIMEOUT = 2.0
+_UNANSWERED = "nobody answered: the world has gone, or the keys of this page are not an operator's"
+_NO_RUN = "there is no run yet to send a robot in"
 
 
 class Watcher(SharedView):
@@ -44,20 +51,30 @@ class Watcher(SharedView):
         self.rejected: Counter[str] = Counter()
         self.deadline = time.monotonic()
         self._bus, self._run = bus, run
-        self._wishes: SimpleQueue[Steer] = SimpleQueue()
+        self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # the world; the scenario it runs
         self._ask_at = self.deadline
         if speed is not None:
             self.steer(Steer(speed=speed))
         for stream in ("clock", "truth"):
             bus.subscribe(world_key(run, stream))
-        bus.subscribe(every_robot(run, "health"))
+        for stream in ("health", "goalstatus"):
+            bus.subscribe(every_robot(run, stream))
         bus.watch(every_robot(run, "alive"))
         bus.watch(world_key(run, "alive"))
 
     def steer(self, steer: Steer) -> None:
         """Wait for the owning thread to pass it on; see `Source.steer`."""
-        self._wishes.put(steer)
+        self._wishes.put(partial(self._ask_for, steer))
+
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
+        """Wait for the owning thread to pass it on; see `Source.order`."""
+        answer: Future[GoalReply] = Future()
+        if self._known:
+            self._wishes.put(lambda: answer.set_result(self._send(robot, order)))
+        else:
+            answer.set_result(GoalReply(False, text=_NO_RUN))
+        return answer
 
     # -- on the thread that owns the bus
 
@@ -119,16 +136,30 @@ class Watcher(SharedView):
             self._known = False
             return
         if isinstance(reply, Overview):
-            self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep))
+            self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
             self._known = True
 
     def _pass_on(self) -> None:
         while True:
             try:
-                steer = self._wishes.get_nowait()
+                wish = self._wishes.get_nowait()
             except Empty:
                 return
-            self._ask_for(steer)
+            wish()
+
+    def _send(self, robot: int, order: GoalOrder) -> GoalReply:
+        try:
+            reply = decode_goal_reply(
+                self._bus.ask(
+                    robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order), _ASK_TIMEOUT
+                )
+            )
+        except (BusError, MessageError):
+            return GoalReply(False, text=_UNANSWERED)
+        status = reply.status
+        if status is not None:
+            self.change(lambda view, now: view.on_message(status, now))
+        return reply
 
     def _ask_for(self, steer: Steer) -> None:
         request: dict[str, Any] = {

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from itertools import groupby
+from operator import attrgetter
 
 import numpy as np
 
 from agents.peers.link import Link
 from agents.peers.state import addressed_to
 from deploy.recording.reader import Recording
-from protocol.messages import State
+from protocol.messages import State, Tick
 from protocol.scenario.model import Link as LinkFaults
 
 
@@ -18,13 +19,13 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     ids, ticks = recording.scenario.ids, recording.truths.ticks
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
-    for column, robot in enumerate(ids):
-        newest = -1
-        for tick in recording.told[robot]:
-            if tick.sense is not None and tick.sense.position is not None:
-                newest = max(newest, tick.sense.stamp)
-            if newest >= 0 and tick.tick in row:
-                ages[row[tick.tick], column] = tick.tick - newest
+    newest = dict.fromkeys(ids, -1)
+    for told in recording.said(Tick):
+        robot, sense = told.robot, told.sense
+        if sense is not None and sense.position is not None:
+            newest[robot] = max(newest[robot], sense.stamp)
+        if newest[robot] >= 0 and told.tick in row:
+            ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]
     return ticks, ages * recording.scenario.time.step
 
 
@@ -35,34 +36,32 @@ class Heard:
     """
 
     def __init__(self, recording: Recording) -> None:
-        self._step = recording.scenario.time.step
+        self._recording = recording
         self._sent = 0
         self._ids = recording.scenario.ids
         self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
         self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
-        self._said: dict[int, list[State]] = defaultdict(list)
-        for states in recording.states.values():
-            for state in states:
-                self._said[state.tick].append(state)
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
         """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
 
         NaN while nothing was heard.
         """
-        ticks = sorted(self._said)
+        ticks = []
         newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
         rows = []
-        for tick in ticks:
+        for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
+            said = list(states)
             for robot, link in self._links.items():
-                for state in self._said[tick]:
+                for state in said:
                     if state.robot != robot:
                         link.put(addressed_to(robot, state, self._radii[state.robot]))
                         self._sent += 1
                 for heard in link.take(tick):
                     newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
+            ticks.append(tick)
             rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
-        return np.array(ticks), np.array(rows, dtype=float) * self._step
+        return np.array(ticks), np.array(rows, dtype=float) * self._recording.scenario.time.step
 
     def share_lost(self) -> float:
         """Share of all States that robots should have heard and did not; to be asked after `ages`."""

@@ -15,5 +15,5 @@ def until(recording: Recording, seconds: float) -> Recording:
         return recording
     part = Truths(truths.ticks[kept], truths.positions[kept], truths.clearance[kept], truths.phi[kept])
     last = float(part.ticks[-1]) * step
-    entries = [entry for entry in recording.entries if entry.time <= last + 0.5 * step]
+    entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
     return replace(recording, truths=part, entries=entries, result=None)

@@ -12,6 +12,8 @@ from deploy.plot.style import INK, colour, dash
 from deploy.plot.workspace import MANY
 from deploy.recording.reader import Recording
 
+_COLUMNS = 2000  # of ages, more than there are pixels
+
 
 def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
     """The smallest gap between any two disks, or disk and boundary, during each tick."""
@@ -45,8 +47,10 @@ def draw_heard_ages(axes: Axes, recording: Recording) -> None:
 
 
 def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:
-    """A row a robot, darker is older; nothing where nothing was known."""
-    edges = np.append(ticks, ticks[-1] + 1) * recording.scenario.time.step
+    """A row a robot, darker is older, a column at least a pixel; nothing where nothing was known."""
+    stride = -(-len(ticks) // _COLUMNS)
+    ticks, ages = ticks[::stride], np.fmax.reduceat(ages, np.arange(0, len(ages), stride))
+    edges = np.append(ticks, ticks[-1] + stride) * recording.scenario.time.step
     rows = np.arange(ages.shape[1] + 1)
     mesh = axes.pcolormesh(edges, rows, ages.T, cmap="cividis_r", vmin=0.0, rasterized=True)
     if ages.shape[1] <= MANY:

@@ -37,25 +37,22 @@ def main(
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
     Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
-    name and the file to record it to; nothing published by whoever connects is missed. `links` is for
+    name and where its recording is written; nothing published by whoever connects is missed. `links` is for
     how long (s) links to other routers are waited for; they come up in the background else.
 
     Raises:
-        UsageError: the file cannot be created.
         EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
         CertificateError: another router does not accept this one's certificate, or the reverse.
         BusError: the endpoint cannot be listened on for another reason.
     """
     try:
         with stop_on_signal():
-            aboard = None if record is None else _begun(*record)
             bus, endpoint = listening(connection)
             with closing(bus):
                 _check_links(connection)
                 if links > 0.0:
                     bus.await_routers(links)
-                if aboard is not None:
-                    aboard.begin(bus)
+                aboard = None if record is None else _aboard(bus, *record)
                 if ready is not None:
                     ready(endpoint)
                 if aboard is not None:
@@ -67,16 +64,16 @@ def main(
 
 
 def recording(
-    connection: Connection, run: str, path: Path, ready: Callable[[str], None] | None = None
+    connection: Connection, run: str, address: Path, ready: Callable[[str], None] | None = None
 ) -> int:
     """Route and record; see `main`."""
-    return main(connection, ready, record=(run, path))
+    return main(connection, ready, record=(run, address))
 
 
-def _begun(run: str, path: Path) -> Aboard:
+def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
     from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
 
-    return Aboard(run, path)
+    return Aboard(bus, run, address)
 
 
 def linked(connection: Connection, ready: Callable[[str], None]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 from typing import Self
 
@@ -122,19 +122,26 @@ class Supervisor:
         lives = self._lives.items()
         return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
 
-    def stop(self, timeout: float = _STOPPING) -> None:
-        """SIGTERM to all, at most `timeout` s of patience, then SIGKILL. Frozen processes are woken first."""
-        for life in self._lives.values():
+    def stop(self, timeout: float = _STOPPING, spare: Collection[str] = ()) -> None:
+        """SIGTERM to all but those to `spare`, at most `timeout` s of patience, then SIGKILL.
+
+        Frozen processes are woken first.
+        """
+
+        def left() -> list[str]:
+            return [name for name in self.running() if name not in spare]
+
+        for name in left():
+            life = self._lives[name]
             life.told_to_end, life.again = True, False
         if self._spawner.gone:
             return
-        self._signal_running(signal.SIGTERM)
-        self._signal_running(signal.SIGCONT)
-        self._advance(timeout, lambda: not self.running())
-        self._signal_running(signal.SIGKILL)
-        self._advance(timeout, lambda: not self.running())
-        if self.running():
-            raise ProcessError(f"not even SIGKILL ended {', '.join(self.running())}")
+        self._signal(left(), signal.SIGTERM, signal.SIGCONT)
+        self._advance(timeout, lambda: not left())
+        self._signal(left(), signal.SIGKILL)
+        self._advance(timeout, lambda: not left())
+        if left():
+            raise ProcessError(f"not even SIGKILL ended {', '.join(left())}")
 
     def usage(self) -> list[Usage]:
         """What every row cost so far."""
@@ -157,9 +164,10 @@ class Supervisor:
         life.restarts += 1
         self._spawn(life)
 
-    def _signal_running(self, number: int) -> None:
-        for name in self.running():
-            self.signal(name, number)
+    def _signal(self, names: Iterable[str], *numbers: int) -> None:
+        for number in numbers:
+            for name in names:
+                self.signal(name, number)
 
     def _advance(self, timeout: float, done: Callable[[], bool]) -> None:
         deadline = time.monotonic() + timeout

@@ -14,6 +14,7 @@ from world.shell.failure_detector import GATHERING
 RECORDER = "recorder"
 ROUTER = "router"
 WORLD = "world"
+WRITER = "writer"
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class Process:
 
 
 def router(connection: Connection, record: tuple[str, Path] | None = None, restarts: int = 0) -> Process:
-    """The router; it reports the endpoint that it listens on. `record`: a run, and the file for it."""
+    """The router; it reports the endpoint that it listens on. `record`: a run, and its writer's address."""
     entry, arguments = ("main", ()) if record is None else ("recording", record)
     return Process(
         ROUTER, f"deploy.processes.router:{entry}", (connection, *arguments), True, restarts, reports=True
@@ -69,9 +70,17 @@ def robot(connection: Connection, run: str, identity: int, restarts: int = 0) ->
     return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
 
 
-def recorder(connection: Connection, run: str, path: Path, away: float = 0.0) -> Process:
+def writer(path: Path, address: Path, restarts: int = 0) -> Process:
+    """Who writes what recorders hand over at `address`; it reports the name of its file."""
+    return Process(
+        WRITER, "deploy.recording.writer_process:main", (path, address), restarts=restarts, reports=True
+    )
+
+
+def recorder(connection: Connection, run: str, address: Path, away: float, restarts: int) -> Process:
     """A recorder beside the router; it reports once it cannot miss anything. `away`: see `Recorder`."""
-    return Process(RECORDER, "deploy.recording.process:main", (connection, run, path, away), reports=True)
+    arguments = (connection, run, address, away)
+    return Process(RECORDER, "deploy.recording.process:main", arguments, restarts=restarts, reports=True)
 
 
 def router_name(host: str) -> str:
@@ -82,6 +91,11 @@ def router_name(host: str) -> str:
 def is_router(name: str) -> bool:
     """Whether this is the name of a router's row."""
     return name == ROUTER or name.startswith(f"{ROUTER}-")
+
+
+def outlasts(name: str) -> bool:
+    """Whether who has this name stays until it is stopped, also after the last run."""
+    return name == WRITER or is_router(name)
 
 
 def robot_name(identity: int) -> str:

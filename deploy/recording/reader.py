@@ -1,11 +1,17 @@
-"""Recordings read back: the scenario, the result and everything that was said, as messages and arrays."""
+"""Recordings read back: the scenario, the result and everything that was said, as messages and arrays.
+
+Messages are read from the file whenever they are gone through, never all at once: what stays in memory is
+where the disks were, about 20 bytes a robot and tick.
+"""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -14,9 +20,8 @@ import numpy as np
 
 from deploy.recording.form import from_object
 from deploy.recording.mcap.contents import Contents, contents
-from deploy.recording.result import LAUNCH
 from protocol.errors import KeyGrammarError, RecordingError
-from protocol.keys import Address, parse
+from protocol.keys import parse
 from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -32,6 +37,41 @@ class Entry(NamedTuple):
     time: float
     key: str
     message: Message
+
+
+class Entries:
+    """All messages by time and, within one tick, as they arrived; every loop reads the file anew.
+
+    Raises:
+        RecordingError: (loops) a message lacks or has too much: another version wrote it.
+    """
+
+    def __init__(self, found: Contents, keep: Callable[[Entry], bool] = lambda _: True) -> None:
+        self._found, self._keep = found, keep
+
+    def __iter__(self) -> Iterator[Entry]:
+        return self.of(Message)
+
+    def of(self, *kinds: type[Message]) -> Iterator[Entry]:
+        """Those of these kinds alone, which is quicker: no other is decoded."""
+        streams: dict[int, type[Message] | None] = {}
+        for recorded in self._found.messages():
+            number = recorded.channel_id
+            with _by_this_version(self._found.path):
+                if number not in streams:
+                    kind = STREAMS[parse(self._found.topics[number]).stream].message
+                    streams[number] = kind if issubclass(kind, kinds) else None
+                wanted = streams[number]
+                if wanted is None:
+                    continue
+                message = from_object(wanted, msgspec.json.decode(recorded.data))
+            entry = Entry(recorded.log_time / 1e9, self._found.topics[number], message)
+            if self._keep(entry):
+                yield entry
+
+    def where(self, keep: Callable[[Entry], bool]) -> Entries:
+        """Some of them."""
+        return Entries(self._found, lambda entry: self._keep(entry) and keep(entry))
 
 
 @dataclass(frozen=True)
@@ -57,7 +97,7 @@ class Recording:
         run: name of the run.
         result: what `disknav run --json` writes, or what the world knew of it; None when the recording
             ended before that.
-        entries: all messages, by time and, within one tick, as they arrived.
+        counts: messages by key.
         cut: the file was cut short or is damaged; everything before is there.
     """
 
@@ -65,14 +105,15 @@ class Recording:
     run: str
     scenario: Scenario
     result: dict[str, Any] | None
-    entries: list[Entry]
+    entries: Entries
+    counts: Counter[str]
     truths: Truths
     cut: bool
 
     @property
     def clocks(self) -> list[Clock]:
         """The world's clock."""
-        return [entry.message for entry in self.entries if isinstance(entry.message, Clock)]
+        return list(self.said(Clock))
 
     @property
     def told(self) -> dict[int, list[Tick]]:
@@ -94,15 +135,16 @@ class Recording:
         """What each robot said about itself, by robot."""
         return self._by_robot(Health)
 
-    def counts(self) -> Counter[str]:
-        """Messages by key."""
-        return Counter(entry.key for entry in self.entries)
+    def said(self, kind: type[_M]) -> Iterator[_M]:
+        """All messages of a kind, one after the other."""
+        for entry in self.entries.of(kind):
+            assert isinstance(entry.message, kind)
+            yield entry.message
 
     def _by_robot(self, kind: type[_M]) -> dict[int, list[_M]]:
         found: dict[int, list[_M]] = {robot: [] for robot in self.scenario.ids}
-        for entry in self.entries:
-            if isinstance(entry.message, kind):
-                found[entry.message.robot].append(entry.message)  # type: ignore[attr-defined]  # all four have it
+        for message in self.said(kind):
+            found[message.robot].append(message)  # type: ignore[attr-defined]  # all four have it
         return found
 
 
@@ -116,17 +158,21 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
     path = Path(path)
     found = contents(path)
     scenario, run = _scenario(path, found), found.metadata.get("run", {}).get("name", "")
-    result = found.metadata.get(LAUNCH) or found.metadata.get("result")
-    try:
-        entries = list(_entries(found, progress))
-        truths = _truths(scenario, entries)
+    result = found.metadata.get("result")
+    with _by_this_version(path):
+        counts, truths = _looked_through(found, scenario, progress)
         report = None if result is None else json.loads(result["json"])
+    cut = found.cut or "recorder" not in found.metadata
+    return Recording(path, run, scenario, report, Entries(found), counts, truths, cut)
+
+
+@contextmanager
+def _by_this_version(path: Path) -> Iterator[None]:
+    try:
+        yield
     except (KeyError, ValueError, KeyGrammarError) as error:
         reason = f"{path} was written by another version, a message lacks or has too much: {error}"
         raise RecordingError(f"{reason}; read it with the version that wrote it") from error
-    return Recording(
-        path, run, scenario, report, entries, truths, found.cut or "recorder" not in found.metadata
-    )
 
 
 def _scenario(path: Path, found: Contents) -> Scenario:
@@ -139,24 +185,24 @@ def _scenario(path: Path, found: Contents) -> Scenario:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error
 
 
-def _entries(found: Contents, progress: Progress | None) -> Iterator[Entry]:
-    addresses: dict[int, Address] = {number: parse(topic) for number, topic in found.topics.items()}
-    total = len(found.messages)
-    for index, recorded in enumerate(found.messages):
-        stream = STREAMS[addresses[recorded.channel_id].stream]
-        message = from_object(stream.message, msgspec.json.decode(recorded.data))
-        yield Entry(recorded.log_time / 1e9, found.topics[recorded.channel_id], message)
-        if progress is not None and index % 4096 == 0:
-            progress(index / total)
+def _looked_through(
+    found: Contents, scenario: Scenario, progress: Progress | None
+) -> tuple[Counter[str], Truths]:
+    counts: Counter[int] = Counter()
+    first = World(scenario).truth  # what the scenario says before anybody moved
+    said = {0: _row(first)}
+    for recorded in found.messages(progress):
+        counts[recorded.channel_id] += 1
+        if parse(found.topics[recorded.channel_id]).stream == "truth":
+            truth = from_object(Truth, msgspec.json.decode(recorded.data))
+            assert isinstance(truth, Truth)
+            said[truth.tick] = _row(truth)
+    ticks = sorted(said)
+    rows = np.array([said[tick] for tick in ticks])
+    positions = rows[:, 2:].reshape(len(ticks), -1, 2)
+    by_key = Counter({found.topics[number]: count for number, count in counts.items()})
+    return by_key, Truths(np.array(ticks), positions, rows[:, 0], rows[:, 1])
 
 
-def _truths(scenario: Scenario, entries: list[Entry]) -> Truths:
-    said = {entry.message.tick: entry.message for entry in entries if isinstance(entry.message, Truth)}
-    said.setdefault(0, World(scenario).truth)  # what the scenario says before anybody moved
-    told = [said[tick] for tick in sorted(said)]
-    return Truths(
-        np.array([truth.tick for truth in told]),
-        np.array([truth.positions for truth in told]),
-        np.array([truth.clearance for truth in told]),
-        np.array([truth.phi for truth in told]),
-    )
+def _row(truth: Truth) -> np.ndarray:
+    return np.array([truth.clearance, truth.phi, *chain.from_iterable(truth.positions)])

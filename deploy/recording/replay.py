@@ -66,7 +66,7 @@ def publish(
     """Publish a recording on a network, `speed` simulated seconds a second (0: as fast as possible)."""
     publishers: dict[str, Publish] = {}
     began = time.monotonic()
-    duration = recording.entries[-1].time if recording.entries else 0.0
+    duration = float(recording.truths.ticks[-1]) * recording.scenario.time.step
     for now, key, payload in published(recording, run):
         if key not in publishers:
             publishers[key] = bus.publisher(STREAMS[parse(key).stream], key)
@@ -74,4 +74,4 @@ def publish(
             time.sleep(max(0.0, began + now / speed - time.monotonic()))
         publishers[key](payload)
         if progress is not None:
-            progress(now / duration if duration > 0.0 else 1.0)
+            progress(min(1.0, now / duration) if duration > 0.0 else 1.0)

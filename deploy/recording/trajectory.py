@@ -8,14 +8,18 @@ last bit.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence, Set
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from deploy.recording.reader import Recording
 from protocol.errors import RecordingError
-from protocol.messages import Vector
+from protocol.messages import Command, Tick, Vector
 from world.judge.trajectory import TrajectoryDigest
 
-_Plane = list[Vector]
+_Plane = Sequence[Vector] | NDArray[np.float64]  # where each robot is, m, in the order of ids
 
 
 class Trajectory(NamedTuple):
@@ -37,23 +41,20 @@ def trajectory(recording: Recording) -> Trajectory:
         RecordingError: a tick is missing that cannot be worked out either.
     """
     known = _known(recording)
-    ticks = range(max(known) + 1)
-    moves = _Moves(recording) if len(known) < len(ticks) else None
-    path: list[_Plane] = []
-    for tick in ticks:
-        path.append(moves.follow(path[-1], tick) if moves and tick not in known else known[tick])
+    missing = set(range(max(known))).difference(known)
+    moves = _Moves(recording, missing) if missing else None
     digest = TrajectoryDigest(recording.scenario.ids)
-    digest.add(ticks, path)
-    return Trajectory(digest.hexdigest(), len(ticks) - len(known))
+    here: _Plane = []
+    for tick in range(max(known) + 1):
+        here = moves.follow(here, tick) if moves and tick in missing else known[tick]
+        digest.add([tick], np.array([here]))
+    return Trajectory(digest.hexdigest(), len(missing))
 
 
 def _known(recording: Recording) -> dict[int, _Plane]:
     """Positions by tick; those of the last are in the result, too."""
     truths, result = recording.truths, recording.result or {}
-    known = {
-        tick: [(x, y) for x, y in positions]
-        for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True)
-    }
+    known: dict[int, _Plane] = dict(zip(truths.ticks.tolist(), truths.positions, strict=True))
     final = result.get("positions", {})
     if final and "ticks" in result:
         known.setdefault(result["ticks"], [tuple(final[str(robot)]) for robot in recording.scenario.ids])
@@ -61,18 +62,17 @@ def _known(recording: Recording) -> dict[int, _Plane]:
 
 
 class _Moves:
-    """What each robot did during a tick, by the tick that followed."""
+    """What each robot did during the tick before each of some ticks."""
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: Recording, ticks: Set[int]) -> None:
         self._path, self._ids = recording.path, recording.scenario.ids
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: set[tuple[int, int]] = set()
-        for robot, told in recording.told.items():
-            for tick in told:
-                if tick.sense is not None:
-                    self._said[tick.tick][robot] = tick.sense.displacement
-        for robot, commands in recording.commands.items():
-            self._commanded.update((robot, command.tick) for command in commands)
+        for _, _, message in recording.entries.of(Tick, Command):
+            if isinstance(message, Command) and message.tick + 1 in ticks:
+                self._commanded.add((message.robot, message.tick))
+            elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
+                self._said[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""

@@ -49,6 +49,7 @@ class RecordingFile:
         self._run = ""
         self._step = 0.0
         self._count = 0
+        self._report: str | None = None
         try:
             self._file = McapFile(path, LIBRARY)
         except OSError as error:
@@ -57,7 +58,9 @@ class RecordingFile:
             ) from error
 
     def begin(self, run: str, scenario: Scenario) -> None:
-        """Say what is recorded; comes before every message."""
+        """Say what is recorded; comes before every message, and is heard once."""
+        if self._run:
+            return
         self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
         with self._writing():
             self._file.metadata("run", {"name": run, "protocol": str(VERSION)})
@@ -134,10 +137,14 @@ class RecordingFile:
         with self._writing():
             self._file.flush()
 
-    def finish(self, result: str | None) -> None:
+    def report(self, result: str) -> None:
+        """What the world says of the run (a JSON object), should nobody know more."""
+        self._report = result
+
+    def finish(self, result: str | None = None) -> None:
         """Write the result (a JSON object) and the index; nothing can be added afterwards."""
         with self._writing():
-            if result is not None:
+            if (result := result or self._report) is not None:
                 self._file.metadata("result", {"json": result})
             counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
             self._file.metadata("recorder", counts)

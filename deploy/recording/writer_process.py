@@ -1,19 +1,28 @@
-"""A recording that is written by a process beside this one, which has better things to do."""
+"""A recording that is written by a process of its own: those who hear hand over what they hear, and may die
+and come back; whoever started it hands over the result, with which the file ends.
+
+Hearing costs next to nothing so, and the file is written by another processor: see
+`python -m tests.benchmarks.recording`.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 import signal
-from collections.abc import Sequence
+import socket
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from itertools import count
 from multiprocessing.connection import Connection as Pipe
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from deploy.recording.writer import RecordingFile
-from protocol.bus.drive import uninterrupted
+from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.scenario.model import Scenario
 from protocol.title import entitle
@@ -25,28 +34,35 @@ _UNPACK = msgspec.msgpack.Decoder(list[tuple[str, bytes]])
 _FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
 
-class WriterProcess:
+class Writer:
     """What `RecordingFile` does, done elsewhere: this process only hands messages over.
 
-    If this process dies, all that it handed over is still written.
+    If this process dies, all that it handed over is still written. If the other one dies, the next call
+    looks for the one that has taken its place.
 
     Raises:
-        UsageError: the file cannot be created.
-        RecordingError: (all methods) it cannot be written any more.
+        RecordingError: (all methods) there is nobody who writes, or it cannot be written any more.
     """
 
-    def __init__(self, path: Path, run: str = "") -> None:
-        self.path = path
-        self._pipe, other = _FORK.Pipe()
-        self._process = _FORK.Process(target=_write, args=(self._pipe, other, path, run), daemon=True)
-        self._process.start()
-        other.close()
-        refused = self._answer()
-        if refused:
-            raise UsageError(refused)
+    def __init__(self, path: Path, connect: Callable[[], Pipe]) -> None:
+        self.path, self._connect = path, connect
+        self._pipe: Pipe | None = None
+        self._begun: tuple[str, Scenario] | None = None
+
+    @classmethod
+    def at(cls, address: Path) -> Writer:
+        """The process that `main` runs at an address."""
+
+        def connect() -> Pipe:
+            with socket.socket(socket.AF_UNIX) as client:
+                client.connect(str(address))
+                return Pipe(client.detach())
+
+        return cls(address, connect)
 
     def begin(self, run: str, scenario: Scenario) -> None:
         """See `RecordingFile.begin`."""
+        self._begun = run, scenario
         self._ask("begin", run, scenario)
 
     def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
@@ -57,26 +73,33 @@ class WriterProcess:
         """See `RecordingFile.flush`."""
         self._ask("flush")
 
-    def finish(self, result: str | None) -> None:
+    def report(self, result: str) -> None:
+        """See `RecordingFile.report`."""
+        self._ask("report", result)
+
+    def finish(self, result: str | None = None) -> None:
         """See `RecordingFile.finish`."""
         with uninterrupted():
             self._ask("finish", result)
-            failed = self._answer()
-            self._process.join(_PATIENCE)
-        if failed:
-            raise RecordingError(failed)
+            if failed := self._answer():
+                raise RecordingError(failed)
 
     def _ask(self, method: str, *arguments: Any) -> None:
         try:
             with uninterrupted():
+                if self._pipe is None:
+                    self._pipe = self._connect()
+                    if self._begun is not None:
+                        self._pipe.send(("begin", self._begun))
                 self._pipe.send((method, arguments))
         except OSError as error:
-            raise RecordingError(self._answer() or self._silence) from error
+            failed, self._pipe = self._answer(), None
+            raise RecordingError(failed or self._silence) from error
 
     def _answer(self) -> str:
         """What went wrong over there; empty if nothing did."""
         try:
-            if self._pipe.poll(_PATIENCE):
+            if self._pipe is not None and self._pipe.poll(_PATIENCE):
                 return str(self._pipe.recv())
         except (EOFError, OSError):
             pass  # told below: who writes is gone without a word
@@ -89,7 +112,61 @@ class WriterProcess:
         )
 
 
-def _write(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
+class WriterProcess(Writer):
+    """One that is forked from this process, for it alone.
+
+    Raises:
+        UsageError: the file cannot be created.
+    """
+
+    def __init__(self, path: Path, run: str = "") -> None:
+        pipe, other = _FORK.Pipe()
+        super().__init__(path, lambda: pipe)
+        self._process = _FORK.Process(target=_forked, args=(pipe, other, path, run), daemon=True)
+        self._process.start()
+        other.close()
+        self._pipe = pipe
+        if refused := self._answer():
+            raise UsageError(refused)
+
+    def finish(self, result: str | None = None) -> None:
+        """See `RecordingFile.finish`."""
+        super().finish(result)
+        self._process.join(_PATIENCE)
+
+
+def main(path: Path, address: Path, ready: Callable[[str], None]) -> int:
+    """Write what is handed over at `address` until told to finish, or SIGTERM, which finishes too.
+
+    One that takes the place of another that was killed leaves that one's file as it is, and writes to the
+    next name that is free, `run-2.mcap` beside `run.mcap`. `ready` is told the name.
+
+    Raises:
+        UsageError: the file cannot be created.
+        RecordingError: it cannot be written any more.
+    """
+    os.nice(_NICENESS)
+    pipes: list[Pipe] = []
+    with stop_on_signal(), socket.socket(socket.AF_UNIX) as door:
+        file = RecordingFile(_next_free(path) if address.exists() else path)
+        address.unlink(missing_ok=True)
+        door.bind(str(address))
+        door.listen()
+        ready(str(file.path))
+        try:
+            _serve(file, pipes, door)
+        except Stop:
+            _take_rest(file, pipes)
+            file.finish()
+    return 0
+
+
+def _next_free(path: Path) -> Path:
+    parts = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next(part for part in parts if not part.exists())
+
+
+def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     """Do as told until the file is finished, or whoever tells is gone."""
     entitle("writer", run)
     inherited.close()
@@ -99,14 +176,45 @@ def _write(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     try:
         file = RecordingFile(path)
         pipe.send("")
-        method = ""
-        while method != "finish":
-            method, arguments = pipe.recv()
-            if method == "write":
-                arguments = map(_UNPACK.decode, arguments)
-            getattr(file, method)(*arguments)
-        pipe.send("")
-    except EOFError:
-        file.flush()  # what has been said is kept, and the file is a cut one
+        _serve(file, [pipe])
     except DisknavError as error:
         pipe.send(str(error))
+
+
+def _serve(file: RecordingFile, pipes: list[Pipe], door: socket.socket | None = None) -> None:
+    """Obey all who are connected, until one says that the file is to be finished, or nobody is left."""
+    while pipes or door is not None:
+        for ready in wait([*pipes, *([] if door is None else [door])]):
+            if isinstance(ready, socket.socket):
+                pipes.append(Pipe(ready.accept()[0].detach()))
+            elif isinstance(ready, Pipe) and ready in pipes and _obey(file, ready, pipes):
+                return
+
+
+def _obey(file: RecordingFile, pipe: Pipe, pipes: list[Pipe]) -> bool:
+    """Do what one connection says next; whether the file is finished by that."""
+    with uninterrupted():
+        try:
+            method, arguments = pipe.recv()
+        except (EOFError, ConnectionError):
+            pipes.remove(pipe)
+            file.flush()  # what has been said is kept, whatever comes
+            return False
+        if method == "finish":
+            _take_rest(file, [other for other in pipes if other is not pipe])
+        _call(file, method, arguments)
+        if method == "finish":
+            pipe.send("")
+        return bool(method == "finish")
+
+
+def _take_rest(file: RecordingFile, pipes: list[Pipe]) -> None:
+    """Do what is still to be read of those who have handed over all."""
+    for pipe in pipes:
+        with suppress(EOFError, ConnectionError):
+            while pipe.poll():
+                _call(file, *pipe.recv())
+
+
+def _call(file: RecordingFile, method: str, arguments: Sequence[Any]) -> None:
+    getattr(file, method)(*(map(_UNPACK.decode, arguments) if method == "write" else arguments))

@@ -12,7 +12,6 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
-from deploy.recording.result import attach
 from deploy.run.fleet import Fleet
 from deploy.run.live_page import live_page
 from deploy.run.local import LocalFleet
@@ -47,12 +46,12 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
         ):
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports, processes = fleet.execute(), fleet.processes()
-        result = complete(reports[0], options, processes)
-        json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
-        if recording is not None:
-            attach(recording, result)
-        if extras.plot is not None and recording is not None:
-            draw(recording, extras.plot)
+            recordings = fleet.recordings()
+            result = complete(reports[0], options, processes, recordings if extras.record else [])
+            json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
+            fleet.record(result)
+        if extras.plot is not None:
+            draw(Path(recordings[-1]), extras.plot)
         if page is not None and sys.stdin.isatty():
             page.linger()
     return result

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
+from deploy.recording.writer_process import Writer
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
@@ -91,6 +93,7 @@ class Fleet:
         with ExitStack() as stack:
             self._hosts = self._host_spawners()
             self._supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=self._options.run)))
+            self._writer = self._start_writer(stack)
             self.topology = self._begin(stack)
             self._start_world(self._journal(stack))
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
@@ -112,7 +115,7 @@ class Fleet:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
-        record = None if self._record is None or options.restarts else (options.run, self._record)
+        record = None if self._writer is None or options.restarts else (options.run, self._writer)
         router = table.router(
             membership.router(() if options.listen is None else (options.listen,)), record, options.restarts
         )
@@ -122,6 +125,15 @@ class Fleet:
         again = (replace(connection, listen=(endpoint,)), *others)
         self._supervisor.amend(replace(router, arguments=again))
         return Routed(endpoint, membership)
+
+    def _start_writer(self, stack: ExitStack) -> Path | None:
+        """Whoever writes the recording, at this address, before anybody who hears."""
+        if self._record is None:
+            return None
+        address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
+        self._supervisor.start([table.writer(self._record, address, self._options.restarts)])
+        self._supervisor.report(table.WRITER, _START)
+        return address
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
@@ -171,9 +183,10 @@ class Fleet:
         self._supervisor.start([world])
         own_router = options.transport == "routed" and options.router is None and options.hosts is None
         # A recording in a router would end with it.
-        if self._record is not None and (options.restarts or not own_router):
+        if self._writer is not None and (options.restarts or not own_router):
             away = AWAY if options.restarts else 0.0
-            self._supervisor.start([table.recorder(topology.observer(), run, self._record, away)])
+            recorder = table.recorder(topology.observer(), run, self._writer, away, options.restarts)
+            self._supervisor.start([recorder])
             self._supervisor.report(table.RECORDER, _START)
 
     def _robots(self) -> list[table.Process]:
@@ -213,13 +226,26 @@ class Fleet:
         return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
-        """Let everybody leave, stop whoever does not; what each process cost."""
+        """Let all leave, stop whoever does not; what each process cost. The recording's writer stays."""
         deadline = time.monotonic() + self._leaving
-        while not all(map(table.is_router, self._supervisor.running())) and time.monotonic() < deadline:
+        while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
-        self._supervisor.stop()
+        self._supervisor.stop(spare=(table.WRITER,))
         hosts = {} if self._options.hosts is None else places(self._options.hosts)
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
+
+    def recordings(self) -> list[str]:
+        """The files of the recording: more than one if who wrote it ended and was started again."""
+        return [] if self._writer is None else self._supervisor.heard(table.WRITER)
+
+    def record(self, result: Mapping[str, Any]) -> None:
+        """Finish the recording, if there is one, with the complete result of the run.
+
+        Raises:
+            RecordingError: it could not be written to its end.
+        """
+        if self._writer is not None:
+            Writer.at(self._writer).finish(json.dumps(result))
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -293,6 +319,8 @@ class Fleet:
                 continue
             if exit_.process.vital:
                 self._listen_on()
+            if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
+                print(f"disknav: {exit_}; the recording ends there", file=sys.stderr, flush=True)
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))

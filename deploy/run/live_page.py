@@ -52,7 +52,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
 
 def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
     if isinstance(fleet, Fleet):
-        return Attachment(ZenohBus(fleet.topology.observer()), run)
+        return Attachment(ZenohBus(fleet.topology.viewer()), run)
     bus = fleet.network.connect()
     watcher = bus.node = Watcher(bus, run)
     return watcher

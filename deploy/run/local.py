@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,8 @@ class LocalFleet:
         self._path = journal
         self._reports: list[dict[str, Any]] = []
         self.start_world()
-        self._recorder = None if record is None else self._record(record)
+        self._writer = None if record is None else WriterProcess(record, run)
+        self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
         for robot in joining or scenarios[0].ids:
             self.start(robot)
@@ -105,16 +107,33 @@ class LocalFleet:
         return self
 
     def __exit__(self, *details: object) -> None:
-        """Nothing outlives the thread."""
+        self._finish(None)
+
+    def recordings(self) -> list[str]:
+        """The files of the recording."""
+        return [] if self._writer is None else [str(self._writer.path)]
+
+    def record(self, result: Mapping[str, Any]) -> None:
+        """Finish the recording, if there is one, with the complete result of the run.
+
+        Raises:
+            RecordingError: it could not be written to its end.
+        """
+        self._finish(json.dumps(result))
+
+    def _finish(self, result: str | None) -> None:
+        writer, self._writer = self._writer, None
+        if writer is not None:
+            writer.finish(result)
 
     def processes(self) -> list[dict[str, Any]]:
         """There are none of its own."""
         return []
 
-    def _record(self, path: Path) -> Recorder:
+    def _hear(self, writer: WriterProcess) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
-        recorder = bus.node = Recorder(bus, self.run, WriterProcess(path, self.run))
+        recorder = bus.node = Recorder(bus, self.run, writer)
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -18,8 +18,13 @@ Result = dict[str, Any]
 _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
 
 
-def complete(report: Mapping[str, Any], options: RunOptions, processes: list[dict[str, Any]]) -> Result:
-    """The promised result object: report, options, processes and rates."""
+def complete(
+    report: Mapping[str, Any],
+    options: RunOptions,
+    processes: list[dict[str, Any]],
+    recordings: Sequence[str] = (),
+) -> Result:
+    """The promised result object: report, options, processes, rates, and the files of the recording."""
     result = dict(report)
     wall = float(result.get("wall_time", 0.0))
     ticks = int(result.get("ticks", 0))
@@ -29,6 +34,7 @@ def complete(report: Mapping[str, Any], options: RunOptions, processes: list[dic
         transport=options.transport,
         ticks_per_second=ticks / wall if wall > 0.0 else 0.0,
         processes=processes,
+        recordings=list(recordings),
     )
     return result
 

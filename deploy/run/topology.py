@@ -31,6 +31,10 @@ class Routed:
         """Connection of somebody who only watches."""
         return self.membership.client(MONITOR, (self.endpoint,))
 
+    def viewer(self) -> Connection:
+        """Connection of who watches, and gives orders if the operator's key is there."""
+        return self.membership.client(self.membership.viewer, (self.endpoint,))
+
 
 @dataclass(frozen=True)
 class Mesh:
@@ -59,6 +63,8 @@ class Mesh:
     def observer(self) -> Connection:
         """Connection of somebody who only watches: to everybody, and nobody connects to it."""
         return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
+
+    viewer = observer
 
     def _endpoints(self, names: Iterable[str]) -> tuple[str, ...]:
         return tuple(self._endpoint(name) for name in names)

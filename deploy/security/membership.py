@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from deploy.security.access import access_control
-from deploy.security.roster import ROUTER, Roster, read, router_role
+from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
@@ -53,6 +53,13 @@ class Membership:
                 f"the certificates in {self.directory} are for the run {roster.run}, not {asked}"
             )
         return roster.run
+
+    @property
+    def viewer(self) -> str:
+        """As whom a live page connects: its viewer may send robots elsewhere where the operator's key is."""
+        if self.directory is None or (self.directory / key_file(OPERATOR)).exists():
+            return OPERATOR
+        return MONITOR
 
     def client(self, role: str, routers: Sequence[str], *, timeout: float = 20.0) -> Connection:
         """Connection of `role` to the first router of `routers` that answers.

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from collections.abc import Collection
+from concurrent.futures import CancelledError
+from typing import TYPE_CHECKING, TypeVar
 
-from protocol.errors import ProcessError, UsageError
+from protocol.errors import DisknavError, ProcessError, UsageError
 from protocol.installation import missing_library
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
+_T = TypeVar("_T")
 _REACHING = 10.0  # s for the scheduler to answer
+_LOOK = 1.0  # s between looks at whether there still are workers
+_DESERTED = 60.0  # s without any worker
 
 
 def connected(address: str) -> Client:
@@ -36,3 +41,54 @@ def connected(address: str) -> Client:
             f"no Dask scheduler answers at {address} within {_REACHING:g} s; "
             "is it running (`dask scheduler`), and reachable from here?"
         ) from error
+
+
+def finished(client: Client, futures: Collection[Future[_T]]) -> list[Future[_T]]:
+    """Those that are done, as soon as there is one.
+
+    Raises:
+        ProcessError: the scheduler is gone, or all workers are.
+    """
+    from distributed import TimeoutError as NoneYet
+    from distributed import wait
+
+    deserted = 0.0
+    while futures and deserted < _DESERTED:
+        try:
+            with client.as_current():
+                return list(wait(list(futures), timeout=_LOOK, return_when="FIRST_COMPLETED").done)
+        except NoneYet:
+            deserted = 0.0 if client.nthreads() else deserted + _LOOK
+        except CancelledError:
+            raise lost(client, "is gone, or cancelled what was given to it") from None
+    if futures:
+        raise lost(client, f"has had no worker for {_DESERTED:g} s")
+    return []
+
+
+def result(client: Client, future: Future[_T]) -> _T:
+    """What a task gave.
+
+    Raises:
+        ProcessError: its workers were lost, it failed, or the scheduler is gone.
+        DisknavError: what the task itself raised.
+    """
+    from distributed import KilledWorker
+
+    try:
+        value: _T = future.result()
+    except DisknavError:
+        raise
+    except CancelledError:
+        raise lost(client, "is gone, or cancelled what was given to it") from None
+    except KilledWorker as error:
+        raise lost(client, f"lost every worker that was given {future.key}: {error}") from error
+    except Exception as error:
+        raise lost(client, f"has a worker that could not do its part: {error!r}") from error
+    return value
+
+
+def lost(client: Client, why: str) -> ProcessError:
+    """What to tell of a cluster that cannot go on."""
+    address = client.scheduler.address if client.scheduler is not None else "?"
+    return ProcessError(f"the scheduler at {address} {why}; the same command goes on from what is done")

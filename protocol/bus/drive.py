@@ -51,17 +51,24 @@ def uninterrupted() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def drive(node: Node, bus: Bus, *, on_stop: Callable[[], None] | None = None) -> None:
+def drive(
+    node: Node,
+    bus: Bus,
+    *,
+    on_stop: Callable[[], None] | None = None,
+    beat: Callable[[float], None] | None = None,
+) -> None:
     """Feed `node` with the events of `bus` until it is finished; the bus is closed in any case.
 
-    `on_stop` is called when a signal ends the loop, while the bus is still open: for last words.
+    `on_stop` is called when a signal ends the loop, while the bus is still open: for last words. `beat` is
+    told the time, s, whenever the loop comes round.
 
     Raises:
         Stop: SIGTERM or SIGINT arrived.
     """
     with stop_on_signal():
         try:
-            follow(node, bus)
+            follow(node, bus, beat)
         except Stop:
             if on_stop is not None:
                 on_stop()
@@ -70,7 +77,7 @@ def drive(node: Node, bus: Bus, *, on_stop: Callable[[], None] | None = None) ->
             bus.close()
 
 
-def follow(node: Node, bus: Bus) -> None:
+def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished, and no more.
 
     What has arrived comes before a deadline that is over: the node was late, not who spoke.
@@ -86,5 +93,7 @@ def follow(node: Node, bus: Bus) -> None:
                 break
             event = receive(0.0)
         now = time.monotonic()
+        if beat is not None:
+            beat(now)
         if now >= node.deadline and not node.finished:
             node.wake(now)

@@ -39,7 +39,7 @@ _MODULES = (
 class Payloads(NamedTuple):
     """What is sent, of the sizes that a fleet's messages have; the first byte says of which kind it is."""
 
-    measurement: bytes
+    tick: bytes
     state: bytes
     command: bytes
 
@@ -135,7 +135,7 @@ def raw_world(
 
     def tick() -> None:
         for measurement in measurements:
-            measurement.put(say.measurement)
+            measurement.put(say.tick)
         for _ in range(robots):
             commands.recv().payload.to_bytes()
 
@@ -188,7 +188,7 @@ def bus_world(
 
     def tick() -> None:
         for measurement in measurements:
-            measurement(say.measurement)
+            measurement(say.tick)
         hear(Sample)
 
     hear(Presence)

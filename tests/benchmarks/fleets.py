@@ -72,7 +72,7 @@ class _Watch:
             self._processes = psutil.Process(os.getpid()).children(recursive=True)
             self._cpu = self._used()
             now = time.perf_counter()
-        elif self._last is not None and self._last[1].turn == clock.run_number:
+        elif self._last is not None and self._last[1].run_number == clock.run_number:
             self._elapsed += now - self._last[0]
             self._ticks += clock.tick - self._last[1].tick
         self._last = now, clock

@@ -90,7 +90,7 @@ def robot(carrier: Carrier, folder: Path, own: int, robots: int, say: Payloads) 
     heard, measured = 0, False
     node.send(0, say.command)  # it is there
     while True:
-        if node.receive()[0] == say.measurement[0]:
+        if node.receive()[0] == say.tick[0]:
             measured = True
             for other in others:
                 node.send(other, say.state)
@@ -118,7 +118,7 @@ def world(
 
     def tick() -> None:
         for each in range(1, robots + 1):
-            node.send(each, say.measurement)
+            node.send(each, say.tick)
         hear()
 
     hear()

@@ -62,7 +62,7 @@ def added(robots: int, repeat: int = 60) -> float:
             Journal.create(path, "local", [setting])
             journal = Journal(path, "local", [setting])
             without = min(without, _drive(World(setting), setting.ids))
-            kept = min(kept, _drive(resume(journal, [setting]).turn.world, setting.ids))
+            kept = min(kept, _drive(resume(journal, [setting]).run.world, setting.ids))
             journal.remove()
     return 1e6 * (kept - without)
 
@@ -99,7 +99,7 @@ def replay(robots: int) -> Replay:
         fleet.execute()
         fleet.kill_world()
         began = time.perf_counter()
-        world = resume(Journal(path, "local", [setting]), [setting]).turn.world
+        world = resume(Journal(path, "local", [setting]), [setting]).run.world
         speed = world.tick / (time.perf_counter() - began)
         return Replay(path.stat().st_size / world.tick, speed, speed * setting.time.step)
 

@@ -87,7 +87,7 @@ def _page(endpoint: str, run: str) -> Iterator[Callable[[], float]]:
     with _monitor(endpoint, run, "--web", stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         address = process.stdout.readline().decode().split()[0]
-        with connect(f"{address.replace('http', 'ws')}/live") as viewer:
+        with connect(address.replace("http", "ws").replace("/#", "/live?token=")) as viewer:
             threading.Thread(target=_view, args=(viewer.recv,), daemon=True).start()
             yield _meter(process)
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from protocol.messages import HIGHEST_ID, Vector
+from protocol.scenario.gain import grown
 from protocol.scenario.model import RobotSpec, Scenario
 from world.coordinator.lives import Lives
 from world.coordinator.missions import Missions
@@ -31,6 +32,7 @@ class Membership:
         self.scenario = scenario
         self.newcomers: frozenset[int] = frozenset()
         self._lives, self._missions = lives, missions
+        self._k, self._robots = scenario.k, len(scenario.robots)
         self._announced: dict[int, RobotSpec] = {}  # whose disks have not appeared yet
         self._leaving: set[int] = set()
 
@@ -78,7 +80,9 @@ class Membership:
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
         new = [self._announced.pop(robot) for robot in settled]
         self.newcomers = self.newcomers.union(settled) - left
-        self.scenario = replace(self.scenario, robots=(*stay, *new))
+        robots = (*stay, *new)
+        k = grown(self._k, self._robots, len(robots))
+        self.scenario = replace(self.scenario, robots=robots, control=replace(self.scenario.control, k=k))
         return left
 
     def _unfit(self, spec: RobotSpec) -> str:

@@ -111,7 +111,9 @@ class Admissions:
 
     def overview(self, run: Run) -> joining.Overview:
         """For those who only watch."""
-        return joining.Overview(run.scenario, self._lockstep)
+        statuses = (run.world.goal_status(robot) for robot in run.scenario.ids)
+        goals = tuple(status for status in statuses if status is not None and status.number)
+        return joining.Overview(run.scenario, self._lockstep, goals)
 
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0

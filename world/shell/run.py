@@ -68,6 +68,8 @@ class Run:
             world.reason,
             world.founded,
             world.halted,
+            world.missed,
+            dict(self.rejected),
             world.newcomers,
         )
 

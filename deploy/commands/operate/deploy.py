@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -26,8 +25,11 @@ def deploy(
     setting: options.Settings = None,
     image: Annotated[
         str | None,
-        typer.Option(help="compose, kubernetes: image with this software; disknav unless given."),
+        typer.Option(help="compose, kubernetes: image with this software; localhost/disknav unless given."),
     ] = None,
+    wait: Annotated[
+        float, typer.Option(min=1.0, help="How long router, world and robots may take to be there, s.")
+    ] = 300.0,
     router: Annotated[
         str | None,
         typer.Option(
@@ -46,7 +48,7 @@ def deploy(
     """
     from deploy.library.load import load
     from deploy.manifests.folder import write
-    from deploy.manifests.plan import Plan
+    from deploy.manifests.plan import Plan, installation
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
@@ -56,9 +58,11 @@ def deploy(
         options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
     loaded = load(scenario, setting or [], seed)
     roster = Roster(fresh_run_name() if run is None else checked_run(run), loaded.ids)
-    command = shutil.which("disknav") or str(Path(sys.executable).parent / "disknav")
+    command = str(Path(sys.executable).parent / "disknav")
     chosen = {"image": image, "router": router}
     named = {name: value for name, value in chosen.items() if value is not None}
-    plan = Plan(roster, write_toml(loaded), mode, command=command, **named)
+    plan = Plan(
+        roster, write_toml(loaded), mode, command=command, software=installation(), wait=wait, **named
+    )
     write(out, orchestrator, plan, days)
     print(f"{out}: the run {roster.run} for {orchestrator}")

@@ -11,11 +11,21 @@ from typing import Annotated, Any
 import typer
 
 from deploy.commands import options
+from deploy.output.exit_status import EXIT_INTERRUPTED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.title import entitle
+
+Wait = Annotated[
+    float, typer.Option(min=1.0, help="How long router and world, or the robots, may take to be there, s.")
+]
+Alive = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Touch this every second, for a probe: the main loop goes round."),
+]
+_WAIT = 60.0
 
 
 def robot(
@@ -23,6 +33,8 @@ def robot(
     run: options.RunName = None,
     router: options.Router = None,
     secure: options.Secure = None,
+    wait: Wait = _WAIT,
+    alive: Alive = None,
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
@@ -33,7 +45,8 @@ def robot(
     membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.
-    arguments = [endpoint, _run(membership, run), str(robot_id), *([] if secure is None else [str(secure)])]
+    files = ["" if file is None else str(file.absolute()) for file in (secure, alive)]
+    arguments = [endpoint, _run(membership, run), str(robot_id), str(wait), *files]
     os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
@@ -49,24 +62,46 @@ def world(
         Path | None,
         typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
     ] = None,
+    wait: Wait = _WAIT,
+    alive: Alive = None,
 ) -> None:
     """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
 
     Example: disknav world figure-1 --run demo --journal demo.journal > report.json
+
+    Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.library.load import load
+    from deploy.run.result import exit_status
+    from protocol.bus.heartbeat import heartbeat
     from world.process import main
     from world.shell.journal import Journal
 
     membership = Membership(secure)
     loaded = load(scenario, setting or [], seed)
-    connection = membership.client(WORLD, (router or membership.default_router,))
+    connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = _run(membership, run)
     entitle("world", run_name)
     if journal is not None and not journal.exists():
         Journal.create(journal, run_name, [loaded])
     lockstep = mode == "lockstep"
-    raise typer.Exit(main(connection, run_name, [loaded], lockstep, journal=journal, tell=_print_report))
+    verdicts: list[int] = []
+
+    def tell(report: dict[str, Any]) -> None:
+        sys.stdout.write(json.dumps(report, indent=2) + "\n")
+        verdicts.append(exit_status(report))
+
+    status = main(
+        connection,
+        run_name,
+        [loaded],
+        lockstep,
+        gathering=wait,
+        journal=journal,
+        tell=tell,
+        beat=heartbeat(alive),
+    )
+    raise typer.Exit(status or (verdicts[-1] if verdicts else EXIT_INTERRUPTED))
 
 
 def router(
@@ -98,12 +133,12 @@ def router(
     raise typer.Exit(main(connection, ready=_say))
 
 
-def _print_report(report: dict[str, Any]) -> None:
-    sys.stdout.write(json.dumps(report, indent=2) + "\n")
-
-
 def _say(endpoint: str) -> None:
+    from protocol.bus.heartbeat import heartbeat
+
     print(f"router: listening on {endpoint}", file=sys.stderr, flush=True)
+    if (beat := heartbeat(None)) is not None:
+        beat(0.0)
 
 
 def _run(membership: Membership, asked: str | None) -> str:

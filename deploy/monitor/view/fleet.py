@@ -1,23 +1,26 @@
 """A running fleet as a watcher sees it: messages and presence in, plain data for a page or table out.
 
-Only streams that the network may drop are needed (clock, truth, health) and liveliness tokens: a
+Only streams that the network may drop are needed (clock, truth, health, goalstatus) and liveliness tokens: a
 watcher that subscribed to states or commands could hold up those who publish them.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import Iterable
 
 from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
 from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Clock, Health, Message, Truth
+from protocol.messages import Clock, GoalStatus, Health, Message, Truth
 from protocol.scenario.model import Scenario
 from protocol.steering import Steering
 
 HISTORY = 1024  # kept points of clearance and phi
 _TRAILS = 12_800  # kept points of all trails together
 _RECENT = 256  # truths between two snapshots, at most
+_NEAR = 8  # radii; lines to who is farther away are not shown
 
 Point = tuple[float, float, float]  # simulated time, s; clearance, m; phi
 
@@ -38,20 +41,21 @@ class View:
         self.steering = Steering()
         self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
-        self.tick, self.verdict, self.reason = 0, "", ""
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
         self._clear()
 
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
+        self.missed, self.rejected = 0, dict[str, int]()
         self.smallest: float | None = None
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
-    def begin(self, scenario: Scenario, lockstep: bool) -> None:
-        """A scenario begins, or this watcher has just learnt which one is running."""
+    def begin(self, scenario: Scenario, lockstep: bool, goals: Iterable[GoalStatus] = ()) -> None:
+        """A scenario begins, or this watcher has just learnt which one is running, and who was ordered
+        elsewhere."""
         self._clear()
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
@@ -61,6 +65,8 @@ class View:
         for robot, alive in self._tokens.items():
             if robot in self.robots:
                 self.robots[robot].alive = alive
+        for status in goals:
+            self._on_goal(status)
 
     def is_news(self, message: Message) -> bool:
         """Whether `message` belongs to another scenario than the one known: its clock went back."""
@@ -91,9 +97,12 @@ class View:
             self._on_truth(message, now)
         elif isinstance(message, Health):
             self._on_health(message, now)
+        elif isinstance(message, GoalStatus):
+            self._on_goal(message)
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
+        self.missed, self.rejected = clock.missed, clock.rejected
         down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active
@@ -122,10 +131,20 @@ class View:
 
     def _on_health(self, health: Health, now: float) -> None:
         if health.robot in self.robots:
-            self.robots[health.robot].report(health, now)
+            robot = self.robots[health.robot]
+            robot.report(health, now)
+            robot.lines = tuple(line for line in health.lines if self._is_near(robot, line[0]))
         for peer, tick in health.heard:
             if peer in self.robots:
                 self.robots[peer].said(tick, now)
+
+    def _is_near(self, robot: RobotView, peer: int) -> bool:
+        reach = _NEAR * robot.spec.radius
+        return peer in self.robots and math.dist(robot.position, self.robots[peer].position) < reach
+
+    def _on_goal(self, status: GoalStatus) -> None:
+        if status.robot in self.robots:
+            self.robots[status.robot].ordered(status)
 
     # -- how the run stands
 

@@ -6,11 +6,12 @@ import math
 from typing import Any
 
 from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Health, Vector
+from protocol.messages import GoalStatus, Health, Line, Vector
 from protocol.scenario.model import RobotSpec
 
 SILENCE = 1.5  # s behind its peers after which a robot counts as silent
 ALARMS = ("dead", "fenced", "silent")
+ABANDONED = ("cancelled", "given up")  # the robot stays where it was then
 _DIGITS = 6  # micrometres are enough for a picture
 
 
@@ -30,6 +31,8 @@ class RobotView:
         self.incarnation = 0
         self.tick = 0  # of its newest state, as far as anybody told
         self.health: Health | None = None
+        self.lines: tuple[Line, ...] = ()  # that it obeyed at its latest health, to peers near it
+        self.errand = GoalStatus(spec.id, 0, 0, "under way", spec.goal)
         self.position: Vector = spec.start
         self.velocity: Vector = (0.0, 0.0)
         self.trail: Thinned[Vector] = Thinned(trail, lambda _, later: later)
@@ -56,6 +59,11 @@ class RobotView:
         self.health, self._reported = health, now
         self.said(health.tick, now)
 
+    def ordered(self, status: GoalStatus) -> None:
+        """Take over what came of an order, unless something newer is known."""
+        if (status.number, status.tick) >= (self.errand.number, self.errand.tick):
+            self.errand = status
+
     def moved(self, position: Vector, seconds: float) -> None:
         """Where it really is, `seconds` of simulated time after where it was last."""
         x, y = self.position
@@ -71,9 +79,8 @@ class RobotView:
 
     @property
     def distance(self) -> float:
-        """To the goal, m."""
-        (x, y), (gx, gy) = self.position, self.spec.goal
-        return math.hypot(gx - x, gy - y)
+        """To the present goal, m."""
+        return math.dist(self.position, self.errand.goal)
 
     def age(self, now: float) -> float | None:
         """Seconds since its newest state; None before the first."""
@@ -93,7 +100,7 @@ class RobotView:
         if not ended and self.tick < newest and (self.age(now) or 0.0) > SILENCE:
             return "silent"
         if self.distance <= tolerance:
-            return "at goal"
+            return self.errand.status if self.errand.status in ABANDONED else "at goal"
         return "stopped" if ended else "under way"
 
     def row(self, now: float, newest: int) -> dict[str, Any]:
@@ -105,6 +112,8 @@ class RobotView:
             "alive": self.alive,
             "velocity": [round(part, _DIGITS) for part in self.velocity],
             "distance": round(self.distance, _DIGITS),
+            "goal": self.errand.goal,
+            "ahead": self.errand.ahead,
             "age": None if age is None else round(age, 2),
             "age_ticks": None if age is None else newest - self.tick,
             "rate": 0.0 if silent else self._rate,
@@ -112,6 +121,6 @@ class RobotView:
             "rejected": 0 if health is None else sum(health.rejected.values()),
             "reasons": {} if health is None else health.rejected,
             "restarts": self.restarts,
-            "lines": [] if health is None else health.lines,
+            "lines": self.lines,
             "lines_tick": None if health is None else health.tick,
         }

@@ -44,7 +44,8 @@ def _outline(shape: Shape) -> dict[str, Any]:
 def _still(robot: RobotView) -> dict[str, Any]:
     spec = robot.spec
     trail = [[round(x, 5), round(y, 5)] for x, y in robot.trail.items]
-    return {"id": spec.id, "radius": spec.radius, "start": spec.start, "goal": spec.goal, "trail": trail}
+    goal = robot.errand.goal
+    return {"id": spec.id, "radius": spec.radius, "start": spec.start, "goal": goal, "trail": trail}
 
 
 def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:

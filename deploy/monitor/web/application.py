@@ -1,10 +1,11 @@
-"""The web application: a page of static files, and one websocket for frames and steering."""
+"""The web application: a page of static files, and one websocket for frames, steering and goals."""
 
 from __future__ import annotations
 
 import asyncio
 from hmac import compare_digest
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import msgspec
@@ -19,6 +20,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
+from protocol.goals import GoalOrder, GoalReply
+from protocol.messages import Id
 from protocol.steering import Steer
 
 PAGE = Path(__file__).parent / "page"
@@ -32,6 +35,21 @@ _HEADERS = {
 
 
 _ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
+_ANSWER = 10.0  # s that the source may take over an order
+_UNANSWERED = GoalReply(False, text="no answer from the run; the order may yet reach it")
+
+
+class Directed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Who is to go where."""
+
+    robot: Id
+    order: GoalOrder
+
+
+class Asked(Steer, frozen=True):
+    """What a viewer may ask for: steering, and where one robot is to go."""
+
+    goal: Directed | None = None
 
 
 class FixedHeaders:
@@ -58,11 +76,13 @@ def application(source: Source, hosts: list[str], token: str) -> Starlette:
             await socket.close(1008)
             return
         await socket.accept()
+        may_steer = _knows(socket, token)
+        await _tell(socket, "welcome", may_steer=may_steer)
         stream.enter()
         try:
             async with asyncio.TaskGroup() as tasks:
                 sending = tasks.create_task(_send(socket, stream))
-                await _listen(socket, source, may_steer=_knows(socket, token))
+                await _listen(socket, source, tasks, may_steer=may_steer)
                 sending.cancel()
         except* WebSocketDisconnect:
             pass
@@ -98,22 +118,35 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         await socket.send_text(frame.decode())
 
 
-async def _listen(socket: WebSocket, source: Source, *, may_steer: bool) -> None:
+async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
     """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
     look, is told and ignored."""
     while True:
         try:
             text = await socket.receive_text()
-            order = msgspec.json.decode(text, type=Steer)
-            if may_steer:
-                source.steer(order)
+            asked = msgspec.json.decode(text, type=Asked)
+            if not may_steer:
+                await _tell(socket, "refused", text=_ONLY_LOOKS)
+            elif asked.goal is not None:
+                tasks.create_task(_order(socket, source, asked.goal))
             else:
-                await _refuse(socket, _ONLY_LOOKS)
+                source.steer(Steer(asked.pause, asked.step, asked.speed))
         except WebSocketDisconnect:
             return
         except (msgspec.DecodeError, KeyError) as error:
-            await _refuse(socket, str(error))
+            await _tell(socket, "refused", text=str(error))
 
 
-async def _refuse(socket: WebSocket, text: str) -> None:
-    await socket.send_text(msgspec.json.encode({"kind": "refused", "text": text}).decode())
+async def _order(socket: WebSocket, source: Source, directed: Directed) -> None:
+    """Pass on where a robot is to go, and say what was answered."""
+    try:
+        async with asyncio.timeout(_ANSWER):
+            reply = await asyncio.wrap_future(source.order(directed.robot, directed.order))
+    except TimeoutError:
+        reply = _UNANSWERED
+    told = {"robot": directed.robot, "points": directed.order.points}
+    await _tell(socket, "answer", **told, accepted=reply.accepted, text=reply.text)
+
+
+async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
+    await socket.send_text(msgspec.json.encode({"kind": kind, **content}).decode())

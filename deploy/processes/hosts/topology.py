@@ -52,6 +52,10 @@ class MultiHost:
         """Connection of somebody here who only watches, to the world's router."""
         return self.membership.client(MONITOR, (self._router_of(self.hosts.world_host),))
 
+    def viewer(self) -> Connection:
+        """Connection of who watches, and gives orders if the operator's key is there."""
+        return self.membership.client(self.membership.viewer, (self._router_of(self.hosts.world_host),))
+
     def _router_of(self, host: Host) -> str:
         return self._endpoint(host.address, host.port)
 

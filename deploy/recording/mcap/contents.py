@@ -1,12 +1,17 @@
-"""What stands in an MCAP file, up to where it ends or is damaged."""
+"""What stands in an MCAP file, up to where it ends or is damaged, one chunk in memory at a time."""
 
 from __future__ import annotations
 
+import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from io import BytesIO
+from itertools import accumulate, count
 from pathlib import Path
+from typing import BinaryIO, NamedTuple
 
 import zstandard
 from mcap.exceptions import EndOfFile, McapError
@@ -18,77 +23,121 @@ from mcap.writer import MCAP0_MAGIC
 from protocol.errors import RecordingError, UsageError
 
 _HEAD = struct.Struct("<BQ")  # what every record begins with: opcode and length
+_FIRST = struct.Struct("<Q")  # what a chunk begins with: its smallest log time
 _DAMAGE = (McapError, ValueError, RuntimeError, struct.error, zstandard.ZstdError, MemoryError)
+_NEVER = 1 << 64
+
+
+class _Chunk(NamedTuple):
+    start: int  # in the file
+    end: int
+    first: int  # smallest log time, ns
 
 
 @dataclass
 class Contents:
-    """Messages in the order of their log time, within one time as they were written.
+    """An MCAP file whose messages are in chunks, as in all that `McapFile` writes.
 
     Attributes:
-        cut: the file has no proper end, or is damaged: all before that place is here.
+        topics: by channel, of the chunks that were read so far.
+        cut: the file has no proper end, or a chunk that was read is damaged: all before that is here.
     """
 
-    topics: dict[int, str] = field(default_factory=dict)
-    messages: list[Message] = field(default_factory=list)
+    path: Path
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    cut: bool = False
+    topics: dict[int, str] = field(default_factory=dict)
+    cut: bool = True
+    _chunks: list[_Chunk] = field(default_factory=list)
 
-    def add(self, record: McapRecord) -> None:
-        """Take over one record."""
-        if isinstance(record, Message):
-            self.messages.append(record)
-        elif isinstance(record, Channel):
-            self.topics[record.id] = record.topic
-        elif isinstance(record, Metadata):
-            self.metadata[record.name] = record.metadata
+    def messages(self, progress: Callable[[float], None] | None = None) -> Iterator[Message]:
+        """In the order of their log time, within one time as they were written.
+
+        A message is held back until no later chunk can have an earlier one.
+        """
+        waiting: list[tuple[int, int, Message]] = []
+        order = count()
+        for chunk, later, found in self._read():
+            for record in found:
+                if isinstance(record, Channel):
+                    self.topics[record.id] = record.topic
+                elif isinstance(record, Message):
+                    heappush(waiting, (record.log_time, next(order), record))
+            while waiting and waiting[0][0] <= later:
+                yield heappop(waiting)[2]
+            if progress is not None:
+                progress(chunk.end / self._chunks[-1].end)
+        while waiting:  # what follows is damaged
+            yield heappop(waiting)[2]
+
+    def _read(self) -> Iterator[tuple[_Chunk, int, list[McapRecord]]]:
+        """Each chunk up to a damaged one, with the smallest log time of all after it, and its records."""
+        starts = [chunk.first for chunk in self._chunks]
+        laters = [*accumulate(reversed(starts), min, initial=_NEVER)][-2::-1]
+        with self.path.open("rb") as file:
+            for chunk, later in list(zip(self._chunks, laters, strict=True)):
+                try:
+                    yield chunk, later, _parsed(file, chunk.start, chunk.end)
+                except _DAMAGE:
+                    self.cut, self._chunks = True, self._chunks[: self._chunks.index(chunk)]
+                    return
 
 
 def contents(path: Path) -> Contents:
-    """Read an MCAP file, whole or cut.
+    """Look through an MCAP file, whole or cut, without reading its messages.
 
     Raises:
         UsageError: it cannot be opened.
         RecordingError: it is not an MCAP file.
     """
+    found = Contents(path)
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
+                raise RecordingError(
+                    f"{path} is not a recording: name a file that `disknav run --record` wrote"
+                )
+            for opcode, start, end in records(file):
+                if opcode == Opcode.FOOTER:
+                    file.seek(end)
+                    found.cut = file.read() != MCAP0_MAGIC
+                elif opcode == Opcode.CHUNK:
+                    (first,) = _FIRST.unpack(_bytes(file, start + _HEAD.size, _FIRST.size))
+                    found._chunks.append(_Chunk(start, end, first))
+                elif opcode == Opcode.METADATA:
+                    (record,) = _parsed(file, start, end)
+                    assert isinstance(record, Metadata)
+                    found.metadata[record.name] = record.metadata
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
-    if not data.startswith(MCAP0_MAGIC):
-        raise RecordingError(f"{path} is not a recording: name a file that `disknav run --record` wrote")
-    end, ended = _complete(data)
-    found = Contents(cut=not ended)
-    try:
-        for record in StreamReader(BytesIO(data[:end]), validate_crcs=True).records:
-            found.add(record)
-    except EndOfFile:
-        pass  # the last complete record of a file that was cut
     except _DAMAGE:
         found.cut = True
-    found.messages.sort(key=lambda message: message.log_time)
     return found
 
 
-def records(data: bytes) -> Iterator[tuple[int, int, int]]:
+def records(file: BinaryIO) -> Iterator[tuple[int, int, int]]:
     """Opcode, start and end of every record that is complete, the footer at most."""
+    size = file.seek(0, os.SEEK_END)
     place = len(MCAP0_MAGIC)
     opcode = 0
-    while opcode != Opcode.FOOTER and place + _HEAD.size <= len(data):
-        opcode, length = _HEAD.unpack_from(data, place)
+    while opcode != Opcode.FOOTER and place + _HEAD.size <= size:
+        opcode, length = _HEAD.unpack(_bytes(file, place, _HEAD.size))
         end = place + _HEAD.size + length
-        if end > len(data):
+        if end > size:
             return
         yield opcode, place, end
         place = end
 
 
-def _complete(data: bytes) -> tuple[int, bool]:
-    """Where the last complete record ends, and whether that is the file's proper end."""
-    place = len(MCAP0_MAGIC)
-    for opcode, start, end in records(data):
-        if opcode == Opcode.FOOTER:
-            after = end + len(MCAP0_MAGIC)
-            return (after, True) if data[end:after] == MCAP0_MAGIC else (start, False)
-        place = end
-    return place, False
+def _parsed(file: BinaryIO, start: int, end: int) -> list[McapRecord]:
+    """A record, or those of a chunk."""
+    found: list[McapRecord] = []
+    with suppress(EndOfFile):  # there is nothing else
+        found.extend(
+            StreamReader(BytesIO(_bytes(file, start, end - start)), True, validate_crcs=True).records
+        )
+    return found
+
+
+def _bytes(file: BinaryIO, start: int, size: int) -> bytes:
+    file.seek(start)
+    return file.read(size)

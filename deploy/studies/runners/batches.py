@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
+from math import ceil
 
 from deploy.studies.runners.worker import Job
 from deploy.studies.study import Run, Study
 
-_LOCAL = 8  # in-process runs a batch: little is lost by waiting for the last
+BATCH = (
+    8  # runs: what is lost with a worker, or with Ctrl-C, is at most this; and a fleet is started for as many
+)
 
 
 def batches(study: Study, runs: Sequence[Run], jobs: int) -> list[list[Job]]:
     """Batches for `jobs` workers, in the order in which to begin them.
 
-    On real processes runs with the same robots share a fleet, so there are as many batches of them as
-    jobs, each with every `jobs`-th run, which balances what easy and hard cells take.
+    On real processes runs with the same robots share a fleet. Each worker has equally many batches of them,
+    each with runs from all over the study, which balances what easy and hard cells take.
     """
     dealt: list[list[Job]] = []
     keyed = [(_fleet(study, run), run) for run in runs]
@@ -24,9 +27,10 @@ def batches(study: Study, runs: Sequence[Run], jobs: int) -> list[list[Job]]:
         if study.isolated:
             dealt += [[job] for job in several]
         elif transport == "local":
-            dealt += [several[n : n + _LOCAL] for n in range(0, len(several), _LOCAL)]
+            dealt += [several[n : n + BATCH] for n in range(0, len(several), BATCH)]
         else:
-            dealt += [several[n::jobs] for n in range(min(jobs, len(several)))]
+            count = jobs * ceil(len(several) / (jobs * BATCH))
+            dealt += [several[n::count] for n in range(min(count, len(several)))]
     return dealt
 
 

@@ -7,26 +7,19 @@ results once, so no row is lost and none comes twice.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import CancelledError
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from deploy.run.options import fresh_run_name
 from deploy.software.provenance import code_digest
-from deploy.software.scheduler import connected
-from deploy.studies.runners.worker import Batch, Perform, Result, execute
-from deploy.studies.study import Run
+from deploy.software.scheduler import connected, finished, result
+from deploy.studies.runners.worker import Batch, Outcome, Perform, execute, outcomes
 from protocol.errors import DisknavError, ProcessError
 
 if TYPE_CHECKING:
     from distributed import Future
 
-Outcome = tuple[Run, Result]
-
-BATCH = 8  # runs a task: what is lost with a worker, or runs on for nothing after Ctrl-C, is at most this
 _GATHERING = 10.0  # s for it to have a worker
-_LOOK = 1.0  # s between looks at whether there still are workers
-_DESERTED = 60.0  # s without any worker
 
 
 class Cluster:
@@ -67,10 +60,10 @@ class Cluster:
         self._given = self._submitted(batches)
         waiting = set(self._given)
         while waiting:
-            done = self._next(waiting)
-            waiting -= done
+            done = finished(self._client, waiting)
+            waiting.difference_update(done)
             for future in done:
-                yield from self._result(future)
+                yield from result(self._client, future)
                 future.release()
 
     def _submitted(self, batches: Sequence[Batch]) -> list[Future[list[Outcome]]]:
@@ -79,43 +72,6 @@ class Cluster:
             self._client.submit(within_dask, batch, *arguments, key=f"{self._name}-{next(self._number)}")
             for batch in batches
         ]
-
-    def _next(self, waiting: set[Future[list[Outcome]]]) -> set[Future[list[Outcome]]]:
-        """Those that are done, as soon as there is one."""
-        from distributed import TimeoutError as NoneYet
-        from distributed import wait
-
-        deserted = 0.0
-        while deserted < _DESERTED:
-            try:
-                with self._client.as_current():
-                    return set(wait(waiting, timeout=_LOOK, return_when="FIRST_COMPLETED").done)
-            except NoneYet:
-                deserted = 0.0 if self._client.nthreads() else deserted + _LOOK
-            except CancelledError:
-                raise self._abandoned() from None
-        raise ProcessError(f"the cluster at {self._address} has had no worker for {_DESERTED:g} s; {_ON}")
-
-    def _result(self, future: Future[list[Outcome]]) -> list[Outcome]:
-        from distributed import KilledWorker
-
-        try:
-            return list(future.result())
-        except DisknavError:
-            raise
-        except CancelledError:
-            raise self._abandoned() from None
-        except KilledWorker as error:
-            raise ProcessError(
-                f"every worker that was given the batch {future.key} was lost: {error}; {_ON}"
-            ) from error
-        except Exception as error:
-            raise ProcessError(
-                f"a worker of the cluster at {self._address} could not run a batch: {error!r}; {_ON}"
-            ) from error
-
-    def _abandoned(self) -> ProcessError:
-        return ProcessError(f"the scheduler at {self._address} is gone, or cancelled the study; {_ON}")
 
     def _await_workers(self) -> None:
         from distributed import TimeoutError as NoneYet
@@ -128,9 +84,6 @@ class Cluster:
                 f"the scheduler at {self._address} has no workers: start some with "
                 f"`dask worker {self._address} --nthreads 1`"
             ) from None
-
-
-_ON = "the same command goes on from what is done"
 
 
 def within_dask(batch: Batch, digest: str, stop: str, perform: Perform) -> list[Outcome]:
@@ -151,16 +104,13 @@ def within_dask(batch: Batch, digest: str, stop: str, perform: Perform) -> list[
             f"the worker at {get_worker().address} has another version of disknav: "
             "install the same everywhere"
         )
-    outcomes: list[Outcome] = []
     stopped = Event(stop)
 
-    def send(run: Run, result: dict[str, Any]) -> None:
-        outcomes.append((run, result))
+    def check() -> None:
         if stopped.is_set():
             raise StudyStoppedError("the study was stopped")
 
-    perform(batch, send)
-    return outcomes
+    return outcomes(batch, perform, check)
 
 
 class StudyStoppedError(DisknavError):

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil
 from typing import Any
 
 from deploy.run.options import Transport
 from deploy.software.provenance import code_digest
 from deploy.studies.runners.batches import batches
-from deploy.studies.runners.cluster import BATCH, Cluster
+from deploy.studies.runners.cluster import Cluster
 from deploy.studies.runners.progress import StudyProgress
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.worker import FAILED, Job
@@ -53,7 +52,7 @@ def execute(
     reused, complete = len(results), True
     try:
         if left:
-            dealt = batches(study, left, jobs if scheduler is None else ceil(len(left) / BATCH))
+            dealt = batches(study, left, jobs)
             pool = WorkerPool(min(jobs, len(dealt))) if scheduler is None else Cluster(scheduler)
             progress = StudyProgress(study.name, len(runs), reused, quiet)
             _execute(study, dealt, pool, results, log, progress)

@@ -1,4 +1,4 @@
-"""A worker of a study: a process that is sent batches of runs and sends back their results.
+"""A worker of a study: a process that is given batches of runs and gives back their results.
 
 In-process runs follow each other in the worker itself. On real processes a batch is one fleet whose
 processes go from run to run, so that only the first run pays for starting them.
@@ -17,6 +17,7 @@ from typing import Any
 
 import psutil
 
+from deploy.processes.forked import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.run.result import complete
@@ -26,6 +27,7 @@ from protocol.errors import ProcessError
 from protocol.title import entitle
 
 Result = dict[str, Any]
+Outcome = tuple[Run, Result]
 Job = tuple[Run, Build]
 Send = Callable[[Run, Result], None]
 Batch = Sequence[tuple[Run, Any]]  # runs, each with what `Perform` needs of it
@@ -43,22 +45,24 @@ KEPT = (
 # fmt: on
 
 
-def work(channel: Channel[Any, Any], perform: Perform) -> None:
-    """Serve batches until the other end is gone. The parent alone decides what a Ctrl-C means."""
-    entitle("study " + multiprocessing.current_process().name.replace("-", " "))
+def begin(lifeline: Channel[Any, Any]) -> None:
+    """Have this process end with the other end of `lifeline`; what a Ctrl-C means, the parent says."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    entitle(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
+    end_with_pipe(os.dup(lifeline.fileno()))
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-    def send(run: Run, result: Result) -> None:
-        channel.send((run, result))
 
-    try:
-        while True:
-            batch: list[Any] = channel.recv()
-            perform(batch, send)
-            channel.send(None)
-    except (EOFError, BrokenPipeError):
-        return
+def outcomes(batch: Batch, perform: Perform, check: Callable[[], None] = lambda: None) -> list[Outcome]:
+    """All results of a batch; `check` is called after each run, and may end it by an exception."""
+    found: list[Outcome] = []
+
+    def send(run: Run, result: Result) -> None:
+        found.append((run, result))
+        check()
+
+    perform(batch, send)
+    return found
 
 
 def kept(result: Result) -> Result:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from concurrent.futures import CancelledError
 from typing import TYPE_CHECKING
 
-from deploy.software.scheduler import connected
+from deploy.software.scheduler import connected, finished, result
 from deploy.theory.certify.boxes.scene import Scene
 from deploy.theory.certify.boxes.search import grow
 from deploy.theory.certify.campaign import widen
 from deploy.theory.certify.frontier import Frontier, Grown, Open
-from protocol.errors import ProcessError
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -21,8 +19,6 @@ if TYPE_CHECKING:
 
 _NODES = 100_000  # a task; what is lost with a worker, or with Ctrl-C, is at most this
 _SHARES = 4  # open boxes for each thread of the cluster
-_LOOK = 1.0  # s
-_DESERTED = 60.0  # s without any worker
 
 
 class Spread:
@@ -35,7 +31,7 @@ class Spread:
             UsageError: the library is missing, or `address` is none.
             ProcessError: no scheduler answers there.
         """
-        self._address, self._client = address, connected(address)
+        self._client = connected(address)
 
     def work(self, scene: Scene, frontier: Frontier) -> Iterator[float]:
         """Until nothing is open; leaving early cancels what is outstanding.
@@ -47,7 +43,7 @@ class Spread:
         try:
             while frontier.open:
                 self._give(scene, frontier, given)
-                yield sum(self._take(frontier, future, given) for future in self._next(given))
+                yield sum(self._take(frontier, future, given) for future in finished(self._client, given))
         finally:
             self._client.cancel(list(given), force=True)
 
@@ -61,44 +57,10 @@ class Spread:
                 future = self._client.submit(perform, scene, root, frontier.kappa[1], pure=False)
                 given[future] = root
 
-    def _next(self, given: dict[_Task, Open]) -> list[_Task]:
-        """Those that are done, as soon as there is one; nothing, to look around, after a while."""
-        from distributed import TimeoutError as NoneYet
-        from distributed import wait
-
-        deserted = 0.0
-        while given and deserted < _DESERTED:
-            try:
-                with self._client.as_current():
-                    return list(wait(list(given), timeout=_LOOK, return_when="FIRST_COMPLETED").done)
-            except NoneYet:
-                deserted = 0.0 if self._client.nthreads() else deserted + _LOOK
-            except CancelledError:
-                raise self._lost("the scheduler is gone") from None
-        if given:
-            raise self._lost(f"no worker for {_DESERTED:g} s")
-        return []
-
-    def _take(
-        self,
-        frontier: Frontier,
-        future: _Task,
-        given: dict[_Task, Open],
-    ) -> float:
-        root = given.pop(future)
-        try:
-            grown, seconds = future.result()
-        except CancelledError:
-            raise self._lost("the scheduler is gone") from None
-        except Exception as error:
-            raise self._lost(f"a worker could not do its part: {error!r}") from error
-        frontier.put(root, grown)
+    def _take(self, frontier: Frontier, future: _Task, given: dict[_Task, Open]) -> float:
+        grown, seconds = result(self._client, future)
+        frontier.put(given.pop(future), grown)
         return seconds
-
-    def _lost(self, why: str) -> ProcessError:
-        return ProcessError(
-            f"the cluster at {self._address}: {why}; the same command goes on from what is done"
-        )
 
 
 def perform(scene: Scene, root: Open, kappa: float) -> tuple[Grown, float]:

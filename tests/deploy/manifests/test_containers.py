@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +15,14 @@ import compose_spec
 import kubernetes_validate
 import pytest
 import yaml
-import zenoh
 
 from deploy.library.load import load
+from deploy.manifests import compose, container
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.processes.probe import probed_key
 from deploy.security.roster import Roster
+from protocol.bus.heartbeat import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
 
@@ -61,12 +64,11 @@ def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path,
         assert service["cap_drop"] == ["ALL"]
         assert service["read_only"] is True
         assert "ports" not in service
-    files = {folder / entry["file"] for part in ("configs", "secrets") for entry in project[part].values()}
-    assert all(path.is_file() for path in files)
+        assert service["image"] == "localhost/disknav"  # nothing that could be fetched from somebody else
+    assert all((folder / entry["file"]).is_file() for entry in project["secrets"].values())
     assert parse_toml((folder / "scenario.toml").read_text()) == SCENARIO
-    config = zenoh.Config.from_json5((folder / "router.json5").read_text())
-    assert "/keys/router.key" in config.get_json("transport/link/tls")
-    assert "disknav/Yard_7/" in config.get_json("access_control/rules")
+    assert project["services"]["world"]["volumes"] == ["./scenario.toml:/config/scenario.toml:ro"]
+    assert folder.stat().st_mode & 0o077 == 0
 
 
 @pytest.mark.parametrize("version", ["1.30", "1.33"])
@@ -101,11 +103,11 @@ def test_a_kubernetes_schema_would_notice(tmp_path: Path, plan: Plan) -> None:
 def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, plan: Plan) -> None:
     robots = documents(written(tmp_path, "kubernetes", plan) / "fleet.yaml")[-1]["spec"]
     assert (robots["completions"], robots["completionMode"]) == (3, "Indexed")
-    container = robots["template"]["spec"]["containers"][0]
+    pod = robots["template"]["spec"]["containers"][0]
     items = robots["template"]["spec"]["volumes"][0]["secret"]["items"]
-    listed = next(entry["value"] for entry in container["env"] if entry["name"] == "ROBOTS")
+    listed = next(entry["value"] for entry in pod["env"] if entry["name"] == "ROBOTS")
     for index, robot in enumerate(ROSTER.robots):
-        shell = container["command"][-1].replace("exec disknav", "exec echo")
+        shell = pod["command"][-1].replace("exec disknav", "exec echo")
         environment = {"ROBOTS": listed, "INDEX": str(index), "PATH": "/usr/bin:/bin"}
         done = subprocess.run(["/bin/sh", "-c", shell], env=environment, capture_output=True, check=True)
         assert done.stdout.decode().split()[:2] == ["robot", str(robot)]
@@ -120,12 +122,41 @@ def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path,
     assert len(templates) == 3
     for pod in templates:
         assert pod["securityContext"]["runAsNonRoot"] is True
-        (container,) = pod["containers"]
-        assert container["securityContext"]["capabilities"] == {"drop": ["ALL"]}
-        assert {"livenessProbe", "readinessProbe"} <= set(container)
-    assert "probe" in templates[1]["containers"][0]["livenessProbe"]["exec"]["command"]
+        (running,) = pod["containers"]
+        assert running["securityContext"]["capabilities"] == {"drop": ["ALL"]}
+        assert {"livenessProbe", "startupProbe"} <= set(running)
+        assert running["image"] == "localhost/disknav"
     assert (folder / "secret.yaml").stat().st_mode & 0o077 == 0
     assert probed_key("r", "robot-5") == "disknav/r/robot/5/health"
+
+
+def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Path) -> None:
+    alive = tmp_path / "alive"
+    command = container.PROBE.replace("/tmp/alive", str(alive))
+
+    def well() -> bool:
+        return subprocess.run(["/bin/sh", "-c", command], capture_output=True, check=False).returncode == 0
+
+    assert str(alive) in command
+    assert not well()
+    beat = Heartbeat(alive)
+    beat(0.0)
+    assert well()
+    os.utime(alive, (time.time() - container.STALE,) * 2)
+    assert not well()
+    beat(0.5)  # too soon to be told again
+    assert not well()
+    beat(PERIOD)
+    assert well()
+
+
+def test_an_error_leaves_no_half_written_folder(
+    tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compose, "json_text", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        written(tmp_path, "compose", plan)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_router_or_a_monitor_cannot_be_probed() -> None:

@@ -61,6 +61,24 @@ def test_systemd_accepts_the_units(folder: Path) -> None:
 
 
 @needs_systemd
+def test_software_in_a_home_is_shown_and_nothing_else_there(tmp_path: Path) -> None:
+    """Whatever the modes of the folders above it; with spaces, colons and per cent signs in its path."""
+    home = "/root/my fleet: 100%"
+    plan = Plan(
+        Roster("yard", SCENARIO.ids),
+        write_toml(SCENARIO),
+        command=f"{home}/env/bin/disknav",
+        software=(f"{home}/env", "/usr"),
+    )
+    write(tmp_path / "fleet", "systemd", plan)
+    unit = tmp_path / "fleet" / "disknav-yard-world.service"
+    assert lines(unit, "ProtectHome") == ["tmpfs"]
+    assert lines(unit, "BindReadOnlyPaths") == ['"/root/my fleet: 100%%/env"']
+    (command,) = lines(unit, "ExecStart")
+    assert command.startswith('"/root/my fleet: 100%%/env/bin/disknav" world %d/')
+
+
+@needs_systemd
 @pytest.mark.parametrize("unit", ["router", "world", "robot@"])
 def test_systemd_finds_them_hardly_exposed(folder: Path, unit: str) -> None:
     done = analyze(

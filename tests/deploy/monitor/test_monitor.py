@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 from collections.abc import Iterator
 from contextlib import closing
 from typing import Any
@@ -14,6 +15,8 @@ from deploy.monitor import terminal
 from deploy.monitor.player import Player
 from deploy.monitor.watcher import Watcher, watch_local
 from deploy.run.local import LocalFleet
+from protocol.bus.local import LocalNetwork
+from protocol.goals import GoalOrder
 from protocol.keys import parse
 from protocol.messages import Clock, Truth
 from protocol.steering import Steer
@@ -80,6 +83,32 @@ def test_pause_step_and_resume_reach_a_run_in_this_process() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
+def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    assert not watcher.order(1, GoalOrder(((0.0, 0.1),))).result(0.0).accepted  # nobody has begun
+    with running(fleet):
+        until(lambda: watcher.snapshot()["tick"] >= 2)
+        assert watcher.order(1, GoalOrder(((0.05, 0.1),))).result(PATIENCE).accepted
+        assert watcher.snapshot()["robots"][0]["goal"] == (0.05, 0.1)
+        outside = watcher.order(1, GoalOrder(((7.0, 0.1),))).result(PATIENCE)
+        assert not outside.accepted
+        assert "out of the workspace" in outside.text
+        late = watch_local(fleet.network, "r", speed=0.0)
+        until(lambda: late.overview()["scenario"])
+        assert late.overview()["robots"][0]["goal"] == (0.05, 0.1)
+        until(lambda: late.snapshot()["verdict"] == "arrived")
+        assert late.snapshot()["robots"][0]["distance"] < 0.006
+
+
+def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
+    watcher = watch_local(LocalNetwork(), "r")
+    watcher._known = True  # what it learnt once; the world has gone since
+    answer = watcher.order(1, GoalOrder(((0.0, 0.0),)))
+    watcher.wake(time.monotonic())
+    assert "nobody answered" in answer.result(0.0).text
+
+
 def test_a_killed_robot_is_an_alarm_within_two_seconds() -> None:
     fleet = LocalFleet([ring(kill=2)], "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
@@ -105,6 +134,7 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
         assert not player.join(0.15)
         assert player.snapshot()["tick"] <= held["tick"] + 1
         player.steer(Steer(pause=False, speed=0.0))
+        assert "recording" in player.order(1, GoalOrder(())).result(0.0).text
         assert player.join(PATIENCE)
         assert player.snapshot()["verdict"] == "arrived"
 

@@ -14,6 +14,7 @@ class FakeWorld:
 
     def __init__(self, bus, run: str) -> None:
         self.tick = 0
+        self.replies: list[bytes] = []  # to who asks first
         self._bus, self._run = bus, run
         self._publish = {}
         if hasattr(bus, "node"):
@@ -23,7 +24,8 @@ class FakeWorld:
 
     def handle(self, event) -> None:
         if isinstance(event, Request):
-            event.reply(joining.encode_reply(joining.Overview(scenario(), True)))
+            overview = joining.encode_reply(joining.Overview(scenario(), True))
+            event.reply(self.replies.pop(0) if self.replies else overview)
 
     def say(self, key: str, payload: bytes) -> None:
         if key not in self._publish:

@@ -22,5 +22,6 @@ def scenario(**changes: Any) -> Scenario:
 
 def record(path: Path, **changes: Any) -> dict[str, Any]:
     """Record a run in this process; returns the world's report."""
-    (report,) = LocalFleet([scenario(**changes)], "three", record=path).execute()
+    with LocalFleet([scenario(**changes)], "three", record=path) as fleet:
+        (report,) = fleet.execute()
     return report

@@ -12,6 +12,7 @@ from mcap.records import ChunkIndex, McapRecord, Message, MessageIndex, Statisti
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from mcap.writer import CompressionType, Writer
 
+from deploy.recording.mcap.contents import contents
 from deploy.recording.mcap.file import McapFile
 
 CHANNELS = 5
@@ -124,3 +125,16 @@ def _first(data: bytes, place: int) -> McapRecord:
 def _comparable(statistics: Statistics) -> dict:
     """All but how the messages were spread over chunks."""
     return {**vars(statistics), "chunk_count": None}
+
+
+def test_messages_come_in_the_order_of_time_however_late_they_were_written(tmp_path):
+    file, draw = McapFile(tmp_path / "late.mcap", "test"), random.Random(7)
+    number = file.channel("topic", file.schema("any", b"{}"), {})
+    times = [max(0, tick - draw.choice((0, 0, 0, 40, 900))) for tick in range(1000)]
+    for index, time in enumerate(times):
+        file.messages([number], np.array([time], np.uint64), b"%d\n" % index)
+        if index % 70 == 0:
+            file.flush()
+    file.finish()
+    said = [(each.log_time, int(each.data)) for each in contents(tmp_path / "late.mcap").messages()]
+    assert said == sorted(zip(times, range(1000), strict=True))

@@ -1,20 +1,16 @@
 """Recording on real zenoh: by a process of its own, and within the router."""
 
-import multiprocessing
-import os
 import signal
 import time
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-import psutil
 import pytest
 
 from deploy.processes import table
 from deploy.processes.router import listening
 from deploy.processes.supervisor import Supervisor
-from deploy.recording import process
 from deploy.recording.reader import read
 from deploy.recording.trajectory import trajectory
 from deploy.run.fleet import Fleet
@@ -66,49 +62,68 @@ def _after(seconds: float) -> Callable[[], bool]:
     return lambda: time.monotonic() > due
 
 
-def _recorder(endpoint: str, path: Path) -> multiprocessing.Process:
-    started = multiprocessing.get_context("spawn").Process(
-        target=_record, args=(Connection(connect=(endpoint,)), path), daemon=True
-    )
-    started.start()
-    return started
+@pytest.fixture
+def beside(network, tmp_path):
+    """A recorder beside a router, and who writes, as a fleet starts them; each may come back once."""
+    world, bus, endpoint = network
+    path = tmp_path / "beside.mcap"
+    with Supervisor() as supervisor:
+        supervisor.start([table.writer(path, tmp_path / "writer", restarts=1)])
+        supervisor.report(table.WRITER, 30.0)
+        connection = Connection(connect=(endpoint,))
+        supervisor.start([table.recorder(connection, "lost", tmp_path / "writer", 30.0, restarts=1)])
+        _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
+        yield supervisor, world, bus, path
 
 
-def _record(connection: Connection, path: Path) -> None:
-    raise SystemExit(process.main(connection, "lost", path))
+def _pids(supervisor: Supervisor) -> dict[str, int]:
+    """Of those that run now."""
+    supervisor.poll()
+    return supervisor.pids()
 
 
 @pytest.mark.process
-def test_a_killed_recorder_leaves_all_but_the_last_moment(network, tmp_path):
-    world, bus, endpoint = network
-    path = tmp_path / "killed.mcap"
-    recorder = _recorder(endpoint, path)
-    try:
-        _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
-        safe = _feed_past(world, bus, path)
-        os.kill(recorder.pid, signal.SIGKILL)
-    finally:
-        recorder.kill()
-        recorder.join(10)
+def test_a_killed_recorder_comes_back_and_the_file_goes_on(beside):
+    supervisor, world, bus, path = beside
+    safe = _feed_past(world, bus, path)
+    _feed(world, bus, lambda: _pids(supervisor) and supervisor.heard(table.RECORDER))
+    supervisor.signal(table.RECORDER, signal.SIGKILL)
+    _feed(world, bus, lambda: _pids(supervisor) and supervisor.heard(table.RECORDER))
+    last = _feed_past(world, bus, path)
+    supervisor.stop()
     found = read(path)
-    assert found.cut
-    assert found.truths.ticks[-1] > safe, "more than the last second is lost"
+    assert not found.cut
+    assert {safe, last} <= set(found.truths.ticks.tolist())
+    assert list(path.parent.glob("*.mcap")) == [path]
 
 
 @pytest.mark.process
-def test_a_recorder_told_to_stop_finishes_with_the_result(network, tmp_path):
-    world, bus, endpoint = network
-    path = tmp_path / "stopped.mcap"
-    recorder = _recorder(endpoint, path)
-    try:
-        _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
-        os.kill(recorder.pid, signal.SIGTERM)
-        _feed(world, bus, _after(0.1))
-        world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
-        recorder.join(10)
-    finally:
-        recorder.kill()
-    assert recorder.exitcode == 0
+def test_a_killed_writer_leaves_all_but_the_last_moment_and_the_next_writes_another_file(beside):
+    supervisor, world, bus, path = beside
+    safe, more = _feed_past(world, bus, path), path.with_stem("beside-2")
+    supervisor.signal(table.WRITER, signal.SIGKILL)
+    _feed(world, bus, lambda: _pids(supervisor) and more.exists() and more.stat().st_size > 4000)
+    last = _feed_past(world, bus, more)
+    world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
+    supervisor.stop(spare=[table.WRITER])
+    supervisor.stop()
+    before, after = read(path), read(more)
+    assert before.cut
+    assert before.truths.ticks[-1] >= safe
+    assert (after.cut, after.result) == (False, {"verdict": "interrupted"})
+    assert last in after.truths.ticks
+    assert after.truths.ticks[1] <= before.truths.ticks[-1] + 5000, "what was heard meanwhile is handed over"
+    assert supervisor.heard(table.WRITER) == [str(path), str(more)]
+
+
+@pytest.mark.process
+def test_a_recorder_told_to_stop_finishes_with_the_result(beside):
+    supervisor, world, bus, path = beside
+    supervisor.signal(table.RECORDER, signal.SIGTERM)
+    _feed(world, bus, _after(0.1))
+    world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
+    until(lambda: table.RECORDER not in _pids(supervisor))
+    supervisor.stop()
     found = read(path)
     assert found.result == {"verdict": "interrupted"}
     assert not found.cut
@@ -117,48 +132,33 @@ def test_a_recorder_told_to_stop_finishes_with_the_result(network, tmp_path):
 # -- within the router
 
 
-def _write_end(router: int) -> int:
-    """The process beside a router that writes the file."""
-    (writer,) = psutil.Process(router).children()
-    return writer.pid
-
-
 @pytest.fixture
 def aboard(tmp_path):
-    """A router that records, as a fleet starts it: its process, its endpoint and the file."""
+    """A router that records, as a fleet starts it, and the file."""
     path = tmp_path / "aboard.mcap"
     with Supervisor() as supervisor:
-        supervisor.start([table.router(Connection("router"), ("lost", path))])
-        endpoint = supervisor.report("router", 30.0)
-        yield supervisor, supervisor.usage()[0].pid, endpoint, path
+        supervisor.start([table.writer(path, tmp_path / "writer")])
+        supervisor.report(table.WRITER, 30.0)
+        supervisor.start([table.router(Connection("router"), ("lost", tmp_path / "writer"))])
+        endpoint = supervisor.report(table.ROUTER, 30.0)
+        yield supervisor, endpoint, path
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("victims", ["writer", "router", "both"])
+@pytest.mark.parametrize("victims", [[table.WRITER], [table.ROUTER], [table.ROUTER, table.WRITER]])
 def test_killed_it_leaves_all_but_the_last_moment(aboard, victims):
-    supervisor, router, endpoint, path = aboard
-    writer = _write_end(router)
+    supervisor, endpoint, path = aboard
     with closing(ZenohBus(Connection(connect=(endpoint,)))) as bus:
         world = FakeWorld(bus, "lost")
         _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
         safe = _feed_past(world, bus, path)
-        for victim in {"writer": [writer], "router": [router], "both": [router, writer]}[victims]:
-            os.kill(victim, signal.SIGKILL)
-        _feed(world, bus, _after(0.1))
-        if victims == "writer":
-            assert supervisor.poll() == [], "the fleet can go on"
-    until(lambda: not _runs(writer))
-    found = read(path)
+        for victim in victims:
+            supervisor.signal(victim, signal.SIGKILL)
+        _feed(world, bus, lambda: not _pids(supervisor).keys() & set(victims))
+    assert _pids(supervisor).keys() == {table.WRITER, table.ROUTER} - set(victims), "the others go on"
+    found = until(lambda: found if (found := read(path)).truths.ticks[-1] > safe else None)
     assert found.cut
-    assert found.truths.ticks[-1] > safe, "more than the last half second is lost"
     assert found.truths.missing == 0
-
-
-def _runs(pid: int) -> bool:
-    try:
-        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
 
 
 @pytest.mark.process

@@ -9,9 +9,10 @@ import pytest
 from mcap.reader import make_reader
 
 from deploy.recording.reader import read
-from deploy.recording.recorder import Recorder
+from deploy.recording.recorder import PATIENCE, Recorder
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import WriterProcess
+from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
@@ -21,16 +22,17 @@ from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import scenario
 
 
-def _recorder(bus: LocalBus, run: str, folder: Path) -> Recorder:
+def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingFile]:
     bus.subscribe(everything(run))
-    recorder = bus.node = Recorder(bus, run, RecordingFile(folder / f"{run}.mcap"))
-    return recorder
+    file = RecordingFile(folder / f"{run}.mcap")
+    recorder = bus.node = Recorder(bus, run, file)
+    return recorder, file
 
 
 def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
     network = LocalNetwork()
     world = FakeWorld(network.connect(), "fake")
-    recorder = _recorder(network.connect(), "fake", tmp_path)
+    recorder, file = _recorder(network.connect(), "fake", tmp_path)
     command = Command(1, 1, 0, (0.1, 0.2))
     good, foreign = robot_key("fake", 1, "command"), robot_key("fake", 5, "command")
     for key, payload in (
@@ -44,6 +46,7 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
         world.say(key, payload)
     world.say(world_key("fake", "result"), encode(Result('{"verdict": "arrived"}')))
     network.run(lambda: recorder.finished)
+    file.finish()
     found = read(tmp_path / "fake.mcap")
     assert [entry.message for entry in found.entries] == [command]
     assert found.result == {"verdict": "arrived"}
@@ -71,7 +74,7 @@ def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path):
     note = encode(Health(1, 1, 3, 0.0, 1, 1, {}, (), (), "null"))
     batch.append((robot_key("r", 1, "health"), note))  # a word, and no number
     file.write(batch)
-    file.finish(None)
+    file.finish()
     found = read(tmp_path / "x.mcap")
     assert found.commands[1] == good
     assert [each.note for each in found.health[1]] == ["null"]
@@ -82,7 +85,7 @@ def test_a_tick_beyond_all_time_does_not_end_the_recording(tmp_path):
     file = RecordingFile(tmp_path / "x.mcap")
     file.begin("r", scenario())
     file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 2**53, (0.1, 0.2))))])
-    file.finish(None)
+    file.finish()
     assert read(tmp_path / "x.mcap").commands[1] == [Command(1, 1, 2**53, (0.1, 0.2))]
 
 
@@ -91,9 +94,9 @@ def test_a_chunk_without_messages_is_whole(tmp_path):
     file.begin("r", scenario())
     file.write([(robot_key("r", 1, "command"), b"\x93")])
     file.flush()
-    file.finish(None)
+    file.finish()
     found = read(tmp_path / "x.mcap")
-    assert (found.entries, found.cut) == ([], False)
+    assert (list(found.entries), found.cut) == ([], False)
 
 
 def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
@@ -135,10 +138,36 @@ def test_the_end_of_the_world_ends_the_recording(tmp_path):
     bus = network.connect()
     world = FakeWorld(bus, "gone")
     listener = network.connect()
-    recorder = _recorder(listener, "gone", tmp_path)
+    recorder, file = _recorder(listener, "gone", tmp_path)
     recorder.handle(listener.receive(0.0))
     world.say(robot_key("gone", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))
     bus.close()
     network.run(lambda: recorder.finished)
+    file.finish()
     found = read(tmp_path / "gone.mcap")
-    assert (len(found.entries), found.result, found.cut) == (1, None, False)
+    assert (found.counts.total(), found.result, found.cut) == (1, None, False)
+
+
+@pytest.mark.parametrize(
+    "first", [b"\xc1", joining.encode_reply(joining.Wait(1.0))], ids=["malformed", "another"]
+)
+def test_a_world_that_answers_nonsense_is_asked_again(tmp_path, first):
+    network = LocalNetwork()
+    world = FakeWorld(network.connect(), "odd")
+    world.replies = [first]
+    recorder, file = _recorder(network.connect(), "odd", tmp_path)
+    network.run(lambda: not world.replies)
+    world.say(robot_key("odd", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))
+    recorder.wake(recorder.deadline)
+    recorder.close()
+    file.finish()
+    assert read(tmp_path / "odd.mcap").commands[1] == [Command(1, 1, 0, (0.1, 0.2))]
+
+
+def test_a_world_that_answers_nothing_else_is_named(tmp_path):
+    network = LocalNetwork()
+    FakeWorld(network.connect(), "odd").replies = [b"\xc1"] * 2
+    recorder, _ = _recorder(network.connect(), "odd", tmp_path)
+    recorder.handle(recorder._bus.receive(0.0))
+    with pytest.raises(BusError, match="the world does not say its scenario within"):
+        recorder.wake(time.monotonic() + PATIENCE)

@@ -1,17 +1,20 @@
 """Recordings: what is written is what was said, and any MCAP reader reads it."""
 
 import json
+import tracemalloc
 
 import numpy as np
 from mcap.reader import make_reader
 
+from deploy.recording.mcap.contents import contents
 from deploy.recording.reader import read
-from deploy.recording.result import attach
 from deploy.recording.trajectory import trajectory
+from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Sample
 from protocol.codec import encode
-from protocol.keys import everything, parse
+from protocol.keys import everything, parse, robot_key
+from protocol.messages import Command
 from protocol.streams import STREAMS
 from tests.deploy.recording.recorded import ROBOTS, scenario
 
@@ -69,9 +72,9 @@ def test_what_is_read_is_what_was_run(recorded):
 
 
 def test_everything_that_was_said_is_recorded_in_order(tmp_path):
-    fleet = LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap")
-    spy = Spy(fleet.network.connect(), "three")
-    fleet.execute()
+    with LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap") as fleet:
+        spy = Spy(fleet.network.connect(), "three")
+        fleet.execute()
     found = read(tmp_path / "spied.mcap")
     said: dict[str, list[bytes]] = {}
     for sample in spy.heard:
@@ -80,7 +83,7 @@ def test_everything_that_was_said_is_recorded_in_order(tmp_path):
     for key, payloads in said.items():
         kept = [encode(entry.message) for entry in found.entries if entry.key == key]
         assert kept[: len(payloads)] == payloads
-    assert found.counts().keys() == said.keys()
+    assert found.counts.keys() == said.keys()
     assert [entry.time for entry in found.entries] == sorted(entry.time for entry in found.entries)
 
 
@@ -89,15 +92,33 @@ def test_recording_does_not_change_the_run(recorded):
     assert report["trajectory_sha256"] == recorded[1]["trajectory_sha256"]
 
 
-def test_the_launchers_result_is_added(recorded, tmp_path):
-    path = tmp_path / "attached.mcap"
-    path.write_bytes(recorded[0].read_bytes())
-    for transport in ("mesh", "routed"):
-        attach(path, recorded[1] | {"transport": transport})
+def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
+    path = tmp_path / "complete.mcap"
+    with LocalFleet([scenario()], "three", record=path) as fleet:
+        (report,) = fleet.execute()
+        fleet.record(report | {"transport": "local"})
     found = read(path)
-    assert found.result["transport"] == "routed"
+    assert found.result == report | {"transport": "local"}
     assert not found.cut
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages()) == len(found.entries)
-        assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 6
+        assert sum(1 for _ in reader.iter_messages()) == found.counts.total() == len(list(found.entries))
+        assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 4
+
+
+def test_reading_takes_no_more_memory_for_a_longer_recording(tmp_path):
+    peaks = []
+    keys = {spec.id: robot_key("r", spec.id, "command") for spec in ROBOTS}
+    for ticks in (1000, 5000):
+        path = tmp_path / f"{ticks}.mcap"
+        file = RecordingFile(path)
+        file.begin("r", scenario())
+        for tick in range(ticks):
+            file.write([(key, encode(Command(robot, 1, tick, (0.1, 0.2)))) for robot, key in keys.items()])
+        file.finish()
+        found = contents(path)
+        tracemalloc.start()
+        assert sum(1 for _ in found.messages()) == 3 * ticks
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 2.0 * peaks[0]

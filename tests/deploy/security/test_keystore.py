@@ -15,8 +15,8 @@ from deploy.security.certificates import Authority
 from deploy.security.inspection import inspect
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
-from deploy.security.roster import Roster, read
-from protocol.bus.credentials import credentials
+from deploy.security.roster import MONITOR, OPERATOR, Roster, read
+from protocol.bus.credentials import credentials, key_file
 from protocol.errors import CertificateError, UsageError
 
 ROSTER = Roster("demo", (1, 2, 7))
@@ -147,3 +147,10 @@ def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
 def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
     with pytest.raises(CertificateError, match="disknav keys new"):
         Membership(tmp_path).run(None)
+
+
+def test_a_page_gives_orders_only_where_the_operators_key_is(tmp_path: Path) -> None:
+    assert Membership().viewer == OPERATOR
+    assert Membership(tmp_path).viewer == MONITOR
+    (tmp_path / key_file(OPERATOR)).touch()
+    assert Membership(tmp_path).viewer == OPERATOR

@@ -1,4 +1,4 @@
-// The websocket: overviews and frames come in, steering goes out; opened again when it breaks.
+// The websocket: overviews, frames and answers come in, steering and orders go out; opened again when it breaks.
 // The token that lets this page steer stands after the # of its address.
 const RETRY = 1000; // ms
 
@@ -11,16 +11,14 @@ export class Live {
   open() {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     this.socket = new WebSocket(`${scheme}//${location.host}/live?token=${encodeURIComponent(location.hash.slice(1))}`);
-    this.socket.onmessage = (event) => this.receive(JSON.parse(event.data));
+    this.socket.onmessage = (event) => {
+      const news = JSON.parse(event.data);
+      this.handlers[news.kind](news);
+    };
     this.socket.onclose = () => {
       this.handlers.lost();
       setTimeout(() => this.open(), RETRY);
     };
-  }
-
-  receive(news) {
-    if (news.kind === "refused") this.handlers.refused(news.text);
-    else this.handlers[news.kind](news);
   }
 
   send(order) {

@@ -1,47 +1,66 @@
 // Wires the page together: news from the fleet go into the model, the parts show what it holds.
-import { Controls } from "./controls.js";
-import { showFigures } from "./figures.js";
+import { Controls } from "./panels/controls.js";
+import { showFigures } from "./panels/figures.js";
+import { SelectedRobot } from "./panels/selected.js";
+import { RobotTable } from "./panels/table.js";
 import { Live } from "./live.js";
 import { Model } from "./model.js";
+import { Selection } from "./selection.js";
 import { Plot } from "./drawing/plot.js";
-import { RobotTable } from "./table.js";
+import { Pointer } from "./drawing/pointer.js";
 import { followTheme } from "./drawing/theme.js";
 import { Workspace } from "./drawing/workspace.js";
 
 const element = (id) => document.getElementById(id);
 
 const model = new Model();
-const workspace = new Workspace(element("workspace"), model);
-const table = new RobotTable(element("robots"));
-const controls = new Controls((order) => live.send(order));
+const selection = new Selection();
+const workspace = new Workspace(element("workspace"), model, selection);
+const table = new RobotTable(element("robots"), selection);
+const selected = new SelectedRobot(model, selection, (order) => live.send(order));
+const pointer = new Pointer(workspace, model, selection, selected);
+const controls = new Controls((order) => live.send(order), selection);
 const plots = [
   new Plot(element("clearance"), element("clearance-now"), model, {
-    pick: (point) => point[1] * 1000, unit: " mm", digits: 1, floor: 0, zero: "contact", name: "Clearance",
+    pick: (point) => point[1] * 1000, unit: " mm", digits: 1, floor: 0, zero: "contact",
   }),
   new Plot(element("phi"), element("phi-now"), model, {
-    pick: (point) => point[2], unit: "", digits: 4, floor: 0, ceiling: 1, name: "Navigation function",
+    pick: (point) => point[2], unit: "", digits: 4, floor: 0, ceiling: 1,
   }),
 ];
 
 const live = new Live({
+  welcome: (welcome) => selected.allow(welcome.may_steer),
   overview(overview) {
     model.begin(overview);
     table.begin(model);
     controls.begin(overview);
+    selection.keep(model.robots);
     redraw();
   },
   frame(frame) {
     model.take(frame, performance.now());
-    table.show(frame, model);
+    table.show(model);
     controls.show(frame);
+    selected.show();
+    pointer.show();
     showFigures(frame, model);
     redraw();
   },
   lost() {
     controls.lost();
+    selected.allow(false);
     showFigures(null, model);
   },
-  refused: (text) => controls.refused(text),
+  answer: (answer) => selected.answered(answer),
+  refused: (refusal) => controls.refused(refusal.text),
+});
+
+selection.addEventListener("change", () => {
+  table.show(model);
+  selected.show();
+  pointer.show();
+  workspace.wake();
 });
 
 function redraw() {

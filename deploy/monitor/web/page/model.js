@@ -1,4 +1,5 @@
 // What the page knows: the scenario, the newest frame, and the past of positions, clearance and phi.
+import { distance, gap } from "./geometry.js";
 import { Thinned } from "./thinned.js";
 
 const HISTORY = 2048;
@@ -39,6 +40,7 @@ export class Model {
     this.robots.forEach((robot, index) => {
       robot.from = robot.to;
       robot.row = frame.robots[index] ?? null;
+      robot.goal = robot.row?.goal ?? robot.goal;
     });
     frame.samples.filter((sample) => sample[0] > this.tick).forEach((sample) => this.append(sample));
   }
@@ -52,9 +54,21 @@ export class Model {
     });
   }
 
-  // Where a robot is drawn: on its way between the last two frames.
+  robot(id) {
+    return this.robots.find((robot) => robot.id === id) ?? null;
+  }
+
+  // From the disk of a robot to the nearest other one, thing or wall, m, where all were last.
+  clearance(robot) {
+    const { room, things } = this.overview;
+    const disks = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - other.radius);
+    return Math.min(-gap(room, robot.to), ...things.map((thing) => gap(thing, robot.to)), ...disks) - robot.radius;
+  }
+
+  // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun
+  // before the frame came.
   place(robot, now) {
-    const share = Math.min(1, (now - this.received) / this.period);
+    const share = Math.min(1, Math.max(0, (now - this.received) / this.period));
     return robot.from.map((part, axis) => part + (robot.to[axis] - part) * share);
   }
 

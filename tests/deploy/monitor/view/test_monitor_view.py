@@ -14,7 +14,7 @@ from deploy.monitor.terminal import table
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import HISTORY, View
 from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Clock, Health, Message, Standing, Truth
+from protocol.messages import Clock, Errand, GoalStatus, Health, Message, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Time
 from protocol.steering import Steering
 
@@ -80,6 +80,48 @@ def test_a_watcher_that_comes_late_shows_no_jump_as_a_velocity() -> None:
     it = view()
     run_to(it, 400, 0.0)
     assert rows(it, 0.0)[1]["velocity"] == [0.0, 0.0]
+
+
+def goal(number: int, tick: int, status: Errand = "under way", x: float = 0.2, ahead: int = 0) -> GoalStatus:
+    return GoalStatus(1, tick, number, status, (x, 0.0), ahead)
+
+
+def test_goals_follow_orders_and_an_older_word_changes_nothing() -> None:
+    it = view()
+    run_to(it, 1, 0.0)
+    assert rows(it, 0.0)[1]["goal"] == (-0.1, 0.1)
+    it.on_message(goal(2, 9, ahead=3), 0.0)
+    it.on_message(goal(1, 8, x=-0.2), 0.0)
+    it.on_message(GoalStatus(77, 9, 1, "under way", (0.0, 0.0)), 0.0)  # nobody of this run
+    row = rows(it, 0.0)[1]
+    assert (row["goal"], row["ahead"]) == ((0.2, 0.0), 3)
+    assert row["distance"] == pytest.approx(0.3, abs=1e-4)
+    assert telling.overview(it)["robots"][0]["goal"] == (0.2, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("errand", "said"), [("arrived", "at goal"), ("cancelled", "cancelled"), ("given up", "given up")]
+)
+def test_a_robot_that_stays_says_why(errand: Errand, said: str) -> None:
+    it = view()
+    run_to(it, 1, 0.0)
+    it.on_message(goal(1, 1, errand, x=it.robots[1].position[0]), 0.0)
+    assert statuses(it, 0.0) == [said, "under way", "under way"]
+
+
+def test_who_comes_late_is_told_where_robots_were_sent() -> None:
+    it = View("r")
+    it.begin(SCENARIO, True, (goal(4, 90),))
+    assert rows(it, 0.0)[1]["goal"] == (0.2, 0.0)
+
+
+def test_lines_to_who_is_far_away_are_not_told() -> None:
+    it = view()
+    it.on_message(truth(1), 0.0)
+    it.on_message(Truth(2, (1, 2, 3), ((-0.4, 0.0), (0.0, 0.0), (0.1, 0.0)), 0.02, 0.5), 0.0)
+    it.on_message(health(1, 2), 0.0)
+    it.on_message(health(3, 2), 0.0)
+    assert [len(row["lines"]) for row in rows(it, 0.0).values()] == [0, 0, 1]  # type: ignore[arg-type]
 
 
 def test_a_dead_robot_is_an_alarm_at_once_and_the_others_are_not() -> None:

@@ -11,8 +11,10 @@ from dataclasses import dataclass, field
 import pytest
 
 from deploy.monitor.watcher import Watcher, watch_local
+from deploy.monitor.web.server import Server
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Scenario
+from protocol.steering import Steer
 from tests.deploy.monitor.watched import ring, running, served
 
 playwright = pytest.importorskip(
@@ -34,6 +36,7 @@ FLAGS = [
     "--disable-sync",
 ]
 PATIENCE = 10.0  # s
+MARGIN = 10  # px around the workspace
 DESKTOP, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
 
@@ -44,6 +47,7 @@ class Shown:
     page: playwright.Page
     fleet: LocalFleet
     watcher: Watcher
+    server: Server
     complaints: list[str] = field(default_factory=list)
 
     def tick(self) -> int:
@@ -60,6 +64,28 @@ class Shown:
 
     def distances(self) -> list[float]:
         return [float(text) for text in self.page.locator("td.distance").all_inner_texts()]
+
+    def spot(self, x: float, y: float) -> tuple[float, float]:
+        """Where on the screen a place of the workspace is drawn."""
+        box = self.page.locator("#workspace").bounding_box()
+        scale = (min(box["width"], box["height"]) / 2 - MARGIN) / self.radius
+        return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
+
+    @property
+    def radius(self) -> float:
+        return float(self.watcher.overview()["room"]["radius"])
+
+    def hold(self) -> None:
+        self.watcher.steer(Steer(pause=True))
+        self.page.wait_for_selector("#verdict:has-text('Paused')")
+        self.wait_until(lambda: self.tick() == self.watcher.snapshot()["tick"])
+
+    def place(self, robot: int) -> tuple[float, float]:
+        """Where on the screen a robot is, in a run that is held."""
+        return self.spot(*self.watcher.snapshot()["samples"][-1][4][robot - 1])
+
+    def goal(self, robot: int) -> list[float]:
+        return [round(part, 3) for part in self.watcher.snapshot()["robots"][robot - 1]["goal"]]
 
     def picture(self) -> str:
         return str(self.page.evaluate("document.querySelector('#workspace').toDataURL()"))
@@ -93,12 +119,12 @@ def shown(
     context = browser.new_context(**{"viewport": DESKTOP, **options})
     context.set_default_timeout(1000 * PATIENCE)
     with served(watcher) as server:
-        it = Shown(context.new_page(), fleet, watcher)
+        it = Shown(context.new_page(), fleet, watcher, server)
         it.on_message()
         it.page.goto(server.link)
         it.page.wait_for_selector("#verdict:has-text('Looking')")  # nothing can be missed from here on
         with running(fleet):
-            it.page.wait_for_selector("#robots tr")
+            it.page.wait_for_selector("#robots tr", state="attached")
             yield it
         assert it.complaints == []
         context.close()
@@ -179,6 +205,147 @@ def test_the_layers_of_the_picture_can_be_chosen(browser: playwright.Browser) ->
             it.wait_until(lambda before=before: it.picture() != before)
 
 
+def test_a_click_sends_the_selected_robot_and_who_comes_late_sees_where(browser: playwright.Browser) -> None:
+    with shown(browser, ring(6), speed=0.6) as it:
+        it.wait_for_tick(2)
+        it.hold()
+        it.page.mouse.move(*it.place(3))
+        tip = it.page.locator("#tip")
+        assert tip.inner_text().startswith("Robot 3: under way\nto goal ")
+        assert it.page.locator("tr[data-robot='3'][data-pointed]").count() == 1
+        it.page.mouse.click(*it.place(3))
+        assert it.page.get_by_role("button", name="Robot 3").get_attribute("aria-pressed") == "true"
+        before = it.picture()
+        it.page.mouse.click(*it.spot(0.05, 0.1))
+        it.page.wait_for_selector("#answer[data-tone]:has-text('Robot 3 goes to (0.0')")
+        assert it.goal(3) == pytest.approx([0.05, 0.1], abs=0.002)
+        it.wait_until(lambda: it.picture() != before)  # its goal is drawn elsewhere
+        late = it.page.context.new_page()
+        late.goto(it.server.link)
+        late.locator("tr[data-robot='3']").click()
+        late.wait_for_selector("#value-goal:has-text('(0.0')")
+        assert late.input_value("#goal-x") == it.page.input_value("#goal-x")
+        it.page.mouse.click(*it.spot(-0.05, 0.1), button="left")
+        it.page.keyboard.down("Shift")
+        it.page.mouse.click(*it.spot(0.0, -0.1))
+        it.page.keyboard.up("Shift")
+        it.page.wait_for_selector("#value-goal:has-text('then 1 more')")
+        radius = it.radius
+        it.page.mouse.click(*it.spot(0.0, 0.98 * radius))
+        it.page.wait_for_selector("#answer[data-tone='bad']:has-text('out of the workspace')")
+        it.page.mouse.click(*it.spot(0.95 * radius, 0.95 * radius))  # a corner, where nobody can go
+        it.page.wait_for_selector("text=No robot selected")
+        it.page.mouse.click(*it.spot(0.1, 0.0))  # nobody is selected
+        assert it.goal(3) == pytest.approx([-0.05, 0.1], abs=0.002)
+
+
+def test_who_has_no_token_can_select_but_not_send(browser: playwright.Browser) -> None:
+    with shown(browser, ring(4), speed=0.2) as it:
+        looking = it.page.context.new_page()
+        looking.goto(it.server.address)
+        looking.locator("tr[data-robot='2']").click()
+        looking.wait_for_selector("#how:has-text('only looks')")
+        assert looking.locator("#order").is_hidden()
+        goal = it.goal(2)
+        looking.mouse.click(*it.spot(0.0, 0.0))
+        looking.locator("tr[data-robot='2']").click()
+        looking.wait_for_selector("text=No robot selected")
+        assert it.goal(2) == goal
+
+
+def test_of_many_robots_alarms_and_the_selected_one_are_shown(browser: playwright.Browser) -> None:
+    with shown(browser, ring(26, kill=7, at=0.1), speed=0.5) as it:
+        shown_rows = it.page.locator("#robots tr:visible")
+        it.page.wait_for_selector("#alarms:has-text('robot 7')", state="attached")
+        assert shown_rows.count() == 1
+        assert "26 robots:" in it.page.inner_text("#count")
+        it.page.get_by_label("Find robot").fill("19")
+        it.wait_until(lambda: shown_rows.count() == 2)
+        assert it.page.inner_text("#selected-heading") == "Robot 19"
+        fold = it.page.get_by_role("button", name="Show all 26")
+        assert fold.get_attribute("aria-expanded") == "false"
+        fold.click()
+        it.wait_until(lambda: shown_rows.count() == 26)
+        it.page.get_by_role("button", name="Show alarms and selection only").click()
+        it.wait_until(lambda: shown_rows.count() == 2)
+        assert it.overflow() <= 0
+
+
+def test_everything_can_be_done_with_the_keyboard(browser: playwright.Browser) -> None:
+    with shown(browser, ring(6), speed=0.2) as it:
+        page, focused = (
+            it.page,
+            "document.activeElement.getAttribute('aria-label') ?? document.activeElement.id",
+        )
+        it.wait_for_tick(1)
+        it.page.wait_for_selector("#pause:enabled")
+        order = []
+        page.locator("#theme").focus()
+        while not order or order[-1] != "Robot 1":
+            page.keyboard.press("Tab")
+            order.append(page.evaluate(focused))
+            assert len(order) < 12
+        toggles = ["show-trails", "show-goals", "show-velocity", "show-lines"]
+        assert order == [*toggles, "pause", "step", "speed", "Robot 1"]
+        page.keyboard.press("ArrowDown")
+        page.keyboard.press("ArrowDown")
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#selected-heading:has-text('Robot 3')")
+        page.locator("#deselect").focus()
+        page.keyboard.press("Tab")
+        page.keyboard.type("0.1")
+        page.keyboard.press("Tab")
+        page.keyboard.type("-0.02")
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#answer:has-text('Robot 3 goes to (0.100, -0.020) m')")
+        page.keyboard.press("Escape")
+        page.wait_for_selector("text=No robot selected")
+
+
+def test_a_tap_selects_and_a_tap_sends(browser: playwright.Browser) -> None:
+    with shown(browser, ring(6), speed=0.3, viewport=PHONE, has_touch=True, is_mobile=True) as it:
+        it.wait_for_tick(2)
+        it.hold()
+        it.page.touchscreen.tap(*it.place(4))
+        it.page.wait_for_selector("#selected-heading:has-text('Robot 4')")
+        it.page.touchscreen.tap(*it.spot(0.0, 0.12))
+        it.page.wait_for_selector("#answer:has-text('Robot 4 goes to')")
+        assert it.goal(4) == pytest.approx([0.0, 0.12], abs=0.003)
+        assert it.overflow() <= 0
+        small = "[...document.querySelectorAll('button:not([hidden])')].filter(it => it.offsetParent)"
+        heights = it.page.evaluate(small + ".map(it => it.closest('tr, .head') ? 44 : it.offsetHeight)")
+        assert min(heights) >= 44  # px, a finger
+
+
+def test_a_plot_tells_the_value_under_the_pointer(browser: playwright.Browser) -> None:
+    with shown(browser, ring(6), speed=1.0) as it:
+        it.wait_for_tick(10)
+        it.page.locator("#clearance").hover(position={"x": 60, "y": 40})
+        it.page.wait_for_selector("#clearance-now:has-text(' at ')")
+        it.page.mouse.move(5, 5)
+        it.page.wait_for_selector("#clearance-now:not(:has-text(' at '))")
+
+
+PLACES = """async () => {
+  const { Model } = await import('/model.js');
+  const model = new Model();
+  const robot = { id: 1, radius: 0.1, start: [0, 0], goal: [1, 1], trail: [] };
+  model.begin({ scenario: 's', run: 'r', room: {}, things: [], robots: [robot], history: [], tick: -1 });
+  const frame = (tick, place) => ({ robots: [{ goal: [1, 1] }], samples: [[tick, tick, 1, 1, [place]]] });
+  model.take(frame(1, [0.2, 0.4]), 1000);
+  model.take(frame(2, [0.4, 0.2]), 1100);
+  return [-1e9, 0, 1099, 1100, 1150, 1200, 1e9].map((now) => model.place(model.robots[0], now));
+}"""
+
+
+def test_nothing_is_drawn_outside_what_was_received(browser: playwright.Browser) -> None:
+    with shown(browser, ring(2), speed=0.2) as it:
+        places = it.page.evaluate(PLACES)
+        assert all(0.2 <= x <= 0.4 and x + y == pytest.approx(0.6) for x, y in places)
+        assert (places[0], places[-1]) == ([0.2, 0.4], [0.4, 0.2])
+        assert places[4] == pytest.approx([0.3, 0.3])
+
+
 @pytest.mark.parametrize("viewport", [PHONE, {"width": 320, "height": 640}, DESKTOP])
 def test_nothing_is_wider_than_the_screen(browser: playwright.Browser, viewport: dict[str, int]) -> None:
     with shown(browser, ring(6, kill=3, at=0.2), viewport=viewport) as it:
@@ -206,7 +373,8 @@ def test_everything_has_an_accessible_name(browser: playwright.Browser) -> None:
     with shown(browser, ring(6), speed=0.1) as it:
         it.page.wait_for_selector("#verdict:has-text('Running')")
         for role, names in {
-            "button": ("Pause", "Step", "Theme"),
+            "button": ("Pause", "Step", "Theme", "Robot 6"),
+            "alert": ("",),
             "checkbox": ("Trails", "Goals", "Velocity", "Separating lines"),
             "combobox": ("Speed",),
             "img": ("Workspace", "Clearance", "Navigation function"),

@@ -73,6 +73,24 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
         assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
 
 
+def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        assert news(viewer, "welcome")["may_steer"] is True
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 0.05]]}}}')
+        assert news(viewer, "answer")["accepted"] is True
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 5]]}}}')
+        refused = news(viewer, "answer")
+        assert (refused["accepted"], refused["robot"]) == (False, 2)
+        assert "out of the workspace" in refused["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1]]}}}')
+        assert "goal" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+
+
 def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=0.3)
@@ -121,9 +139,13 @@ def test_who_has_no_token_may_only_look(query: str) -> None:
         served(watcher) as server,
         connect(server.address.replace("http", "ws") + "/live" + query) as viewer,
     ):
+        assert news(viewer, "welcome")["may_steer"] is False
         news(viewer, "frame", lambda it: it["tick"] >= 2)
         viewer.send('{"pause": true}')
         assert "may only look" in news(viewer, "refused")["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0, 0]]}}}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == list(ring().spec(2).goal)
         tick = news(viewer, "frame")["tick"]
         assert news(viewer, "frame", lambda it: it["tick"] > tick + 2)["phase"] == "running"
 

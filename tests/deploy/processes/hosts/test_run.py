@@ -133,13 +133,16 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     (alone,) = LocalFleet([SCENARIO]).execute()
     assert found["trajectory_sha256"] == alone["trajectory_sha256"]
     where = {row["name"]: row.get("host") for row in found["processes"]}
-    assert where.pop("recorder") is None
+    assert where.pop("recorder") is where.pop("writer") is None
     assert where == {
         **{f"router-{name}": name for name in HOSTS},
         "world": "base",
         **{f"robot-{robot}": name for name, robots in HOSTS.items() for robot in robots},
     }
-    assert all(row["exit_code"] == 0 and row["cpu_s"] > 0.0 for row in found["processes"])
+    ends = {row["name"]: row["exit_code"] for row in found["processes"]}
+    assert ends.pop("writer") is None, "it waits for this result"
+    assert set(ends.values()) == {0}
+    assert all(row["cpu_s"] > 0.0 for row in found["processes"])
     assert psutil.wait_procs(psutil.Process(server.pid).children(recursive=True), timeout=10.0)[1] == []
     assert record.stat().st_size > 0
 

@@ -9,7 +9,6 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
 
@@ -97,13 +96,17 @@ def test_what_is_outstanding_is_cancelled(scheduler: str) -> None:
         until(lambda: not any(client.processing().values()))
 
 
-def test_the_scheduler_goes(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def gone(*_: object, **__: object) -> None:
-        raise CancelledError
+def test_the_scheduler_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reached, "_REACHING", 2.0)
+    with LocalCluster(n_workers=1, dashboard_address=":0", processes=False, silence_logs=50) as mortal:
 
-    monkeypatch.setattr("distributed.wait", gone)  # as it does once the connection is lost
-    with pytest.raises(ProcessError, match=r"is gone.*the same command goes on"):
-        execute(_study(1), "local", RunLog(None), jobs=1, scheduler=scheduler)
+        class Killer(RunLog):
+            def add(self, key: str, result: dict[str, Any]) -> None:
+                super().add(key, result)
+                mortal.close()
+
+        with pytest.raises(ProcessError, match=r"is gone.*the same command goes on"):
+            execute(_study(8), "local", Killer(None), jobs=1, scheduler=mortal.scheduler_address)
 
 
 def test_other_code_on_a_worker_is_refused(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:

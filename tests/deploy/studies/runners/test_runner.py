@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from deploy.studies.adjusted import adjusted
@@ -14,6 +16,7 @@ from deploy.studies.paper.experiments import tightness
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import execute
 from deploy.studies.study import Study
+from tests.deploy.monitor.watched import until
 
 COARSE = ("time.step=0.05",)  # fewer ticks
 
@@ -47,19 +50,24 @@ def test_other_settings_or_other_code_reuse_nothing() -> None:
     assert keys == [run.key for run in _study().runs("local", "code")]
 
 
-def test_a_study_that_was_killed_goes_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_study_that_was_stopped_leaves_nobody_and_goes_on(tmp_path: Path, number: signal.Signals) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
     command = "from deploy.commands.study import study; import typer; typer.run(study)"
-    options = f"tightness --runs 4 --transport local --jobs 1 --quiet --set {COARSE[0]} --json".split()
-    process = subprocess.Popen([sys.executable, "-c", command, *options, str(tmp_path / "rows.json")])
-    try:
-        deadline = time.monotonic() + 60.0
-        while not (log.exists() and log.read_text().count("\n") >= 2) and time.monotonic() < deadline:
-            assert process.poll() is None or log.read_text().count("\n") >= 2
-            time.sleep(0.005)
-    finally:
+    options = f"tightness --runs 4 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
+    call = [sys.executable, "-c", command, *options, str(tmp_path / "rows.json")]
+    process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2))
+    workers = psutil.Process(process.pid).children(recursive=True)
+    assert len(workers) >= 2
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does: to the workers, too
+    else:
         process.kill()
-        process.wait(10.0)
+    _, said = process.communicate(timeout=30.0)
+    assert process.returncode == (130 if number == signal.SIGINT else -number)
+    assert "Traceback" not in said
+    until(lambda: not any(each.is_running() and each.status() != "zombie" for each in workers))
     with RunLog(log) as kept:
         outcome = execute(_study(4), "local", kept, jobs=2)
     assert outcome.reused >= 2

@@ -9,7 +9,22 @@ const RIGHT = 8;
 export class Plot extends Painted {
   constructor(canvas, output, model, options) {
     super(canvas);
-    Object.assign(this, { output, model, options });
+    Object.assign(this, { output, model, options, at: null });
+    canvas.addEventListener("pointermove", (event) => this.look(event.offsetX));
+    canvas.addEventListener("pointerdown", (event) => this.look(event.offsetX));
+    canvas.addEventListener("pointerleave", () => this.look(null));
+  }
+
+  // Where the pointer is, px from the left: the value of then is told instead of the present one.
+  look(at) {
+    this.at = at;
+    this.wake();
+  }
+
+  pointed(points) {
+    const time = ((this.at - LEFT) / (this.width - LEFT - RIGHT)) * this.span;
+    const off = (point) => Math.abs(point[0] - time);
+    return points.reduce((best, point) => (off(point) < off(best) ? point : best));
   }
 
   draw() {
@@ -17,8 +32,11 @@ export class Plot extends Painted {
     this.span = this.timeSpan(points);
     this.range = this.valueRange(points);
     this.drawAxes();
-    if (points.length) this.drawLine(points);
-    this.say(points.at(-1));
+    const looked = this.at !== null && points.length > 0;
+    const point = looked ? this.pointed(points) : points.at(-1);
+    if (points.length) this.drawLine(points, point);
+    if (looked) this.drawCursor(point);
+    this.say(point, looked);
     return false;
   }
 
@@ -86,7 +104,18 @@ export class Plot extends Painted {
     }
   }
 
-  drawLine(points) {
+  drawCursor(point) {
+    const { context } = this;
+    const x = Math.round(this.x(point[0])) + 0.5;
+    context.beginPath();
+    context.moveTo(x, TOP);
+    context.lineTo(x, this.height - BOTTOM);
+    context.lineWidth = 1;
+    context.strokeStyle = this.colour("muted");
+    context.stroke();
+  }
+
+  drawLine(points, marked) {
     const { context } = this;
     const { pick } = this.options;
     context.beginPath();
@@ -99,16 +128,16 @@ export class Plot extends Painted {
     context.lineWidth = 1.75;
     context.strokeStyle = this.colour("accent");
     context.stroke();
-    const last = points.at(-1);
     context.beginPath();
-    context.arc(this.x(last[0]), this.y(pick(last)), 3, 0, 2 * Math.PI);
+    context.arc(this.x(marked[0]), this.y(pick(marked)), 3, 0, 2 * Math.PI);
     context.fillStyle = this.colour("accent");
     context.fill();
   }
 
-  say(point) {
+  say(point, past) {
     const { pick, digits, unit } = this.options;
-    this.output.textContent = point ? `${pick(point).toFixed(digits)}${unit}` : "";
+    const text = point ? `${pick(point).toFixed(digits)}${unit}` : "";
+    this.output.textContent = past ? `${text} at ${point[0].toFixed(2)} s` : text;
   }
 }
 

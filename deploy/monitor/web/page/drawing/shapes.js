@@ -1,5 +1,7 @@
 // The shapes of the picture, each drawn on a Workspace (its context, scale, colours).
 const HEAD = 6; // px, head of an arrow
+const LEGIBLE = 8; // px, radius of a disk with room for its number
+const SEEN = 12; // px, least radius of a ring
 const NEAR = 3; // gaps of more radii than that have no line worth seeing
 
 // The edge of a disk or of a polygon.
@@ -22,23 +24,24 @@ export function drawThing(space, thing) {
   context.stroke(path);
 }
 
-export function drawTrail(space, robot, place) {
+export function drawTrail(space, robot, place, stress) {
   const { context } = space;
   const points = [...robot.trail.items.slice(0, -1), place];
   context.beginPath();
   points.forEach((point, i) => (i ? context.lineTo(...space.point(point)) : context.moveTo(...space.point(point))));
   context.lineWidth = 1.75;
   context.lineJoin = "round";
-  context.globalAlpha = 0.55;
+  context.globalAlpha = 0.55 * stress;
   context.strokeStyle = space.hue(robot);
   context.stroke();
   context.globalAlpha = 1;
 }
 
-export function drawGoal(space, robot) {
+export function drawGoal(space, robot, stress) {
   const { context } = space;
   const [x, y] = space.point(robot.goal);
   const reach = Math.min(5, robot.radius * space.scale * 0.3);
+  context.globalAlpha = stress;
   context.strokeStyle = space.hue(robot);
   context.lineWidth = 1.25;
   context.setLineDash([4, 4]);
@@ -52,6 +55,44 @@ export function drawGoal(space, robot) {
   context.moveTo(x, y - reach);
   context.lineTo(x, y + reach);
   context.stroke();
+  context.globalAlpha = 1;
+}
+
+// From a robot to its goal.
+export function drawWay(space, robot, place) {
+  const { context } = space;
+  context.beginPath();
+  context.moveTo(...space.point(place));
+  context.lineTo(...space.point(robot.goal));
+  context.lineWidth = 1.25;
+  context.setLineDash([2, 4]);
+  context.strokeStyle = space.colour("accent");
+  context.stroke();
+  context.setLineDash([]);
+}
+
+// Where a click would send a robot.
+export function drawTarget(space, robot, target) {
+  const { context } = space;
+  context.beginPath();
+  context.arc(...space.point(target), robot.radius * space.scale, 0, 2 * Math.PI);
+  context.globalAlpha = 0.18;
+  context.fillStyle = space.colour("accent");
+  context.fill();
+  context.globalAlpha = 1;
+  context.lineWidth = 1.25;
+  context.strokeStyle = space.colour("accent");
+  context.stroke();
+}
+
+// Around a robot, so that it is found: never too small to be seen.
+export function drawRing(space, robot, place, colour, width) {
+  const { context } = space;
+  context.beginPath();
+  context.arc(...space.point(place), Math.max(SEEN, robot.radius * space.scale + 4), 0, 2 * Math.PI);
+  context.lineWidth = width;
+  context.strokeStyle = colour;
+  context.stroke();
 }
 
 export function drawDisk(space, robot, place) {
@@ -59,7 +100,7 @@ export function drawDisk(space, robot, place) {
   const [x, y] = space.point(place);
   const radius = robot.radius * space.scale;
   context.beginPath();
-  context.arc(x, y, radius - 0.75, 0, 2 * Math.PI);
+  context.arc(x, y, Math.max(1, radius - 0.75), 0, 2 * Math.PI);
   context.fillStyle = space.colour("panel");
   context.globalAlpha = 0.75;
   context.fill();
@@ -70,7 +111,6 @@ export function drawDisk(space, robot, place) {
   context.lineWidth = robot.row?.alarm ? 3 : 2;
   context.stroke();
   if (robot.row?.alarm) drawCross(context, x, y, radius * Math.SQRT1_2);
-  drawLabel(space, robot, x, y, radius);
 }
 
 function drawCross(context, x, y, reach) {
@@ -82,8 +122,12 @@ function drawCross(context, x, y, reach) {
   context.stroke();
 }
 
-function drawLabel(space, robot, x, y, radius) {
+// The robot's number, where there is room for it or somebody looks for it; of an alarm, what it is.
+export function drawLabel(space, robot, place, wanted) {
   const { context } = space;
+  const [x, y] = space.point(place);
+  const radius = robot.radius * space.scale;
+  if (radius < LEGIBLE && !wanted && !robot.row?.alarm) return;
   context.textAlign = "center";
   context.textBaseline = "middle";
   context.font = space.font(Math.max(9, Math.min(17, radius * 0.62)), 650);

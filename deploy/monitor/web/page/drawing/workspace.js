@@ -1,15 +1,19 @@
 // The picture: workspace, goals, trails, disks, velocities, separating lines.
 import { Painted } from "./canvas.js";
-import { drawArrow, drawDisk, drawGoal, drawSeparatingLine, drawThing, drawTrail, outline } from "./shapes.js";
+import { gap } from "../geometry.js";
+import { drawArrow, drawDisk, drawGoal, drawLabel, drawRing, drawSeparatingLine, drawTarget, drawThing, drawTrail, drawWay, outline } from "./shapes.js";
 
 const MARGIN = 10; // px
 const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
+const CROWD = 24; // robots; more are drawn with less around them
+const FAINT = 0.35;
 const STALE = 1.5; // s of simulated time after which a line that was reported is not drawn
 
 export class Workspace extends Painted {
-  constructor(canvas, model) {
+  constructor(canvas, model, selection) {
     super(canvas);
-    this.model = model;
+    Object.assign(this, { model, selection });
+    this.preview = null; // m, where the selected robot would be sent
     this.layers = {};
     for (const layer of ["trails", "goals", "velocity", "lines"]) {
       const box = document.getElementById(`show-${layer}`);
@@ -27,18 +31,53 @@ export class Workspace extends Painted {
     this.drawFloor(overview);
     overview.things.forEach((thing) => drawThing(this, thing));
     const places = robots.map((robot) => this.model.place(robot, now));
-    if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i]));
-    if (this.layers.goals()) robots.filter((robot) => robot.row?.status !== "at goal").forEach((robot) => drawGoal(this, robot));
+    this.crowd = robots.length > CROWD;
+    if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i], this.stress(robot)));
+    if (this.layers.goals()) robots.filter((robot) => !this.stays(robot)).forEach((robot) => drawGoal(this, robot, this.stress(robot)));
     if (this.layers.lines()) this.drawLines(places);
     robots.forEach((robot, i) => drawDisk(this, robot, places[i]));
     if (this.layers.velocity()) robots.forEach((robot, i) => this.drawVelocity(robot, places[i]));
+    robots.forEach((robot, i) => drawLabel(this, robot, places[i], this.standsOut(robot)));
+    robots.forEach((robot, i) => this.drawChosen(robot, places[i]));
     this.describe();
     return this.model.moving(now);
+  }
+
+  stays(robot) {
+    return ["at goal", "cancelled", "given up"].includes(robot.row?.status);
+  }
+
+  standsOut(robot) {
+    return robot.id === this.selection.selected || robot.id === this.selection.pointed;
+  }
+
+  // How strongly what surrounds a robot is drawn: in a crowd, weakly unless somebody looks for it.
+  stress(robot) {
+    return !this.crowd || this.standsOut(robot) ? 1 : FAINT;
+  }
+
+  drawChosen(robot, place) {
+    const { selected, pointed } = this.selection;
+    if (robot.id === selected) {
+      if (!this.stays(robot)) drawWay(this, robot, place);
+      if (this.preview) drawTarget(this, robot, this.preview);
+    }
+    if (robot.id === selected) drawRing(this, robot, place, this.colour("accent"), 3);
+    else if (robot.id === pointed) drawRing(this, robot, place, this.colour("muted"), 1.5);
   }
 
   point([x, y]) {
     const [middleX, middleY] = this.middle;
     return [this.width / 2 + (x - middleX) * this.scale, this.height / 2 - (y - middleY) * this.scale];
+  }
+
+  metres([x, y]) {
+    const [middleX, middleY] = this.middle;
+    return [middleX + (x - this.width / 2) / this.scale, middleY - (y - this.height / 2) / this.scale];
+  }
+
+  inside(target) {
+    return this.model.overview !== null && gap(this.model.overview.room, target) < 0;
   }
 
   hue(robot) {

@@ -1,9 +1,10 @@
-// Pause, step and speed of a lock-step run; Space and the right arrow do the same.
+// Pause, step and speed of a lock-step run; Space and the right arrow do the same, Escape deselects.
 const REAL_TIME = "This run keeps the wall clock; it cannot be held.";
 
 export class Controls {
-  constructor(send) {
+  constructor(send, selection) {
     this.send = send;
+    this.selection = selection;
     this.paused = false;
     this.pause = document.getElementById("pause");
     this.step = document.getElementById("step");
@@ -47,6 +48,7 @@ export class Controls {
   }
 
   key(event) {
+    if (event.key === "Escape") this.selection.select(null);
     if (event.target.closest("button, input, select") || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") {
       event.preventDefault();

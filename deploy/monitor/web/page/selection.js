@@ -1,0 +1,32 @@
+// Which robot is selected and which one is pointed at; whatever shows robots follows its changes.
+export class Selection extends EventTarget {
+  constructor() {
+    super();
+    this.selected = null; // id
+    this.pointed = null;
+  }
+
+  select(id) {
+    this.become({ selected: id });
+  }
+
+  toggle(id) {
+    this.select(this.selected === id ? null : id);
+  }
+
+  point(id) {
+    this.become({ pointed: id });
+  }
+
+  // Robots that are not there can be neither.
+  keep(robots) {
+    const known = (id) => (robots.some((robot) => robot.id === id) ? id : null);
+    this.become({ selected: known(this.selected), pointed: known(this.pointed) });
+  }
+
+  become(next) {
+    if (Object.entries(next).every(([name, id]) => this[name] === id)) return;
+    Object.assign(this, next);
+    this.dispatchEvent(new Event("change"));
+  }
+}

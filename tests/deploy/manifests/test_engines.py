@@ -1,0 +1,213 @@
+"""What is written for orchestrators, started by them, cold: podman-compose, pods, systemd as it boots."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import time
+from base64 import b64decode
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.manifests import container
+from deploy.manifests.folder import write
+from deploy.manifests.plan import Plan
+from deploy.security.roster import Roster
+from protocol.scenario.file import write_toml
+from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman
+
+pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_engine]
+
+SCENARIO = load("figure-2", [], 4)
+PATIENCE = 90.0
+
+
+def plan(run: str) -> Plan:
+    return Plan(Roster(run, SCENARIO.ids), write_toml(SCENARIO), wait=60.0)
+
+
+def until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.1)
+
+
+def report(text: str) -> dict[str, Any]:
+    """The world's report, out of what it and others printed."""
+    found, _ = json.JSONDecoder().raw_decode(text[text.index("{\n") :])
+    assert isinstance(found, dict)
+    return found
+
+
+def test_the_image_is_compiled_and_drives_a_fleet() -> None:
+    where = ["--entrypoint", "/opt/disknav/bin/python", IMAGE, "-c"]
+    found = podman("run", "--rm", "--network=none", *where, "import agents.robot as it; print(it.__file__)")
+    assert found.stdout.strip().endswith(".so")
+    confined = ["--rm", "--network=none", "--read-only", "--cap-drop=ALL"]
+    done = podman("run", *confined, IMAGE, "run", "figure-2", "--transport", "local", "--json", "-")
+    assert report(done.stdout)["verdict"] == "arrived"
+
+
+@contextmanager
+def composed(folder: Path) -> Iterator[Callable[..., None]]:
+    """What brings up services of the project in `folder`; all go at the end."""
+    wrapper = folder.parent / "podman"
+    wrapper.write_text("#!/bin/sh\nexec " + " ".join(command()) + ' "$@"\n')
+    wrapper.chmod(0o700)
+
+    def compose(*arguments: str) -> None:
+        call = ["podman-compose", "--podman-path", str(wrapper), *arguments]
+        subprocess.run(call, cwd=folder, env=environment(), timeout=PATIENCE, check=True, capture_output=True)
+
+    try:
+        yield lambda *services: compose("up", "--detach", *services)
+    finally:
+        compose("down")
+
+
+@pytest.mark.skipif(shutil.which("podman-compose") is None, reason="no podman-compose: untested here")
+def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
+    it = plan("composed")
+    write(tmp_path / "fleet", "compose", it)
+    with composed(tmp_path / "fleet") as up:
+        up("world")  # and the router, on which it depends
+        names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
+        world = next(name for name in names if "world" in name)
+        probe = ["exec", world, "/bin/sh", "-c", container.PROBE]
+        until(lambda: podman(*probe, check=False).returncode == 0)  # it waits for its robots
+        up(*it.robots)
+        status = podman("wait", world, timeout=PATIENCE).stdout.strip()
+        logs = podman("logs", world)
+        assert status == "0", logs.stderr
+        assert report(logs.stdout)["verdict"] == "arrived"
+
+
+# A home of mode 0700 with an environment in it, and spaces in its path, that sees the libraries of the image.
+_SETTLE = r"""
+set -e
+mkdir -m 0700 -p "$HOME/my fleet"; chmod 0700 "$HOME"
+/opt/disknav/bin/python -m venv --without-pip "$HOME/my fleet/env"
+cd "$HOME/my fleet"
+echo /opt/disknav/lib/python3*/site-packages > "$(echo env/lib/python3*/site-packages)/all.pth"
+printf '#!/bin/sh\nexec "%s/env/bin/python" -m deploy.cli "$@"\n' "$PWD" > env/bin/disknav
+chmod 755 env/bin/disknav
+env/bin/disknav deploy systemd figure-2 --seed 4 --run yard --wait 60 --output yard
+"""
+
+
+@contextmanager
+def booted() -> Iterator[Callable[..., str]]:
+    """A system that has booted under systemd; gives a shell there."""
+    name = "disknav-booted"
+    init = ["--systemd=always", "--privileged", "--user=0", "--entrypoint", "/bin/sh"]
+    # In a container systemd leaves it to the engine that mounts made for a unit are seen by it.
+    boot = ["-c", "mount --make-rshared / && exec /sbin/init"]
+
+    def shell(text: str, *, check: bool = True) -> str:
+        done = podman(
+            "exec", "--env", "HOME=/root", name, "/bin/sh", "-c", text, check=check, timeout=PATIENCE
+        )
+        return done.stdout
+
+    podman("rm", "--force", "--ignore", name)
+    podman("run", "--detach", "--rm", "--name", name, *init, IMAGE, *boot)
+    try:
+        until(lambda: shell("systemctl is-system-running", check=False).strip() in ("running", "degraded"))
+        yield shell
+    finally:
+        podman("rm", "--force", "--time=0", name)
+
+
+def test_systemd_starts_units_whose_software_is_in_a_private_home() -> None:
+    with booted() as shell:
+        shell(_SETTLE)
+        target = shell('cat "$HOME/my fleet/yard/disknav-yard.target"')
+        steps = [line[1:].strip() for line in target.splitlines() if line.startswith("#   ")]
+        assert len(steps) == 2
+        shell('cd "$HOME/my fleet/yard" && ' + " && ".join(steps))
+        world = "systemctl show disknav-yard-world --property=ActiveState,ExecMainStatus,Result"
+        until(lambda: "ActiveState=inactive" in shell(world) or "failed" in shell(world))
+        journal = shell("journalctl --no-pager --output=cat --unit=disknav-yard-world")
+        assert set(shell(world).split()) == {"ActiveState=inactive", "ExecMainStatus=0", "Result=success"}, (
+            shell("journalctl --no-pager --lines=80")
+        )
+        assert report(journal)["verdict"] == "arrived"
+        for robot in SCENARIO.ids:
+            unit = f"systemctl show disknav-yard-robot@{robot} --property=Result,NRestarts"
+            assert set(shell(unit).split()) == {"Result=success", "NRestarts=0"}
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="keys are given to another user: needs root; untested here")
+def test_the_pods_of_kubernetes_are_a_fleet_that_arrives(tmp_path: Path) -> None:
+    """Played by podman, which knows Pods and ConfigMaps, but neither Jobs nor Services, nor modes of Secrets.
+
+    What the cluster would do with those is done here: a Pod for each index and under the Service's name, and
+    of the Secret the files that the template asks for, root's, for the group of the pod to read.
+    """
+    it = plan("podded")
+    write(tmp_path / "fleet", "kubernetes", it)
+    played = tmp_path / "pods.yaml"
+    played.write_text("\n---\n".join(json.dumps(each) for each in _pods(tmp_path)))
+    podman("network", "create", it.name)
+    try:
+        podman("kube", "play", "--network", it.name, played, timeout=PATIENCE)
+        world = f"{it.name}-world-world"
+        status = podman("wait", world, timeout=PATIENCE).stdout.strip()
+        logs = podman("logs", world)
+        assert status == "0", logs.stderr
+        assert report(logs.stdout)["verdict"] == "arrived"
+    finally:
+        podman("kube", "down", played, check=False)
+        podman("network", "rm", "--force", it.name, check=False)
+
+
+def _pods(folder: Path) -> Iterator[dict[str, Any]]:
+    secret, fleet = (_read(folder / "fleet" / name) for name in ("secret.yaml", "fleet.yaml"))
+    for each in fleet["items"]:
+        if each["kind"] == "ConfigMap":
+            yield each
+        elif "template" in each["spec"]:
+            template, name = each["spec"]["template"], each["metadata"]["name"]
+            for index in range(each["spec"].get("completions", 1)):
+                own = f"{name}-{index}" if name.endswith("robots") else name
+                yield _pod(own, str(index), json.loads(json.dumps(template)), secret, folder / own)
+
+
+def _pod(
+    name: str, index: str, template: dict[str, Any], secret: dict[str, Any], keys: Path
+) -> dict[str, Any]:
+    spec = template["spec"]
+    (running,) = spec["containers"]
+    for entry in running.get("env", []):
+        if entry["name"] == "INDEX":
+            del entry["valueFrom"]
+            entry["value"] = index
+    running.pop("ports", None)  # podman would publish them on this host
+    for mounted in running["volumeMounts"]:
+        if mounted.pop("subPathExpr", ""):
+            keys = keys / index
+    (volume,) = (each for each in spec["volumes"] if each["name"] == "keys")
+    asked = volume.pop("secret")
+    for item in asked["items"]:
+        path = (keys.parent if keys.name == index else keys) / item["path"]
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b64decode(secret["data"][item["key"]]))
+        path.chmod(asked["defaultMode"] | 0o040)
+        os.chown(path, 0, spec["securityContext"]["fsGroup"])
+    volume["hostPath"] = {"path": str(keys), "type": "Directory"}
+    return {"apiVersion": "v1", "kind": "Pod", **template, "metadata": {**template["metadata"], "name": name}}
+
+
+def _read(path: Path) -> dict[str, Any]:
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    found = json.loads("".join(lines))
+    assert isinstance(found, dict)
+    return found

@@ -1,0 +1,100 @@
+"""Router, world and robots started one by one: in any order, and the world's status tells the verdict."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from tests.deploy.monitor.watched import until
+from tests.deploy.processes.hosts.ssh_server import free_ports
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(110)]
+
+ROBOTS = ("1", "2", "3")  # of figure-2
+
+
+class ByHand:
+    """Processes of one run, each started by a command of its own."""
+
+    def __init__(self) -> None:
+        (port,) = free_ports(1)
+        self.endpoint = f"tcp/127.0.0.1:{port}"
+        self.processes: list[subprocess.Popen[str]] = []
+
+    def start(self, *command: str, wait: float = 60.0) -> subprocess.Popen[str]:
+        connection = (
+            ["--listen", self.endpoint]
+            if command[0] == "router"
+            else ["--router", self.endpoint, "--run", "hand", "--wait", str(wait)]
+        )
+        call = [sys.executable, "-m", "deploy.cli", *command, *connection]
+        process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.processes.append(process)
+        return process
+
+
+@contextmanager
+def by_hand() -> Iterator[ByHand]:
+    it = ByHand()
+    try:
+        yield it
+    finally:
+        for process in it.processes:
+            process.kill()
+            process.communicate()
+
+
+def said(process: subprocess.Popen[str]) -> tuple[int, dict[str, Any]]:
+    """Exit status and report of a world."""
+    out, error = process.communicate(timeout=90.0)
+    assert out, error
+    return process.returncode, json.loads(out)
+
+
+@pytest.mark.parametrize(
+    ("settings", "status", "verdict"),
+    [((), EXIT_ARRIVED, "arrived"), (("--set", "time.limit=0.5"), EXIT_OTHERWISE, "timeout")],
+)
+def test_robots_first_router_last(settings: Sequence[str], status: int, verdict: str, tmp_path: Path) -> None:
+    alive = [tmp_path / robot for robot in ROBOTS]
+    with by_hand() as it:
+        robots = [it.start("robot", r, "--alive", str(f)) for r, f in zip(ROBOTS, alive, strict=True)]
+        world = it.start("world", "figure-2", *settings)
+        it.start("router")
+        found, report = said(world)
+        assert (found, report["verdict"]) == (status, verdict)
+        assert [robot.wait(30.0) for robot in robots] == [0, 0, 0]
+    assert all(file.exists() for file in alive)
+
+
+def test_a_world_that_is_told_to_stop_says_so(tmp_path: Path) -> None:
+    alive = tmp_path / "alive"
+    with by_hand() as it:
+        it.start("router")
+        world = it.start("world", "figure-2", "--alive", str(alive))
+        until(alive.exists)
+        world.send_signal(signal.SIGTERM)
+        found, report = said(world)
+        assert (found, report["verdict"]) == (EXIT_INTERRUPTED, "interrupted")
+
+
+def test_nobody_waits_for_longer_than_asked() -> None:
+    with by_hand() as it:
+        lost = it.start("robot", "1", wait=1.0)
+        assert lost.wait(60.0) == EXIT_FAULT
+        it.start("router")
+        alone = it.start("robot", "1", wait=3.0)
+        assert alone.wait(60.0) == EXIT_FAULT
+        assert alone.stderr is not None
+        assert "no world answers" in alone.stderr.read()
+        found, report = said(it.start("world", "figure-2", wait=1.0))
+        assert (found, report["verdict"]) == (EXIT_OTHERWISE, "aborted")
