@@ -19,6 +19,9 @@ class Neighbours:
 
     def __init__(self, radii: Mapping[int, float]) -> None:
         self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
+        self._gone: dict[
+            int, int
+        ] = {}  # newest incarnation that is not there any more; its States may be late
         self._radii = list(radii.items())
         self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
@@ -36,6 +39,8 @@ class Neighbours:
             index = self._index[state.robot]
             known = self._states[index]
         if known is not None and not is_newer(state, known):
+            return False
+        if self._gone and state.incarnation <= self._gone.get(state.robot, 0):
             return False
         self._states[index] = state
         if self.standing:
@@ -58,6 +63,7 @@ class Neighbours:
             self.standing[member.robot] = member
         elif member.status == "gone":
             self.standing.pop(member.robot, None)
+            self._gone[member.robot] = member.incarnation
             self._forget(member.robot)
 
     def _meet(self, member: Member) -> None:

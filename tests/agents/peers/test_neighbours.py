@@ -72,4 +72,6 @@ def test_a_peer_that_the_scenario_did_not_name() -> None:
     assert known.on_state(state(7, 1, 4))
     assert [peer.robot for peer in known.moving()] == [7]
     known.on_member(Member(7, 1, "gone", 0.3))
+    assert not known.on_state(state(7, 1, 5))  # it was late
     assert known.disks() == []
+    assert known.on_state(state(7, 2, 5))
