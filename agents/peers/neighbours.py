@@ -19,9 +19,7 @@ class Neighbours:
 
     def __init__(self, radii: Mapping[int, float]) -> None:
         self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
-        self._gone: dict[
-            int, int
-        ] = {}  # newest incarnation that is not there any more; its States may be late
+        self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
         self._radii = list(radii.items())
         self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
