@@ -25,7 +25,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile inner demo test fast check golden bench fuzz figures engines clean
+.PHONY: help setup compile inner site demo test fast check golden bench fuzz figures engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -90,6 +90,9 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	for study in tightness tuning robustness arrival delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png
+
+site: $(READY)  ## build the documentation as a site in out/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 
 engines: $(READY)  ## images for the tests that start containers (podman, mmdebstrap, as root); some minutes
 	$(BIN)/python -m tests.deploy.manifests.engine

@@ -165,6 +165,8 @@ class Robot:
         else:
             for member in news:
                 self._lines.on_member(member)
+        if self._things is not None:
+            self._things.follow(self._roster.things)
 
     def _await(self, active: Iterable[int]) -> None:
         """Await this tick's State of all that take part and have not sent it yet."""
@@ -225,15 +227,18 @@ class Robot:
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
         self._open = False
-        lines, position = self._lines, self._estimate.position
+        lines, things, position = self._lines, self._things, self._estimate.position
         velocity = self._desired = STILL
         if lines is not None:
             self._take_over(lines, self.tick)
-            if lines.keeps_clear or not self._filtered:
+            if not self._filtered or (lines.keeps_clear and things is not None and things.keeps_clear):
                 self._kept = self._roster.version
             if position is not None and not self._halted:
                 self._desired = self._law.velocity(self._view(position))
-                velocity = self._allowed(lines, position, lines.make_room(self._desired))
+                wish = lines.make_room(self._desired)
+                if things is not None:
+                    wish = things.make_room(wish)
+                velocity = self._allowed(lines, position, wish)
         return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)
 
     def _view(self, position: Vector) -> View:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import final
 
-from protocol.messages import Member, Roster
+from protocol.messages import Member, Roster, Thing
 
 
 @final
@@ -18,10 +18,12 @@ class KnownRoster:
 
     Attributes:
         version: of it; 0 as long as there is none.
+        things: that came or went, as it says.
     """
 
     def __init__(self, robot: int, incarnation: int) -> None:
         self.version = 0
+        self.things: tuple[Thing, ...] = ()
         self._robot, self._incarnation = robot, incarnation
         self._members: dict[int, Member] = {}
 
@@ -30,7 +32,7 @@ class KnownRoster:
         if roster.version <= self.version:
             return []
         before, self._members = self._members, {each.robot: each for each in roster.members}
-        self.version = roster.version
+        self.version, self.things = roster.version, roster.things
         return [
             each for each in roster.members if each.robot != self._robot and before.get(each.robot) != each
         ]

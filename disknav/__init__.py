@@ -15,6 +15,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from disknav.orders import FleetOrders as FleetOrders
+    from disknav.orders import Orders as Orders
+    from disknav.orders import operate as operate
     from disknav.recording import Recording as Recording
     from disknav.recording import read as read
     from disknav.running import Run as Run
@@ -31,6 +34,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DisknavError",
+    "FleetOrders",
+    "Orders",
     "Recording",
     "Run",
     "Scenario",
@@ -41,10 +46,12 @@ __all__ = [
     "build",
     "library",
     "load",
+    "operate",
     "read",
     "run",
 ]
 _MODULES = {
+    "disknav.orders": ("FleetOrders", "Orders", "operate"),
     "disknav.recording": ("Recording", "read"),
     "disknav.running": ("Run", "run"),
     "disknav.scenarios": ("build", "library", "load"),

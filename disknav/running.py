@@ -16,6 +16,7 @@ from deploy.run.result import complete
 from disknav.scenarios import Settings, load
 from disknav.simulation import Simulation
 from disknav.trajectory import Trajectory
+from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.scenario.model import Scenario
 
@@ -76,6 +77,11 @@ def run(
         scenario = load(scenario, settings, seed=seed)
     elif settings or seed is not None:
         raise TypeError("settings and seed are for a name or file: give them to load or build instead")
+    if transport != "local" and scenario.control.law.startswith("__main__:"):
+        raise UsageError(
+            f"the processes of a fleet cannot import {scenario.control.law!r} from this script or notebook: "
+            'put the class into a module, or name its file, control.law = "law.py:Class"'
+        )
     options = RunOptions(transport, mode, run=fresh_run_name() if name is None else checked_run(name))
     if transport == "local" and mode == "lockstep" and record is None and not progress:
         return _stepped(scenario, options)

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.laws import require
+from agents.laws import require as require_law
 from deploy.library import catalogue
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
+from world.plants.choice import require as require_plant
 
 Settings = Mapping[str, Any]
 
@@ -50,7 +51,8 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
     """
     plain = json.loads(json.dumps(document, default=_plain))
     scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
-    require(scenario.control.law)
+    require_law(scenario.control.law)
+    require_plant(scenario.world.plant)
     return scenario
 
 
@@ -60,7 +62,9 @@ def _written(settings: Settings) -> list[str]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays and numbers of numpy as JSON knows them."""
+    """Arrays and numbers of numpy as JSON knows them; a class, such as a law, as `module:Class`."""
+    if isinstance(value, type):
+        return f"{value.__module__}:{value.__qualname__}"
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"a scenario holds numbers, strings, arrays and tables, not {type(value).__name__}")

@@ -9,6 +9,8 @@ import numpy as np
 
 from deploy.recording.reader import Truths
 from deploy.run.local import LocalFleet
+from deploy.run.operator import Operator
+from disknav.orders import Orders
 from disknav.trajectory import Floats, Trajectory
 from protocol.messages import Truth
 from protocol.scenario.model import Scenario
@@ -17,8 +19,10 @@ from protocol.scenario.model import Scenario
 class Simulation:
     """World and robots of one lock-step run, which goes on when `step` is called.
 
-    for positions in disknav.Simulation(scenario):  # (p, 2), m, one tick after the other
-        ...
+    Iterating over it goes on to the verdict, and gives the positions (m, shape (p, 2)) after each tick.
+
+    Attributes:
+        orders: sends robots elsewhere between two steps; an order holds from the next tick on.
     """
 
     def __init__(self, scenario: Scenario, *, name: str = "local") -> None:
@@ -26,6 +30,7 @@ class Simulation:
         self.scenario = scenario
         self._fleet = LocalFleet([scenario], name)
         self._truths = [self._truth]
+        self.orders = Orders(Operator(self._fleet.network.connect(), name))
 
     @property
     def tick(self) -> int:

@@ -13,6 +13,8 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
+from protocol.geometry import ConvexPolygon, Disk, Shape
+
 VERSION = 3
 HIGHEST_ID: Final = 999_999_999
 
@@ -73,11 +75,31 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
     founding: Count = 0  # the life that began the run at its start and knows the initial lines, 0 for none
 
 
+Presence = Literal["appearing", "standing", "gone"]
+
+
+class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What stands in the workspace and is no robot: a disk, or a convex polygon."""
+
+    number: Id  # of the thing; those that the scenario lists come first
+    status: Presence  # appearing: nothing is there yet; gone: nothing is there any more
+    points: tuple[Vector, ...] = ()  # m, corners of a polygon, or the centre of a disk
+    radius: Size = 0.0  # m, of a disk
+
+    @property
+    def shape(self) -> Shape:
+        """Of what is not gone."""
+        if len(self.points) == 1:
+            return Disk(self.points[0][0], self.points[0][1], self.radius)
+        return ConvexPolygon(self.points)
+
+
 class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Who is there, in one numbered version; versions only grow."""
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
+    things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
 
 
 class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -155,6 +177,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     halted: bool = False  # whether an emergency stop is in force: everybody stands
     missed: Count = 0  # commands that never came, over all robots and ticks so far
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
+    things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
 
 

@@ -21,4 +21,5 @@ def test_every_path_is_there(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_link_leads_somewhere(page: Path) -> None:
     links = re.findall(r"\]\((?!https?:)([^)#\s]+)", page.read_text())
-    assert [link for link in links if not (page.parent / link).exists()] == []
+    made = [f"reference/{path.stem}.md" for path in (ROOT / "docs/reference").glob("*.py")]  # with the site
+    assert [link for link in links if link not in made and not (page.parent / link).exists()] == []

@@ -12,6 +12,7 @@ from world.coordinator.lives import Lives
 from world.judge.contacts import Contact
 from world.judge.measures import normalised_length
 from world.judge.record import Record
+from world.judge.touches import Touches
 from world.sensing.position import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message
@@ -23,6 +24,7 @@ def report(
     verdict: tuple[str, str],
     arrived: list[int],
     record: Record,
+    touches: Touches,
     lengths: Mapping[int, float],
     commands: Commands,
     lives: Lives,
@@ -32,6 +34,8 @@ def report(
 
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
     lateral_deviation: largest distance of each robot from the segment between its start and its goal.
+
+    plant: what moved the disks, and the contacts that it reported by itself, if it can.
 
     Args:
         verdict: and its reason.
@@ -52,6 +56,10 @@ def report(
         "collisions": len(record.contacts.all),
         "contacts": [_contact(contact, step) for contact in record.contacts.all[:LISTED]],
         "min_clearance": record.clearance,
+        "plant": {
+            "kind": scenario.world.plant,
+            "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in touches.all[:LISTED]],
+        },
         "nrl": normalised_length(record.goals, dict(lengths)),
         "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},
         "lateral_deviation": {

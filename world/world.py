@@ -13,8 +13,9 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Tick, Truth, Vector
+from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Thing, Tick, Truth, Vector
 from protocol.scenario.model import RobotSpec, Scenario
+from protocol.things import ThingOrder, ThingReply
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
     Added,
@@ -28,7 +29,9 @@ from world.coordinator.inputs import (
     Lost,
     Opened,
     Ordered,
+    Placed,
     Removed,
+    TakenAway,
     checksum,
 )
 from world.coordinator.lives import Lives
@@ -37,6 +40,7 @@ from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
 from world.judge.record import Record
+from world.judge.touches import Touches
 from world.judge.verdict import Judge
 from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
@@ -81,6 +85,7 @@ class World:
         self._missions = Missions(scenario)
         goals = Goals(scenario)
         self._record = Record(scenario, goals, self._plant.positions, self._plant.parts)
+        self._touches = Touches()
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
         self._membership = Membership(scenario, self._lives, self._missions)
@@ -265,7 +270,7 @@ class World:
 
     def order(self, robot: int, order: GoalOrder) -> GoalReply:
         """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
-        refusal = self._missions.refusal(robot, order, self._lives.standing)
+        refusal = self._missions.refusal(robot, order, self._lives.standing, self._lives.things.standing)
         if refusal:
             return GoalReply(False, text=refusal)
         position = self._plant.positions[self._plant.ids.index(robot)]
@@ -360,8 +365,38 @@ class World:
             for robot in scenario.ids
         }
         self._missions.recast(scenario)
-        self._record.recast(scenario, plant.positions)
+        self._record.recast(scenario, plant.positions, self._lives.things.standing)
+        self._lives.things.recast(scenario)
         self._judge.recast(scenario, self.tick)
+
+    @property
+    def things(self) -> tuple[Thing, ...]:
+        """Things that came or went since the run began, as the roster has them."""
+        return self._lives.things.changes
+
+    def add_thing(self, order: ThingOrder) -> ThingReply:
+        """Have a thing put up; a refused one changes nothing.
+
+        It stands once every robot that takes part has acknowledged its place; none can be added before the
+        first tick.
+        """
+        refusal = "" if self.founded else "the run has not begun"
+        refusal = refusal or self._lives.things.refusal(order, self._plant.positions)
+        if refusal:
+            return ThingReply(False, text=refusal)
+        number = self._lives.announce(order.shape)
+        self._judge.disturb(self.tick)
+        self._noted(Placed(order))
+        return ThingReply(True, number, self._missions.covered(order.shape))
+
+    def remove_thing(self, number: int) -> ThingReply:
+        """A thing was taken out of the workspace, or is not to appear after all."""
+        if not (self.founded and self._lives.take_away(number)):
+            return ThingReply(False, text=f"there is no thing {number}")
+        self._record.surround(self._lives.things.standing)
+        self._judge.disturb(self.tick)
+        self._noted(TakenAway(number))
+        return ThingReply(True, number)
 
     def halt(self, halted: bool) -> None:
         """Have everybody stand, from the open tick on, or release them."""
@@ -382,10 +417,13 @@ class World:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         self._commands.close()
         self._plant.move(self._obeyed(), self.tick)
+        self._touches.add(self.tick, self._plant.touched())
         self._fence()
         self._told = None
         self.tick += 1
         self._record.add(self._plant.positions, self._plant.between)
+        if self._lives.settle():
+            self._record.surround(self._lives.things.standing)
         self._turn_over()
         self._decide()
         if self.note is not None:
@@ -428,7 +466,7 @@ class World:
             self.note(taken)
 
     def _finish(self, verdict: str, reason: str) -> None:
-        touches = len(self._record.contacts.all)
+        touches = max(len(self._record.contacts.all), len(self._touches.all))
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason
@@ -440,6 +478,7 @@ class World:
             verdict=(self.verdict, self.reason),
             arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
+            touches=self._touches,
             lengths=dict(zip(self._plant.ids, self._plant.lengths, strict=True)) | self._departed,
             commands=self._commands,
             lives=self._lives,

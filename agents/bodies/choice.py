@@ -6,6 +6,7 @@ from agents.bodies.body import Body
 from agents.bodies.inertial import InertialBody
 from agents.bodies.point import PointBody
 from protocol.bodies.base import Base
+from protocol.bodies.sweep import Miss
 from protocol.scenario.model import Scenario
 
 
@@ -17,7 +18,6 @@ def body_of(scenario: Scenario, robot: int) -> Body:
     return InertialBody(
         Base(body, period),
         speed,
-        error=body.error + scenario.actuation.bound,
-        lag=body.lag,
-        heading=scenario.sensing_of(robot).heading,
+        Miss(body.error + scenario.actuation.bound, body.lag, body.play),
+        scenario.sensing_of(robot).heading,
     )

@@ -21,7 +21,7 @@ from agents.lines.line import HalfPlane
 from agents.lines.safe_velocity import nearest, wedge
 from agents.polygon import Polygon
 from protocol.bodies.base import Base, Motion
-from protocol.bodies.sweep import Sweep, sweep
+from protocol.bodies.sweep import Miss, Sweep, sweep
 from protocol.messages import BaseMotion
 
 _TRIES: Final = 6  # programs that are solved in a tick
@@ -39,18 +39,16 @@ class InertialBody:
     Args:
         base: the body's kinematics.
         speed: speed limit of the control point, m/s.
-        error: share of the way by which the control point may miss where it is sent.
-        lag: m, by which it may miss that further.
+        miss: by how much the control point may miss where it is sent, if it faces as it says.
         heading: rad, by which the direction that it says it has may be off.
     """
 
-    def __init__(
-        self, base: Base, speed: float, *, error: float = 0.0, lag: float = 0.0, heading: float = 0.0
-    ) -> None:
-        error += 2.0 * math.sin(0.5 * heading)  # everything that is done is turned by it
-        self.reach = base.reach(speed) * (1.0 + error) + lag
+    def __init__(self, base: Base, speed: float, miss: Miss, heading: float = 0.0) -> None:
+        turned_by = 2.0 * math.sin(0.5 * heading)  # of all that it does
+        miss = self._miss = Miss(miss.error + turned_by, miss.lag, miss.play)
+        self.reach = base.reach(speed) * (1.0 + miss.error) + miss.lag * speed + miss.play
         self.swept: Sweep | None = None
-        self._base, self._speed, self._error, self._lag = base, speed, error, lag
+        self._base, self._speed = base, speed
         self._motion = Motion(0.0)
 
     def on_motion(self, motion: BaseMotion | None) -> None:
@@ -63,7 +61,7 @@ class InertialBody:
             self.swept = None
             return
         arcs = [self._base.halt(self._motion)]
-        self.swept = sweep(self._base, self._motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
+        self.swept = sweep(self._base, self._motion, arcs, miss=self._miss, rise=0)
 
     def velocity(
         self,
@@ -125,20 +123,20 @@ class InertialBody:
         self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
     ) -> Vector:
         """The velocity whose place to stand is nearest to the desired one's, as if all ways were straight."""
-        base, motion = self._base, self._motion
+        base, motion, miss = self._base, self._motion, self._miss
         excess = max(1.0, math.hypot(*desired) / self._speed)
         want = base.lead(motion, (desired[0] / excess, desired[1] / excess))
         vx, vy = motion.velocity
         mx, my = 0.5 * base.period * vx, 0.5 * base.period * vy
-        margin = self._error * math.hypot(mx, my) + self._lag
+        margin = miss.error * math.hypot(mx, my) + miss.lag * math.hypot(vx, vy) + miss.play
         limits = []
         for index, side in enumerate(sides):
             room = side.limit - side.nx * mx - side.ny * my - margin - taken[index]
             limits.append(HalfPlane(side.nx, side.ny, max(0.0, room)))
         for cut in cuts:
             limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))
-        if self._error > 0.0:
-            limits = [half for limit in limits for half in wedge(limit, self._error)]
+        if miss.error > 0.0:
+            limits = [half for limit in limits for half in wedge(limit, miss.error)]
         ux, uy = base.velocity_for(motion, nearest(want, limits, self.reach))
         excess = max(1.0, math.hypot(ux, uy) / self._speed)
         return ux / excess, uy / excess
@@ -153,12 +151,12 @@ class InertialBody:
         base, motion = self._base, self._motion
         if command == STILL:
             arcs = [base.halt(base.braking(motion))]
-            return sweep(base, motion.heading, arcs, error=self._error, lag=self._lag, rise=0)
+            return sweep(base, motion, arcs, miss=self._miss, rise=0)
         ahead, aside = base.limited(motion, command)
         arcs = base.drive(motion, ahead, aside)
         rise = len(arcs)
         arcs.append(base.halt(base.driven(motion, ahead, aside)))
-        return sweep(base, motion.heading, arcs, error=self._error, lag=self._lag, rise=rise)
+        return sweep(base, motion, arcs, miss=self._miss, rise=rise)
 
 
 def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:

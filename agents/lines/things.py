@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from agents.lines.line import ROUNDING, HalfPlane
@@ -11,6 +11,7 @@ from agents.lines.tangent import Tangent
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.geometry import Shape
+from protocol.messages import Thing
 
 _ROOM: Final = 0.25  # of the own radius, by which to be clear of what is to appear
 _FAR: Final = 4.0  # ticks of motion: what is farther away is kept to as the disk around it
@@ -43,7 +44,9 @@ class Things:
         self._radius, self._period, self._max_step = radius, period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
         self._tangents = {number: Tangent(shape, radius) for number, shape in shapes.items()}
+        self._listed = set(shapes)
         self._each = list(self._tangents.values())
+        self._appearing: set[int] = set()
         self._x = self._y = 0.0
         self._bound = math.inf
         self._shape: Polygon | None = None
@@ -70,7 +73,47 @@ class Things:
     @property
     def ready(self) -> bool:
         """Whether this robot is behind a tangent to everything; who is not must stand still."""
-        return all(tangent.half_plane is not None for tangent in self._each)
+        return all(
+            tangent.half_plane is not None
+            for number, tangent in self._tangents.items()
+            if number not in self._appearing
+        )
+
+    @property
+    def keeps_clear(self) -> bool:
+        """Whether the own disk is and stays clear of everything that is to appear."""
+        return not self._appearing or all(
+            self._tangents[number].half_plane is not None for number in self._appearing
+        )
+
+    def follow(self, changes: Sequence[Thing]) -> None:
+        """A newer roster says which things came, are to come, or went; the others of the scenario stand."""
+        news = {each.number: each for each in changes}
+        for number in list(self._tangents):
+            gone = news[number].status == "gone" if number in news else number not in self._listed
+            if gone:
+                del self._tangents[number]
+        for number, each in news.items():
+            if each.status != "gone" and number not in self._tangents:
+                tangent = self._tangents[number] = Tangent(each.shape, self._radius)
+                tangent.renew(self._x, self._y, self._bound, self._shape)
+        self._appearing = {number for number, each in news.items() if each.status == "appearing"}
+        self._each = list(self._tangents.values())
+
+    def make_room(self, desired: Vector) -> Vector:
+        """The desired velocity (m/s), turned away from where something is to appear and this robot is."""
+        vx, vy = desired
+        for number in sorted(self._appearing):
+            tangent = self._tangents[number]
+            if tangent.half_plane is not None:
+                continue
+            dx, dy = tangent.lacking(self._x, self._y, self._bound + _ROOM * self._radius)
+            lacking = math.hypot(dx, dy)
+            if lacking > 0.0:
+                nx, ny = dx / lacking, dy / lacking
+                more = max(0.0, lacking / self._period - nx * vx - ny * vy)
+                vx, vy = vx + more * nx, vy + more * ny
+        return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay, without those out of reach within a tick; radius and

@@ -15,7 +15,7 @@ from deploy.commands.doctor import doctor
 from deploy.commands.endure import endure, flood
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
-from deploy.commands.operate import keys
+from deploy.commands.operate import hosts, keys
 from deploy.commands.operate.deploy import deploy
 from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
@@ -57,7 +57,7 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
     "Study": (study, certify, endure, flood),
-    "Operate": (add, remove, stop, release, router, world, robot, keys.app, deploy, probe, doctor),
+    "Operate": (add, remove, stop, release, router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
 }
 for _group, _commands in GROUPS.items():
     for _command in _commands:

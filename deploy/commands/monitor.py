@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from contextlib import closing
-from typing import Annotated
+from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,7 +15,11 @@ from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
 from protocol.errors import UsageError
+from protocol.installation import missing_library
 from protocol.title import entitle
+
+if TYPE_CHECKING:
+    from deploy.monitor.foxglove import FoxgloveServer
 
 _TIMEOUT = 5.0  # s to reach somebody
 _NICENESS = 10  # a fleet on the same machine first
@@ -33,18 +37,26 @@ def monitor(
     ] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
     secure: options.Secure = None,
+    foxglove: Annotated[
+        bool,
+        typer.Option("--foxglove", help="Let Foxglove connect and draw the run; its address is printed."),
+    ] = False,
     metrics: Annotated[
         str | None,
         typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
     ] = None,
     port: Annotated[
-        int | None, typer.Option(min=1, max=65535, help="Port of the page; a free one unless given.")
+        int | None,
+        typer.Option(
+            min=1, max=65535, help="Port of the page, a free one unless given; of --foxglove alone, 8765."
+        ),
     ] = None,
 ) -> None:
-    """Watch a running fleet: a table in the terminal, or a live page with [b]--web[/b]. Ctrl-C ends it.
+    """Watch a running fleet: a table in the terminal, a live page with [b]--web[/b], a scene in Foxglove with
+    [b]--foxglove[/b]. Ctrl-C ends it.
 
     The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
-    The run may begin later. The table ends with the run; page and metrics stay until Ctrl-C.
+    The run may begin later. The table ends with the run; all else stays until Ctrl-C.
 
     Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
 
@@ -52,8 +64,8 @@ def monitor(
     """
     from deploy.monitor.attachment import attach
 
-    if not web:
-        options.refuse({"--port": port}, "it is the port of the live page: add --web")
+    if not (web or foxglove):
+        options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
     if secure is not None and len(router or ()) > 1:
         options.refuse({"--router": router}, "with --secure there is one router")
     os.nice(_NICENESS)
@@ -63,13 +75,20 @@ def monitor(
         raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
     entitle("monitor", name)
     role = membership.viewer if web else MONITOR
-    with closing(attach(_connection(router, membership, role), name)) as source:
+    connection = _connection(router, membership, role)
+    with ExitStack() as stack:
+        listener = None
+        if foxglove:
+            listener = stack.enter_context(closing(_foxglove(name, None if web else port)))
+        source = stack.enter_context(closing(attach(connection, name, listener=listener)))
         try:
             if metrics is not None:
-                _export(source, metrics, until_signal=not web)
+                _export(source, metrics)
             if web:
                 _serve(source, port)
-            elif metrics is None:
+            elif metrics is not None or foxglove:
+                signal.pause()
+            else:
                 from deploy.monitor.terminal import show
 
                 show(source)
@@ -84,12 +103,20 @@ def _connection(endpoints: list[str] | None, membership: Membership, role: str) 
     return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
 
 
-def _export(source: SharedView, where: str, *, until_signal: bool) -> None:
+def _foxglove(run: str, port: int | None) -> FoxgloveServer:
+    try:
+        from deploy.monitor.foxglove import FoxgloveServer
+    except ImportError as error:
+        raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
+    server = FoxgloveServer(run, port)
+    print(f"{server.address}  (open it in Foxglove)", flush=True)
+    return server
+
+
+def _export(source: SharedView, where: str) -> None:
     from deploy.monitor.metrics import export
 
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
-    if until_signal:
-        signal.pause()
 
 
 def _serve(source: Source, port: int | None) -> None:

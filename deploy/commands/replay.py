@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import closing
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -38,6 +39,10 @@ def replay(
     web: Annotated[
         bool, typer.Option("--web", help="Play it on the live page; its address is printed.")
     ] = False,
+    ros2: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.mcap", help="Write where robots were, tick by tick, for ROS 2 tools."),
+    ] = None,
 ) -> None:
     """Recompute a recording's trajectory and compare it with the result's; play it again if asked to.
 
@@ -58,6 +63,10 @@ def replay(
         typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
         typer.echo("no result was recorded, so there is no trajectory hash to compare with")
+    if ros2 is not None:
+        from deploy.recording.ros2 import export
+
+        export(found, ros2)
     if zenoh or router is not None:
         _publish(found, router, run, pace)
     if web:

@@ -6,19 +6,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from agents.laws import require
+from agents.laws import require as require_law
 from deploy.library.names import build
 from deploy.theory.gain.tuning import automatic_k, crowd
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
 from protocol.scenario.shape import Document
+from world.plants.choice import require as require_plant
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
     """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
     scenario = resolved(_certified(name, read(name, settings, seed)))
-    require(scenario.control.law)
+    require_law(scenario.control.law)
+    require_plant(scenario.world.plant)
     return scenario
 
 

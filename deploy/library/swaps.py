@@ -6,8 +6,9 @@ import math
 
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
+from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
-from protocol.scenario.model import Point, RobotSpec, Scenario, Workspace
+from protocol.scenario.model import Point, RobotSpec, Scenario, Time, Workspace
 
 RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts
@@ -47,6 +48,35 @@ def head_on(seed: int = 0) -> Scenario:
     """Two robots that face each other and change places, exactly on the saddle."""
     robots = (RobotSpec(1, 0.04, (-0.20, 0.0), (0.20, 0.0)), RobotSpec(2, 0.04, (0.20, 0.0), (-0.20, 0.0)))
     return validated(Scenario(robots, "head-on", "two robots change places, exactly symmetric", seed))
+
+
+def turtlebots(count: int, seed: int = 0) -> Scenario:
+    """TurtleBots on a circle, each to the opposite point, facing anywhere.
+
+    Raises:
+        UsageError: `count` is below 2 or above 100.
+    """
+    if not 2 <= count <= 100:
+        raise UsageError(f"{count} robots cannot swap on wheels: choose between 2 and 100")
+    body = PRESETS["turtlebot3-burger"]
+    radius = body.disk or 0.0
+    circle = max(4.0 * radius, (2.0 * radius + SPACING) / (2.0 * math.sin(math.pi / count)))
+    draws = generator(seed, Purpose.SCENARIO).uniform(-math.pi, math.pi, size=count).tolist()
+    robots = tuple(
+        RobotSpec(n + 1, radius, (x, y), (0.0 - x, 0.0 - y), round(draws[n], 6))
+        for n, (x, y) in enumerate(_circle(count, circle))
+    )
+    return validated(
+        Scenario(
+            robots,
+            f"turtlebots-{count}",
+            f"{count} robots on two wheels each change places on a circle",
+            seed,
+            Workspace(round(circle + radius + 2.0 * SPACING, 6)),
+            Time(limit=300.0, tolerance=0.02),
+            body="turtlebot3-burger",
+        )
+    )
 
 
 def _circle(count: int, radius: float) -> list[Point]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, Protocol
 
 import msgspec
 
@@ -23,7 +23,8 @@ from protocol.goals import GoalOrder, GoalReply
 from protocol.goals import decode_reply as decode_goal_reply
 from protocol.joining import Overview, decode_reply
 from protocol.keys import every_robot, parse, robot_key, world_key
-from protocol.messages import AnyMessage
+from protocol.messages import AnyMessage, Message
+from protocol.scenario.model import Scenario
 from protocol.steering import Steer, Steering
 
 PERIOD = 0.05  # s between looks at what viewers ask for
@@ -33,6 +34,16 @@ _UNANSWERED = "nobody answered: the world has gone, or the keys of this page are
 _NO_RUN = "there is no run yet to send a robot in"
 
 
+class Listener(Protocol):
+    """Somebody else who follows the run; called on the thread that owns the bus."""
+
+    def begin(self, scenario: Scenario) -> None:
+        """A scenario begins, or is under way."""
+
+    def hear(self, message: Message) -> None:
+        """Something was published."""
+
+
 class Watcher(SharedView):
     """Implements `protocol.bus.bus.Node` for the thread that owns `bus`, and `Source` for all others.
 
@@ -40,17 +51,20 @@ class Watcher(SharedView):
         rejected: messages and tokens that are nobody's, by reason.
     """
 
-    def __init__(self, bus: Bus, run: str, *, speed: float | None = None) -> None:
+    def __init__(
+        self, bus: Bus, run: str, *, speed: float | None = None, listener: Listener | None = None
+    ) -> None:
         """Args:
         bus: a connection of its own.
         run: name of the run.
         speed: simulated seconds per second to ask for as soon as the run is there; None: leave it.
+        listener: is told what the view is told.
         """
         super().__init__(run)
         self.finished = False
         self.rejected: Counter[str] = Counter()
         self.deadline = time.monotonic()
-        self._bus, self._run = bus, run
+        self._bus, self._run, self._listener = bus, run, listener
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # the world; the scenario it runs
         self._ask_at = self.deadline
@@ -117,6 +131,8 @@ class Watcher(SharedView):
         if self._known and self._is_news(message):
             self._learn()
         self.change(lambda view, now: view.on_message(message, now))
+        if self._known and self._listener is not None:
+            self._listener.hear(message)
 
     def _is_news(self, message: AnyMessage) -> bool:
         news = False
@@ -138,6 +154,10 @@ class Watcher(SharedView):
         if isinstance(reply, Overview):
             self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
             self._known = True
+            if self._listener is not None:
+                self._listener.begin(reply.scenario)
+                for status in reply.goals:
+                    self._listener.hear(status)
 
     def _pass_on(self) -> None:
         while True:

@@ -7,9 +7,10 @@ over must not be able to run anything here.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import msgspec
+from msgspec import Meta
 
 
 class Start(NamedTuple):
@@ -53,7 +54,7 @@ class _News(msgspec.Struct, frozen=True, tag=True, array_like=True, forbid_unkno
 class Started(_News, frozen=True):
     """News: the process exists."""
 
-    pid: int
+    pid: Annotated[int, Meta(ge=1, lt=1 << 31)]
 
 
 class Report(_News, frozen=True):
@@ -65,9 +66,9 @@ class Report(_News, frozen=True):
 class Exited(_News, frozen=True):
     """News: the process is gone; the exit code is negative for a signal."""
 
-    code: int
-    cpu_s: float
-    max_rss_mb: float
+    code: Annotated[int, Meta(ge=-64, le=255)]
+    cpu_s: Annotated[float, Meta(ge=0, le=1e9)]
+    max_rss_mb: Annotated[float, Meta(ge=0, le=1e9)]
     why: str = ""  # where the exit code does not say it
 
 

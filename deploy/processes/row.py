@@ -26,8 +26,10 @@ class Exit(NamedTuple):
     def __str__(self) -> str:
         if self.why:
             return f"{self.process.name}: {self.why}"
-        how = f"exit status {self.code}" if self.code >= 0 else f"killed by {signal.Signals(-self.code).name}"
-        return f"{self.process.name}: {how}"
+        if self.code >= 0:
+            return f"{self.process.name}: exit status {self.code}"
+        known = {each.value: each.name for each in signal.Signals}
+        return f"{self.process.name}: killed by {known.get(-self.code, f'signal {-self.code}')}"
 
 
 class Usage(NamedTuple):

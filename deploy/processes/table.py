@@ -37,10 +37,13 @@ def router(connection: Connection, record: tuple[str, Path] | None = None, resta
     )
 
 
-def linked_router(connection: Connection, host: str, restarts: int = 0) -> Process:
-    """The router of one of several hosts; it reports once it is linked with those that it connects to."""
+def linked_router(connection: Connection, host: str, restarts: int = 0, *, vital: bool = True) -> Process:
+    """The router of one of several hosts; it reports once it is linked with those that it connects to.
+
+    Only that of the world's host is `vital`: with another one the robots behind it are lost, and no more.
+    """
     return Process(
-        router_name(host), "deploy.processes.router:linked", (connection,), True, restarts, reports=True
+        router_name(host), "deploy.processes.router:linked", (connection,), vital, restarts, reports=True
     )
 
 

@@ -1,4 +1,4 @@
-"""The MCAP file of a run: one JSON channel a key, scenario and result as metadata."""
+"""The MCAP file of a run: one JSON channel a key, a scene of it all, scenario and result as metadata."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import numpy as np
 from deploy.recording.channel import Channel
 from deploy.recording.form import schema
 from deploy.recording.mcap.file import McapFile
+from deploy.recording.pictures import Pictures
 from protocol.codec import check_finite
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import parse
@@ -50,6 +51,7 @@ class RecordingFile:
         self._step = 0.0
         self._count = 0
         self._report: str | None = None
+        self._pictures: Pictures | None = None
         try:
             self._file = McapFile(path, LIBRARY)
         except OSError as error:
@@ -65,6 +67,7 @@ class RecordingFile:
         with self._writing():
             self._file.metadata("run", {"name": run, "protocol": str(VERSION)})
             self._file.metadata("scenario", {"json": _JSON.encode(scenario).decode()})
+            self._pictures = Pictures(self._file, scenario)
             self._file.flush()
 
     def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
@@ -104,6 +107,8 @@ class RecordingFile:
         times = np.rint(ticks * self._step * 1e9).clip(max=_LATEST).astype(np.uint64)
         self._file.messages([channel.number for channel in channels], times, lines)
         self._count += len(messages)
+        if self._pictures is not None:
+            self._pictures.hear(messages)
 
     def _is_finite(self, channel: Channel, message: Any) -> bool:
         try:

@@ -147,9 +147,9 @@ class Fleet:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""
         multi_host.spawners.greet()
         for host in multi_host.hosts.hosts:
-            self._supervisor.start(
-                [table.linked_router(multi_host.router(host), host.name, self._options.restarts)]
-            )
+            connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
+            restarts = self._options.restarts
+            self._supervisor.start([table.linked_router(connection, host.name, restarts, vital=vital)])
             self._supervisor.report(table.router_name(host.name), _START)
         return multi_host
 

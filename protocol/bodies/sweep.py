@@ -8,7 +8,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from protocol.bodies.base import Arc, Base, chord, turned
+from protocol.bodies.base import Arc, Base, Motion, chord, turned
 
 _TURN: Final = 0.5  # rad; an arc that turns further is cut
 
@@ -44,24 +44,35 @@ class Sweep:
         return most
 
 
-def sweep(base: Base, heading: float, arcs: Sequence[Arc], *, error: float, lag: float, rise: int) -> Sweep:
+@final
+@mypyc_attr(acyclic=True)
+class Miss:
+    """By how much a control point may miss where it is sent: having gone a way L, at a speed of at most v so
+    far, by at most `error` L + `lag` v + `play`. `error` is a share, `lag` in s, `play` in m."""
+
+    __slots__ = ("error", "lag", "play")
+
+    def __init__(self, error: float = 0.0, lag: float = 0.0, play: float = 0.0) -> None:
+        self.error, self.lag, self.play = error, lag, play
+
+
+def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: int) -> Sweep:
     """What the control point passes along arcs, one after another, if it may miss them.
 
-    It is away from where the arcs lead, having gone a way L along them, by at most `error` L + `lag`, and of
-    the lag only an even share in each of the first `rise` arcs; with none, all of it at once. Each arc lies
-    in the triangle of its ends and of the point where its tangents meet.
+    Of the lag and the play there is only an even share in each of the first `rise` arcs; with none, all of it
+    at once. Each arc lies in the triangle of its ends and of the point where its tangents meet.
 
     Args:
         base: that describes them.
-        heading: at the beginning, rad.
-        error: share of the way.
-        lag: m.
-        rise: in how many arcs the lag becomes what it is.
+        motion: what it does as it begins.
+        miss: by how much it may be off.
+        rise: in how many arcs lag and play become what they are.
     """
     xs: list[float] = []
     ys: list[float] = []
     margins: list[float] = []
     x = y = way = 0.0
+    heading, fastest = motion.heading, math.hypot(motion.ahead, motion.aside)
     for index, arc in enumerate(arcs):
         speed = math.hypot(arc.ahead, arc.aside)
         if speed == 0.0 or arc.duration == 0.0:
@@ -69,7 +80,8 @@ def sweep(base: Base, heading: float, arcs: Sequence[Arc], *, error: float, lag:
         pieces = 1 + int(abs(base.turn(arc)) / _TURN)
         piece = Arc(arc.ahead, arc.aside, arc.duration / pieces)
         turn = base.turn(piece)
-        late = lag * min(1.0, (index + 1) / rise) if rise > 0 else lag
+        fastest = max(fastest, speed)
+        late = (miss.lag * fastest + miss.play) * (min(1.0, (index + 1) / rise) if rise > 0 else 1.0)
         if late > 0.0 and rise == 0 and not xs:
             xs, ys, margins = [0.0], [0.0], [late]
         for _ in range(pieces):
@@ -79,9 +91,9 @@ def sweep(base: Base, heading: float, arcs: Sequence[Arc], *, error: float, lag:
             if turn != 0.0:
                 tangent = piece.duration * math.tan(0.5 * turn) / turn
                 tx, ty = turned(piece.ahead * tangent, piece.aside * tangent, heading)
-                _append(xs, ys, margins, x + tx, y + ty, error * way + late)
+                _append(xs, ys, margins, x + tx, y + ty, miss.error * way + late)
             x, y, heading = x + dx, y + dy, heading + turn
-            _append(xs, ys, margins, x, y, error * way + late)
+            _append(xs, ys, margins, x, y, miss.error * way + late)
     return Sweep(xs, ys, margins)
 
 

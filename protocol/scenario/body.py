@@ -30,17 +30,18 @@ class Body:
     speed: Positive = 1e6  # m/s, of a wheel's rim; without wheels of the whole
     acceleration: Positive = 1e6  # m/s^2, of the same, speeding up and braking
     hold: NonNegative = 0.0  # s that it goes on with the last velocity after the tick that this was for
-    # What it does is off by at most `error` of the way, until it stands, and `lag` (m) more; what odometry
-    # says that it did in a tick, by at most `odometry` of the way and `drift` (m) more.
+    # Until it stands it is off by at most `error` of its way, the way of `lag` (s) at its speed, and `play`
+    # (m) together; what odometry says of a tick is off by at most `odometry` of the way and `drift` (m).
     error: Share = 0.0
     lag: NonNegative = 0.0
+    play: NonNegative = 0.0
     odometry: Share = 0.0
     drift: NonNegative = 0.0
 
     @property
     def ideal(self) -> bool:
         """Whether it does at once, and exactly, what it is told, whatever odometry says of it."""
-        return self.kind == "point" and self.error == 0.0 and self.lag == 0.0
+        return self.kind == "point" and self.error == self.lag == self.play == 0.0
 
     @property
     def disk(self) -> float | None:
@@ -48,7 +49,9 @@ class Body:
         return None if self.radius is None else self.radius + self.offset
 
 
-def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Body:
+def _two_wheels(
+    radius: float, track: float, speed: float, offset: float, lag: float = 0.015, play: float = 3e-4
+) -> Body:
     return Body(
         "differential-drive",
         radius,
@@ -58,7 +61,8 @@ def _two_wheels(radius: float, track: float, speed: float, offset: float) -> Bod
         acceleration=0.66,
         hold=0.1,
         error=0.1,
-        lag=0.002,
+        lag=lag,
+        play=play,
         odometry=0.1,
         drift=3e-4,
     )
@@ -73,7 +77,7 @@ PRESETS: Final[dict[str, Body]] = {
     "turtlebot3-waffle": _two_wheels(0.20, 0.287, 0.26, 0.09),
     "turtlebot4": _two_wheels(0.175, 0.233, 0.306, 0.08),
     "create3": _two_wheels(0.175, 0.233, 0.306, 0.08),
-    "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035),
-    "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02),
+    "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035, 0.02, 5e-4),
+    "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02, 0.03, 8e-4),
 }
 POINT: Final = PRESETS["point"]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from protocol.geometry import Disk, Shape
+from protocol.scenario.body_checks import body_findings
 from protocol.scenario.fault_checks import fault_findings
 from protocol.scenario.model import Time
 from protocol.scenario.shape import Document, Finding, Steps
@@ -54,6 +55,7 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         *_overlaps(disks, "goal"),
         *space_findings(sound, room, _placed(disks)),
         *_times(sound),
+        *body_findings(sound),
         *fault_findings(sound, known),
     ]
 

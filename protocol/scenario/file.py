@@ -10,6 +10,7 @@ import tomllib
 from pathlib import Path
 
 from protocol.errors import DocumentError, Problem, ScenarioError
+from protocol.scenario.body_checks import with_radii
 from protocol.scenario.checks import checked
 from protocol.scenario.model import Scenario
 from protocol.scenario.schema import json_schema, typed
@@ -68,7 +69,7 @@ def parse_document(document: Document, source: str = "scenario") -> Scenario:
         ScenarioError: with every problem, in the order of the file.
     """
     single = isinstance(document.get("sensing"), dict)
-    arrays = document | {"sensing": [document["sensing"]]} if single else document
+    arrays = with_radii(document | {"sensing": [document["sensing"]]} if single else document)
     scenario, findings = typed(arrays, Scenario)
     findings += checked(arrays, [steps for steps, _ in findings])
     if scenario is not None and not findings:

@@ -88,12 +88,12 @@ class Time:
     """
 
     __pydantic_config__ = STRICT
-    step: Positive = 0.05
-    limit: Positive = 60.0
-    tolerance: Positive = 0.005
-    fence: Positive = 1.0  # a robot that is silent this long is announced as down
-    deadlock: Positive = 20.0  # nobody moved for this long: give up
-    endless: bool = False
+    step: Positive = 0.05  # s, control period
+    limit: Positive = 60.0  # s of simulated time, after which the run is over
+    tolerance: Positive = 0.005  # m, arrived when all robots at once are within this of their goals
+    fence: Positive = 1.0  # s, a robot that is silent this long is announced as down
+    deadlock: Positive = 20.0  # s, nobody moved for this long: give up
+    endless: bool = False  # no verdict of its own: the run goes on until it is stopped
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +103,9 @@ class Control:
     __pydantic_config__ = STRICT
     law: Literal["gradient", "orca", "barrier"] = "gradient"
     k: Gain | Literal["auto", "certified"] = "auto"
-    pace: Literal["common", "own"] = "common"
-    filter: Literal["separating-lines", "none"] = "separating-lines"
-    speed: Positive = 0.10  # m/s
+    pace: Literal["common", "own"] = "common"  # one factor for all robots, or each saturates by itself
+    filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
+    speed: Positive = 0.10  # m/s, limit
     escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
@@ -119,11 +119,11 @@ class Sensing:
     """How a robot's own position is measured: delay (s), noise and bias (m), dropout."""
 
     __pydantic_config__ = STRICT
-    delay: Span = 0.0
-    noise: NonNegative = 0.0  # standard deviation per axis, truncated at noise_bound
+    delay: Span = 0.0  # s, age of a measurement
+    noise: NonNegative = 0.0  # m, standard deviation per axis, truncated at noise_bound
     noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
-    bias: Point = (0.0, 0.0)
-    dropout: Probability = 0.0
+    bias: Point = (0.0, 0.0)  # m, added to every measurement
+    dropout: Probability = 0.0  # that a measurement is missing
     robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
     heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
@@ -141,8 +141,8 @@ class Partition:
     """Between two times (s), States pass only inside each group; a robot in no group hears nobody."""
 
     __pydantic_config__ = STRICT
-    from_: NonNegative
-    until: Positive
+    from_: NonNegative  # s of simulated time
+    until: Positive  # s
     groups: tuple[tuple[RobotId, ...], ...]
 
 
@@ -151,10 +151,10 @@ class Link:
     """How States travel between every two robots. A random delay reorders by itself."""
 
     __pydantic_config__ = STRICT
-    delay: Span = 0.0
+    delay: Span = 0.0  # s, one way
     jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
-    loss: Probability = 0.0
-    duplicate: Probability = 0.0
+    loss: Probability = 0.0  # that a State is lost
+    duplicate: Probability = 0.0  # that a State arrives twice
     partition: tuple[Partition, ...] = ()
 
 
@@ -164,7 +164,7 @@ class ProcessFault:
 
     __pydantic_config__ = STRICT
     robot: RobotId
-    at: NonNegative
+    at: NonNegative  # s of simulated time
     event: Literal["kill", "pause", "resume", "restart"]
 
 
@@ -189,10 +189,10 @@ class RobotSpec:
     """
 
     __pydantic_config__ = STRICT
-    id: RobotId
-    radius: Positive
-    start: Point
-    goal: Point
+    id: RobotId  # unlike all others
+    radius: Positive  # m
+    start: Point  # m
+    goal: Point  # m
     heading: Angle = 0.0  # rad, at the start
     body: Preset | Body | None = None  # the scenario's, unless given
 
@@ -211,9 +211,9 @@ class Scenario:
 
     __pydantic_config__ = STRICT
     robots: Annotated[tuple[RobotSpec, ...], Len(1, 1000)]
-    name: str = "scenario"
+    name: str = "scenario"  # stands in results, and names certificates
     description: str = ""
-    seed: Annotated[int, Ge(0), Le(2**63 - 1)] = 0
+    seed: Annotated[int, Ge(0), Le(2**63 - 1)] = 0  # determines everything that is random in a run
     workspace: Workspace = Workspace()
     time: Time = Time()
     control: Control = Control()

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import disknav
+from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, fresh_run_name
 from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
 from world.judge.trajectory import TrajectoryDigest
@@ -83,6 +85,27 @@ def test_a_simulation_goes_on_by_one_tick() -> None:
     assert not simulation.step()
 
 
+def test_a_robot_is_sent_elsewhere_between_two_ticks() -> None:
+    simulation = disknav.Simulation(disknav.build({"robots": ROBOTS, "time": {"endless": True}}))
+    number = simulation.orders.send(7, (0.1, 0.1), (0.1, 0.0))
+    for _ in range(400):
+        status = simulation.orders.status(7)
+        if status is not None and status.status != "under way":
+            break
+        assert simulation.step()
+    assert (status.number, status.status) == (number, "arrived")
+    assert np.hypot(*(simulation.trajectory.of_robot(7) - [0.1, 0.1]).T).min() <= 0.005
+    assert np.hypot(*(simulation.positions[1] - [0.1, 0.0])) <= 0.005
+
+
+def test_an_order_that_cannot_be_is_refused() -> None:
+    simulation = disknav.Simulation(disknav.build({"robots": ROBOTS}))
+    with pytest.raises(UsageError, match=r"robot 7 cannot be sent there: .*out of the workspace"):
+        simulation.orders.send(7, (5.0, 0.0))
+    with pytest.raises(UsageError, match="that is no order"):
+        simulation.orders.send(7, (0.0, 0.0), within=-1.0)
+
+
 def test_faults_happen_while_stepping() -> None:
     scenario = disknav.load("crash")
     simulation = disknav.Simulation(scenario)
@@ -109,6 +132,19 @@ def test_columns_and_frames_say_the_same() -> None:
 def test_there_is_no_such_robot() -> None:
     with pytest.raises(UsageError, match="no robot 3; there are 2, 7"):
         disknav.run(disknav.build({"robots": ROBOTS})).trajectory.of_robot(3)
+
+
+@pytest.mark.process
+def test_a_robot_of_a_fleet_is_sent_elsewhere() -> None:
+    scenario = disknav.build({"robots": ROBOTS, "time": {"endless": True}})
+    options = RunOptions(run=fresh_run_name())
+    with (
+        Fleet([scenario], options) as fleet,
+        disknav.operate(options.run, router=fleet.topology.endpoint) as orders,
+    ):
+        number = orders.send(2, (0.05, 0.1))
+        ended = orders.outcome(2, number, within=60.0)
+    assert (ended.number, ended.status, ended.goal) == (number, "arrived", (0.05, 0.1))
 
 
 @pytest.mark.process

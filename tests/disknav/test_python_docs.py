@@ -1,4 +1,4 @@
-"""docs/python.md and the notebook run, from top to bottom."""
+"""The Python of the documentation and the notebook runs, from top to bottom."""
 
 from __future__ import annotations
 
@@ -13,15 +13,19 @@ ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs/notebooks/figure_1.py"
 
 
+def blocks(page: str) -> list[str]:
+    """The Python that a page shows."""
+    return re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(), re.DOTALL)
+
+
 @pytest.mark.process
-def test_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("page", ["index.md", "law.md", "python.md"])
+def test_a_page(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    for n, block in enumerate(blocks):
-        exec(compile(block, f"docs/python.md, block {n}", "exec"), names)
-    assert len(blocks) >= 7
-    assert names["simulation"].verdict == "arrived"  # type: ignore[attr-defined]
+    assert blocks(page)
+    for n, block in enumerate(blocks(page)):
+        exec(compile(block, f"docs/{page}, block {n}", "exec"), names)
 
 
 def test_the_notebook_draws_figure_1_in_ten_lines() -> None:

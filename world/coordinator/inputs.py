@@ -13,6 +13,7 @@ import msgspec
 from protocol.goals import GoalOrder
 from protocol.messages import Command, Count, Id, Vector
 from protocol.scenario.model import RobotSpec
+from protocol.things import ThingOrder
 
 
 class Joined(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="join"):
@@ -66,6 +67,18 @@ class Ordered(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="order
     order: GoalOrder
 
 
+class Placed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="place"):
+    """See `World.add_thing`."""
+
+    order: ThingOrder
+
+
+class TakenAway(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="take away"):
+    """See `World.remove_thing`."""
+
+    number: Id
+
+
 class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt"):
     """See `World.halt`."""
 
@@ -86,20 +99,8 @@ class Removed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="remov
 
 _encode = msgspec.msgpack.encode
 
-Input = (
-    Command
-    | Opened
-    | Closed
-    | Joined
-    | Lost
-    | Expected
-    | GivenUp
-    | Ordered
-    | Halted
-    | Added
-    | Removed
-    | Ended
-)
+Operated = Ordered | Placed | TakenAway | Added | Removed | Halted
+Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operated | Ended
 
 
 def checksum(positions: Sequence[Vector]) -> int:

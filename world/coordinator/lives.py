@@ -13,9 +13,11 @@ from enum import Enum, auto
 
 from protocol import messages
 from protocol.errors import JoinError
-from protocol.messages import Standing, Vector
+from protocol.geometry import Shape
+from protocol.messages import Member, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from world.coordinator.roster import Roster
+from world.coordinator.surroundings import Surroundings
 
 
 class Status(Enum):
@@ -54,6 +56,7 @@ class Lives:
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
         self._roster = Roster(version)
+        self.things = Surroundings(scenario)
         self._name = scenario.name
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
@@ -94,6 +97,31 @@ class Lives:
         lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
         self._roster.found(lives, places, self._radii)
 
+    def announce(self, shape: Shape) -> int:
+        """A thing is to appear, once everybody live keeps clear of it; its number."""
+        number = self.things.announce(shape)
+        self._roster.follow_things(self.things.changes)
+        return number
+
+    def take_away(self, number: int) -> bool:
+        """A thing is gone, or does not appear after all; whether there was one."""
+        known = self.things.take_away(number)
+        self._roster.follow_things(self.things.changes)
+        return known
+
+    def settle(self) -> bool:
+        """Put up what everybody keeps clear of; whether anything stands now that did not."""
+        if not self.things.appearing or not self._roster.all_keep_clear():
+            return False
+        disks = [
+            (each.position, each.radius + each.bound)
+            for each in self._roster.standing
+            if each.position is not None
+        ]
+        settled = self.things.settle(disks)
+        self._roster.follow_things(self.things.changes)
+        return settled
+
     def roster_for(self, robot: int) -> messages.Roster | None:
         """What the newest life of `robot` has to be told of the roster; None once it keeps to all of it."""
         return self._roster.news(robot)
@@ -128,14 +156,14 @@ class Lives:
         life.status = Status.UP
         return life.incarnation
 
-    def announce(self, spec: RobotSpec) -> None:
+    def announce_robot(self, spec: RobotSpec) -> None:
         """Another robot's disk is to appear at its start."""
         self._radii[spec.id] = spec.radius
         self._roster.announce(spec.id, spec.radius, spec.start)
 
-    def settle(self, tick: int) -> list[int]:
+    def settle_robots(self, tick: int) -> list[int]:
         """Robots whose disks appear at the start of `tick`, and stand until their processes join."""
-        settled = self._roster.settle()
+        settled = self._roster.settle(self._is_free)
         for robot in settled:
             known = self.of.get(robot)
             incarnation = known.incarnation if known else 0
@@ -155,6 +183,12 @@ class Lives:
     def dismiss(self, robot: int) -> None:
         """The process of a robot that was removed knows it."""
         self.of[robot].joined = False
+
+    def _is_free(self, member: Member) -> bool:
+        """Whether no thing stands in the way of a disk."""
+        assert member.position is not None
+        reach = member.radius + member.bound
+        return all(shape.distance(*member.position) >= reach for shape in self.things.standing.values())
 
     def withdraw(self, robot: int) -> None:
         """A disk that was announced does not appear."""

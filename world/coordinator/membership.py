@@ -40,7 +40,7 @@ class Membership:
         """Announce a disk; returns why that cannot be, "" if it is done."""
         reason = self._unfit(spec)
         if not reason:
-            self._lives.announce(spec)
+            self._lives.announce_robot(spec)
             self._announced[spec.id] = spec
         return reason
 
@@ -71,7 +71,7 @@ class Membership:
         Returns:
             Who has left; None if nobody came or left. `scenario` is another one otherwise.
         """
-        settled = self._lives.settle(tick) if self._announced else []
+        settled = self._lives.settle_robots(tick) if self._announced else []
         left, self._leaving = frozenset(self._leaving), set()
         if not settled and not left:
             return None
@@ -95,6 +95,6 @@ class Membership:
             return f"robot {robot}: a radius above 0 is needed"
         if (status := self._lives.status_of(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"
-        obstacle, standing = self._missions.obstacle, self._lives.standing
-        at_start = obstacle(robot, spec.radius, spec.start, standing)
-        return at_start or obstacle(robot, spec.radius, spec.goal, ())
+        obstacle, things = self._missions.obstacle, self._lives.things.standing
+        at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, things)
+        return at_start or obstacle(robot, spec.radius, spec.goal, (), things)

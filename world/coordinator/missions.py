@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
+from protocol.geometry import Shape
 from protocol.goals import MOST_POINTS, GoalOrder, GoalReply
 from protocol.messages import Errand, GoalStatus, Standing, Vector
 from protocol.scenario.model import Scenario
@@ -67,11 +69,18 @@ class Missions:
         news, self._news = self._news, []
         return news
 
-    def refusal(self, robot: int, order: GoalOrder, standing: Iterable[Standing]) -> str:
+    def refusal(
+        self,
+        robot: int,
+        order: GoalOrder,
+        standing: Iterable[Standing],
+        things: Mapping[int, Shape] = MappingProxyType({}),
+    ) -> str:
         """Why an order cannot be carried out; "" if it can.
 
         Args:
             standing: disks that stand, and may stand in a point.
+            things: what else stands, by number.
         """
         if robot not in self._missions:
             known = ", ".join(map(str, self._missions))
@@ -83,7 +92,7 @@ class Missions:
             return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
         others = [each for each in standing if each.robot != robot]
         radius = self._scenario.spec(robot).radius
-        reasons = (self.obstacle(robot, radius, point, others) for point in order.points)
+        reasons = (self.obstacle(robot, radius, point, others, things) for point in order.points)
         return next((reason for reason in reasons if reason), "")
 
     def accept(self, robot: int, order: GoalOrder, tick: int, position: Vector) -> GoalReply:
@@ -149,13 +158,31 @@ class Missions:
         self._status[robot] = said
         self._news.append(said)
 
-    def obstacle(self, robot: int, radius: float, point: Vector, standing: Iterable[Standing]) -> str:
+    def covered(self, shape: Shape) -> str:
+        """Whose present goal a thing covers, "" if nobody's."""
+        whose = [
+            robot
+            for robot, mission in self._missions.items()
+            if shape.distance(*mission.points[0]) <= self._scenario.spec(robot).radius
+        ]
+        if not whose:
+            return ""
+        return f"covers the goal of robot{'s' if len(whose) > 1 else ''} {', '.join(map(str, whose))}"
+
+    def obstacle(
+        self,
+        robot: int,
+        radius: float,
+        point: Vector,
+        standing: Iterable[Standing],
+        things: Mapping[int, Shape],
+    ) -> str:
         """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
         where = f"({point[0]:g}, {point[1]:g})"
         beyond = self._scenario.workspace.shape.distance(*point) + radius
         if beyond >= 0.0:
             return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
-        for number, shape in self._scenario.shapes.items():
+        for number, shape in things.items():
             depth = radius - shape.distance(*point)
             if depth >= 0.0:
                 return f"{where}: robot {robot} would overlap thing {number} by {depth:.3g} m"

@@ -12,13 +12,13 @@ Everything about lives is decided here, and robots only follow its versions, whi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from msgspec.structs import replace
 
 from protocol import messages
 from protocol.errors import RosterError
-from protocol.messages import Member, Vector
+from protocol.messages import Member, Thing, Vector
 
 
 class Roster:
@@ -35,6 +35,7 @@ class Roster:
         self.version = version
         self._members: dict[int, Member] = {}
         self._kept: dict[int, tuple[int, int]] = {}  # life and version that it keeps to, by robot
+        self._things: tuple[Thing, ...] = ()
 
     @property
     def founded(self) -> bool:
@@ -129,14 +130,29 @@ class Roster:
         if (incarnation, version) > (life, known) and version <= self.version:
             self._kept[robot] = (incarnation, version)
 
-    def settle(self) -> list[int]:
-        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on."""
+    def settle(self, is_free: Callable[[Member], bool] = lambda _: True) -> list[int]:
+        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on.
+
+        Args:
+            is_free: whether nothing but robots is in the way of a disk.
+        """
         settled = []
         for member in tuple(self._members.values()):
-            if member.status == "appearing" and self._all_keep_clear() and self._is_free(member):
+            if (
+                member.status == "appearing"
+                and self.all_keep_clear()
+                and is_free(member)
+                and self._is_free(member)
+            ):
                 self._put(replace(member, status="standing"))
                 settled.append(member.robot)
         return settled
+
+    def follow_things(self, things: tuple[Thing, ...]) -> None:
+        """Things came, are to come, or went: say so in a new version, once the run is founded."""
+        if things != self._things:
+            self._things = things
+            self.version += 1
 
     def news(self, robot: int) -> messages.Roster | None:
         """The roster, if the newest life of `robot` has not acknowledged it."""
@@ -148,9 +164,10 @@ class Roster:
     @property
     def message(self) -> messages.Roster:
         """The present version."""
-        return messages.Roster(self.version, tuple(self._members[robot] for robot in sorted(self._members)))
+        members = tuple(self._members[robot] for robot in sorted(self._members))
+        return messages.Roster(self.version, members, self._things)
 
-    def _all_keep_clear(self) -> bool:
+    def all_keep_clear(self) -> bool:
         """Whether everybody live has acknowledged the present version."""
         return all(
             self._kept.get(each.robot) == (each.incarnation, self.version)

@@ -6,9 +6,12 @@ shape (..., q): any number of ticks may be measured at once.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
+from protocol.geometry import Shape
 from protocol.scenario.model import Scenario
 from world.judge.surroundings import Surroundings, closest
 
@@ -33,6 +36,10 @@ class Disks:
         self.first, self.second = np.triu_indices(len(specs), 1)
         self.contact: Reals = radii[self.first] + radii[self.second]
         self.surroundings = Surroundings(scenario.workspace.shape, scenario.shapes, radii)
+
+    def surround(self, things: Mapping[int, Shape]) -> None:
+        """Other things stand now, by number."""
+        self.surroundings = Surroundings(self.surroundings.room, things, self.surroundings.radii)
 
     def __len__(self) -> int:
         """Number of gaps of a configuration."""

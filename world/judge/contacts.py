@@ -34,7 +34,7 @@ class Contacts:
     def __init__(self, disks: Disks) -> None:
         self.all: list[Contact] = []
         self._disks = disks
-        self._latest: dict[int, Contact] = {}
+        self._latest: dict[tuple[int, int], Contact] = {}
 
     def recast(self, disks: Disks) -> None:
         """Other disks from now on; an overlap that goes on is noted anew."""
@@ -50,13 +50,14 @@ class Contacts:
                 self._note(index, tick + span * begin, tick + span * end, float(gaps[index]))
 
     def _note(self, index: int, begin: float, end: float, gap: float) -> None:
-        latest = self._latest.get(index)
+        pair = self._disks.names(index)
+        latest = self._latest.get(pair)
         if latest is not None and begin <= latest.end + _SAME:
             latest.end = end
             latest.deepest = min(latest.deepest, gap)
             return
-        self._latest[index] = Contact(self._disks.names(index), begin, end, gap)
-        self.all.append(self._latest[index])
+        self._latest[pair] = Contact(pair, begin, end, gap)
+        self.all.append(self._latest[pair])
 
     def _intervals(self, index: int, before: Plane, after: Plane) -> list[Interval]:
         disks, pairs = self._disks, len(self._disks.contact)

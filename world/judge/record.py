@@ -6,10 +6,11 @@ costs little more than over one, and nobody has to wait for it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from protocol.geometry import Shape
 from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane, gaps
@@ -62,12 +63,13 @@ class Record:
         if len(self._aside) >= self._batch:
             self._measure()
 
-    def recast(self, scenario: Scenario, positions: Sequence[Vector]) -> None:
+    def recast(self, scenario: Scenario, positions: Sequence[Vector], shapes: Mapping[int, Shape]) -> None:
         """Robots came and went: from the newest configuration on, which is `positions` now, those of another
-        scenario are judged."""
+        scenario are judged, among things of these shapes."""
         self._measure()
         self.goals.recast(scenario)
         disks = self._disks = Disks(scenario)
+        disks.surround(shapes)
         self._phi = NavigationFunction(disks, self.goals, scenario.k)
         self._contacts.recast(disks)
         self._digest.recast(disks.ids)
@@ -84,6 +86,11 @@ class Record:
         self._measure()
         x, y = self._truth.positions[self._truth.robots.index(robot)]
         self.goals.change(robot, goal, (x, y))
+
+    def surround(self, shapes: Mapping[int, Shape]) -> None:
+        """From the newest configuration on these things stand, by number; all before is measured without."""
+        self._measure()
+        self._disks.surround(shapes)
 
     @property
     def tight(self) -> float | None:

@@ -31,7 +31,7 @@ class SimulatedBase:
         self.motion = Motion(scenario.spec(robot).heading)
         self._base = Base(body, scenario.time.step)
         self._error = body.error + scenario.actuation.bound
-        self._lag = body.lag
+        self._lag, self._play = body.lag, body.play
         self._draws = Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2)
 
     @property
@@ -51,7 +51,8 @@ class SimulatedBase:
             arcs = base.drive(motion, ahead, aside)
             if len(arcs) == 1:
                 arcs = [Arc(ahead, aside, part)] * STEPS
-            self.motion, lag = base.driven(motion, ahead, aside), self._lag
+            fastest = max(math.hypot(motion.ahead, motion.aside), math.hypot(arcs[0].ahead, arcs[0].aside))
+            self.motion, lag = base.driven(motion, ahead, aside), self._lag * fastest + self._play
         else:
             coasting = motion if velocity is None else base.braking(motion)
             for _ in range(STEPS):

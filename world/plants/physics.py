@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import mujoco
+
 from protocol.bodies.base import STEPS, Arc, Base, Motion, chord, turned
 from protocol.errors import UsageError
 from protocol.messages import Vector
@@ -21,7 +23,7 @@ class Physics:
     """See `world.plants.plant.Plant`. Odometry is that of the wheels' encoders; headings are true.
 
     Raises:
-        UsageError: MuJoCo is not installed, or the control period is not a multiple of its time step.
+        UsageError: the control period cannot be parted into its time steps.
     """
 
     slips = True
@@ -29,7 +31,7 @@ class Physics:
     fixed = "robots in MuJoCo are built once and for all: stop the run, and begin another"
 
     def __init__(self, scenario: Scenario) -> None:
-        self._engine = _engine()
+        self._engine: Any = mujoco
         self._model = self._engine.MjModel.from_xml_string(model(scenario))
         self._data = self._engine.MjData(self._model)
         self.ids = scenario.ids
@@ -207,13 +209,3 @@ def _substeps(period: float) -> int:
             f'world.plant = "mujoco" needs a time.step in steps of {STEPS * TIMESTEP:g} s, not {period:g} s'
         )
     return count
-
-
-def _engine() -> Any:
-    try:
-        import mujoco
-    except ImportError:
-        raise UsageError(
-            'world.plant = "mujoco" needs MuJoCo, which is not installed: pip install "disknav[mujoco]"'
-        ) from None
-    return mujoco

@@ -22,7 +22,9 @@ from world.coordinator.inputs import (
     Lost,
     Opened,
     Ordered,
+    Placed,
     Removed,
+    TakenAway,
 )
 from world.shell.journal import Began, Journal, Seated
 from world.shell.run import Run
@@ -111,6 +113,8 @@ _FOLLOW: dict[type, Callable[[World, Any], bool]] = {
     Expected: _always(lambda world, entry: world.expect(entry.robot)),
     GivenUp: _always(lambda world, entry: world.give_up_waiting(entry.robot, entry.reason)),
     Ordered: lambda world, entry: world.order(entry.robot, entry.order).accepted,
+    Placed: lambda world, entry: world.add_thing(entry.order).accepted,
+    TakenAway: lambda world, entry: world.remove_thing(entry.number).accepted,
     Halted: _always(lambda world, entry: world.halt(entry.halted)),
     Added: lambda world, entry: not world.add(entry.spec),
     Removed: lambda world, entry: not world.remove(entry.robot),

@@ -70,6 +70,7 @@ class Run:
             world.halted,
             world.missed,
             dict(self.rejected),
+            world.things,
             world.newcomers,
         )
 

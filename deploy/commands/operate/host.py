@@ -11,12 +11,16 @@ import typer
 
 def host(
     run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
+    facts: Annotated[
+        tuple[str, int] | None,
+        typer.Option(help="Only say what this host is like; where its router listens."),
+    ] = None,
 ) -> None:
     """Start processes for a launcher on another host, by way of standard input and output."""
     from deploy.processes.spawn import environment
 
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
     # -P: nor what lies in the working directory.
-    os.execve(
-        sys.executable, [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", run], environment()
-    )
+    module, arguments = ("remote", [run]) if facts is None else ("facts", [str(each) for each in facts])
+    call = [sys.executable, "-P", "-m", f"deploy.processes.hosts.{module}", *arguments]
+    os.execve(sys.executable, call, environment())

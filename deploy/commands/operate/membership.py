@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from deploy.commands.operate.stop import Router, Run, Secure
+from deploy.commands import options
+from deploy.commands.operate.stop import Run
 from deploy.output.exit_status import EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
@@ -24,8 +25,8 @@ def add(
         tuple[float, float] | None, typer.Option(help="Where it is to go, m; it stays unless given.")
     ] = None,
     within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait until it has appeared.")] = 30.0,
-    router: Router = None,
-    secure: Secure = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
 ) -> None:
     """Add a robot to a running fleet: the others clear its place, then its disk is put there.
 
@@ -50,8 +51,8 @@ def add(
 def remove(
     run: Run,
     robot: Annotated[int, typer.Argument(help="Id of the robot.")],
-    router: Router = None,
-    secure: Secure = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
 ) -> None:
     """Take a robot out of a running fleet: its process ends, its disk is taken away.
 

@@ -7,15 +7,14 @@ from typing import Annotated
 
 import typer
 
+from deploy.commands import options
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 
 Run = Annotated[str, typer.Argument(help="Name of the run.")]
-Router = Annotated[str | None, typer.Option(help="Endpoint of the fleet's router.")]
-Secure = Annotated[Path | None, typer.Option(metavar="DIR", help="Certificates from `disknav keys new DIR`.")]
 
 
-def stop(run: Run, router: Router = None, secure: Secure = None) -> None:
+def stop(run: Run, router: options.Router = None, secure: options.Secure = None) -> None:
     """Emergency stop: every robot stands within one tick, and stays until [b]disknav release[/b].
 
     Example: disknav stop yard
@@ -25,7 +24,7 @@ def stop(run: Run, router: Router = None, secure: Secure = None) -> None:
     _say(run, router, secure, halt=True)
 
 
-def release(run: Run, router: Router = None, secure: Secure = None) -> None:
+def release(run: Run, router: options.Router = None, secure: options.Secure = None) -> None:
     """Let the robots of a stopped fleet move again.
 
     Example: disknav release yard

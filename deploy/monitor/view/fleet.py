@@ -12,8 +12,8 @@ from collections.abc import Iterable
 
 from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
-from deploy.monitor.view.thinned import Thinned
-from protocol.messages import Clock, GoalStatus, Health, Message, Truth
+from deploy.scene.thinned import Thinned
+from protocol.messages import Clock, GoalStatus, Health, Message, Thing, Truth
 from protocol.scenario.model import Scenario
 from protocol.steering import Steering
 
@@ -49,6 +49,7 @@ class View:
         self.tick, self.verdict, self.reason = 0, "", ""
         self.missed, self.rejected = 0, dict[str, int]()
         self.smallest: float | None = None
+        self.things: tuple[Thing, ...] = ()  # that came or went
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
@@ -103,6 +104,7 @@ class View:
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
         self.missed, self.rejected = clock.missed, clock.rejected
+        self.things = clock.things
         down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active

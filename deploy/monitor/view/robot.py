@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from deploy.monitor.view.thinned import Thinned
+from deploy.scene.thinned import Thinned
 from protocol.messages import GoalStatus, Health, Line, Vector
 from protocol.scenario.model import RobotSpec
 

@@ -7,7 +7,7 @@ from typing import Any
 from deploy.monitor.view.fleet import View
 from deploy.monitor.view.robot import ALARMS, RobotView
 from protocol.geometry import Disk, Shape
-from protocol.messages import Truth
+from protocol.messages import Thing, Truth
 
 _SAMPLES = 8  # of the past that a snapshot carries, at most
 
@@ -22,7 +22,7 @@ def overview(view: View) -> dict[str, Any]:
             "description": scenario.description,
             "room": _outline(scenario.workspace.shape),
             "box": scenario.workspace.shape.box,
-            "things": [_outline(shape) for shape in scenario.shapes.values()],
+            "things": {str(number): _outline(shape) for number, shape in scenario.shapes.items()},
             "step": scenario.time.step,
             "limit": scenario.time.limit,
             "speed": scenario.control.speed,
@@ -39,6 +39,11 @@ def _outline(shape: Shape) -> dict[str, Any]:
     if isinstance(shape, Disk):
         return {"center": (shape.x, shape.y), "radius": shape.radius}
     return {"points": shape.points}
+
+
+def _change(thing: Thing) -> dict[str, Any] | None:
+    """A thing that came, or None for one that went."""
+    return None if thing.status == "gone" else _outline(thing.shape) | {"status": thing.status}
 
 
 def _still(robot: RobotView) -> dict[str, Any]:
@@ -67,6 +72,7 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
         "router": None if view.router is None else view.router.told(),
         "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
         "samples": _samples(view, since),
+        "things": {str(thing.number): _change(thing) for thing in view.things},
     }
 
 

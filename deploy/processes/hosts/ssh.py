@@ -6,6 +6,7 @@ import os
 import select
 import shlex
 import socket
+import struct
 import subprocess
 import sys
 import time
@@ -13,7 +14,8 @@ from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from deploy.processes.fork_messages import Beat, News, Store
+from deploy.processes.fork_messages import MAX_NEWS, Beat, News, Request, Store, decode_news
+from deploy.processes.hosts.frames import Frames
 from deploy.processes.hosts.remote import GREETING
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import Spawner
@@ -21,6 +23,8 @@ from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.errors import ProcessError
 
 BEAT = 1.0  # s between signs of life of this launcher
+_STALL = 5.0  # s that a host may take over a message, of its own or to it
+_LONGEST_LINE = 1 << 12  # bytes that a shell may say at login before it ends the line
 _MISSING = 127  # exit status of a shell that does not find a command
 # The first value that ssh is given counts, so a host's own options outrank these.
 _OPTIONS = (
@@ -31,6 +35,12 @@ _OPTIONS = (
     "ClearAllForwardings=yes",
     "LogLevel=ERROR",
 )
+
+
+def ssh_command(host: Host, there: str) -> list[str]:
+    """The command line that has a shell on `host` run `there`, asking nobody for a password."""
+    options = [word for option in _OPTIONS for word in ("-o", option)]
+    return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
 
 
 class SshSpawner(Spawner):
@@ -45,6 +55,9 @@ class SshSpawner(Spawner):
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
         super().__init__(run=run)
+        self._frames = Frames(self._channel.fileno(), MAX_NEWS, _STALL)
+        with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # an option of both descriptors
+            ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
 
     def greet(self, timeout: float) -> None:
         """Wait until the host says that it serves.
@@ -77,15 +90,22 @@ class SshSpawner(Spawner):
             self._beat = now
             self._send(Beat())
         try:
-            yield from super().news(timeout)
-        except (OSError, msgspec.DecodeError) as error:
+            for message in self._frames.read(timeout):
+                yield decode_news(message)
+        except (EOFError, ConnectionError):
+            raise self._gone() from None
+        except (OSError, ValueError, msgspec.DecodeError) as error:
             raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
+
+    def _send(self, request: Request) -> None:
+        try:
+            super()._send(request)
+        except BlockingIOError:
+            raise ProcessError(f"host {self.host.name} has not listened for {_STALL:g} s") from None
 
     def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
-        options = [word for option in _OPTIONS for word in ("-o", option)]
-        there = [self.host.ssh, f"{self.host.command} host --run={shlex.quote(run)}"]
-        command = ["ssh", "-T", *self.host.options, *options, "--", *there]
+        command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}")
         end = theirs.fileno()
         try:
             return subprocess.Popen(command, stdin=end, stdout=end, start_new_session=True)
@@ -104,6 +124,8 @@ class SshSpawner(Spawner):
             if not byte:
                 raise self._gone()
             line += byte
+            if len(line) > _LONGEST_LINE:
+                raise ProcessError(f"host {self.host.name} does not talk as it should: no end of a line")
         return line.decode(errors="replace").rstrip("\n")
 
     def _gone(self) -> ProcessError:

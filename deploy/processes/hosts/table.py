@@ -66,6 +66,23 @@ def read_hosts(path: Path, robots: Sequence[int]) -> HostsTable:
     return parse_hosts(read_toml(path, HostsError), robots, str(path))
 
 
+def read_any_hosts(path: Path) -> HostsTable:
+    """Read a table whatever the scenario: every robot that it names is taken to be one.
+
+    Raises:
+        HostsError: as `read_hosts`.
+    """
+    document = read_toml(path, HostsError)
+    entries = document.get("hosts")
+    named = (
+        [each.get("robots") for each in entries if isinstance(each, dict)]
+        if isinstance(entries, list)
+        else []
+    )
+    robots = {robot for each in named if isinstance(each, list) for robot in each if isinstance(robot, int)}
+    return parse_hosts(document, sorted(robots), str(path))
+
+
 def parse_hosts(document: Document, robots: Sequence[int], source: str = "hosts") -> HostsTable:
     """The same from plain tables, as tomllib makes them."""
     table, findings = typed(document, HostsTable)

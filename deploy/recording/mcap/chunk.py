@@ -70,6 +70,13 @@ class Chunk:
         self._data += lines.split(b"\n")[:-1]
         self.size += len(lines) + (_HEAD.itemsize - 1) * len(channels)
 
+    def put(self, channel: int, time: int, data: bytes) -> None:
+        """Add one message of any encoding."""
+        self._channels.append(channel)
+        self._times.append(np.array([time], np.uint64))
+        self._data.append(data)
+        self.size += _HEAD.itemsize + len(data)
+
     def write(self, file: BinaryIO, counts: NDArray[np.int64]) -> Contents:
         """Write all records; `counts`, the messages of each channel so far, goes on counting."""
         heads = self._heads()

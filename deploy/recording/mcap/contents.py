@@ -39,7 +39,7 @@ class Contents:
     """An MCAP file whose messages are in chunks, as in all that `McapFile` writes.
 
     Attributes:
-        topics: by channel, of the chunks that were read so far.
+        topics: by channel, of the chunks that were read so far; keys of the run, no pictures of it.
         cut: the file has no proper end, or a chunk that was read is damaged: all before that is here.
     """
 
@@ -59,8 +59,9 @@ class Contents:
         for chunk, later, found in self._read():
             for record in found:
                 if isinstance(record, Channel):
-                    self.topics[record.id] = record.topic
-                elif isinstance(record, Message):
+                    if not record.topic.startswith("/"):
+                        self.topics[record.id] = record.topic
+                elif isinstance(record, Message) and record.channel_id in self.topics:
                     heappush(waiting, (record.log_time, next(order), record))
             while waiting and waiting[0][0] <= later:
                 yield heappop(waiting)[2]

@@ -46,7 +46,7 @@ class McapFile:
         OSError: (all methods) the file cannot be written.
     """
 
-    def __init__(self, path: Path, library: str) -> None:
+    def __init__(self, path: Path, library: str, profile: str = "") -> None:
         self._file: BinaryIO = path.open("wb")
         self._place = 0
         self._schemas: list[Schema] = []
@@ -57,19 +57,19 @@ class McapFile:
         self._compressor = zstandard.ZstdCompressor(_LEVEL)
         self._chunk = Chunk()
         self._records = BytesIO()  # of a chunk; the same memory for all, for to get it costs most
-        self._put(MCAP0_MAGIC + packed(Header("", library)))
+        self._put(MCAP0_MAGIC + packed(Header(profile, library)))
 
-    def schema(self, name: str, data: bytes) -> int:
-        """Declare a JSON schema; returns its number."""
-        record = Schema(id=len(self._schemas) + 1, data=data, encoding="jsonschema", name=name)
+    def schema(self, name: str, data: bytes, encoding: str = "jsonschema") -> int:
+        """Declare a schema; returns its number."""
+        record = Schema(id=len(self._schemas) + 1, data=data, encoding=encoding, name=name)
         self._schemas.append(record)
         self._chunk.declare(packed(record))
         return record.id
 
-    def channel(self, topic: str, schema: int, metadata: dict[str, str]) -> int:
-        """Declare a channel of JSON objects; returns its number."""
+    def channel(self, topic: str, schema: int, metadata: dict[str, str], encoding: str = "json") -> int:
+        """Declare a channel, of JSON objects unless told otherwise; returns its number."""
         number = len(self._channels) + 1
-        record = Channel(number, topic, "json", metadata, schema)
+        record = Channel(number, topic, encoding, metadata, schema)
         self._channels.append(record)
         self._chunk.declare(packed(record))
         return number
@@ -77,6 +77,12 @@ class McapFile:
     def messages(self, channels: Sequence[int], times: Times, lines: bytes) -> None:
         """See `Chunk.add`."""
         self._chunk.add(channels, times, lines)
+        if self._chunk.size > _CHUNK:
+            self._close_chunk()
+
+    def message(self, channel: int, time: int, data: bytes) -> None:
+        """See `Chunk.put`."""
+        self._chunk.put(channel, time, data)
         if self._chunk.size > _CHUNK:
             self._close_chunk()
 

@@ -142,8 +142,8 @@ MUTANTS = (
         (
             Edit(
                 _SWEEP,
-                "late = lag * min(1.0, (index + 1) / rise) if rise > 0 else lag\n",
-                "late, error = lag, 0.0\n",
+                "        fastest = max(fastest, speed)\n",
+                "        fastest, miss = max(fastest, speed), Miss(0.0, miss.lag, miss.play)\n",
             ),
         ),
     ),
@@ -151,13 +151,13 @@ MUTANTS = (
         "lag",
         "and by its lag",
         "omnidirectional",
-        (Edit(_SWEEP, "late = lag * min(1.0, (index + 1) / rise) if rise > 0 else lag\n", "late = 0.0\n"),),
+        (Edit(_SWEEP, "        fastest = max(fastest, speed)\n", "        fastest = 0.0\n"),),
     ),
     Mutant(
         "heading",
         "a base that takes itself to face elsewhere goes elsewhere",
         "differential-drive",
-        (Edit(_INERTIAL, "error += 2.0 * math.sin(0.5 * heading)", "error += 0.0 * heading"),),
+        (Edit(_INERTIAL, "turned_by = 2.0 * math.sin(0.5 * heading)", "turned_by = 0.0 * heading"),),
     ),
     Mutant(
         "sides-tested",

@@ -55,6 +55,7 @@ class Product:
         self.lines: Any = loaded["agents.lines.separating_lines"]
         self.boundary: Any = loaded["agents.lines.boundary"]
         self.inertial: Any = loaded["agents.bodies.inertial"]
+        self.sweep: Any = loaded["protocol.bodies.sweep"]
         self.base: Any = loaded["protocol.bodies.base"]
 
 
@@ -83,7 +84,10 @@ class Ride:
         self.loss = rng.choice((0.0, 0.1, 0.5, 0.9))
         self.base = product.base.Base(self.body, self.period)
         self.filter = product.inertial.InertialBody(
-            self.base, self.speed, error=self.body.error, lag=self.body.lag, heading=self.askew
+            self.base,
+            self.speed,
+            product.sweep.Miss(self.body.error, self.body.lag, self.body.play),
+            self.askew,
         )
         self.radius = rng.choice((0.05, 0.15))
         self.boundary = product.boundary.RoundBoundary(rng.choice(ROOMS))
@@ -177,29 +181,34 @@ class Ride:
     def _way(self, velocity: Vector | None) -> Iterator[Vector]:
         """The true displacements of a tick, one after another, each with its share of the error."""
         base, heading = self.base, self.motion.heading
-        arcs, lag = self._arcs(velocity)
+        self.before = self.motion
+        arcs, commanded = self._arcs(velocity)
         arc_type = self.product.base.Arc
         rng, body = self.rng, self.body
         size = rng.choice((0.0, 1.0)) * (1.0 - 1e-9)
         turn = rng.choice((self.angle, rng.uniform(0.0, math.tau)))
         ex, ey = size * math.cos(turn), size * math.sin(turn)
+        fastest, late, done = math.hypot(self.before.ahead, self.before.aside), 0.0, 0
         for arc in arcs:
             part = arc_type(arc.ahead, arc.aside, arc.duration / PARTS)
+            fastest = max(fastest, math.hypot(part.ahead, part.aside))
             way = math.hypot(part.ahead, part.aside) * part.duration
-            missed = body.error * way + lag / (len(arcs) * PARTS)
             for _ in range(PARTS):
+                done += 1
+                later = (body.lag * fastest + body.play) * done / (len(arcs) * PARTS) if commanded else 0.0
+                missed, late = body.error * way + later - late, later
                 turn = base.turn(part)
                 dx, dy = self.product.base.turned(*self.product.base.chord(part, turn), heading)
                 heading += turn
                 yield dx + missed * ex, dy + missed * ey
 
-    def _arcs(self, velocity: Vector | None) -> tuple[list[Any], float]:
-        """What the base does in this tick, and how much of its lag comes with it."""
+    def _arcs(self, velocity: Vector | None) -> tuple[list[Any], bool]:
+        """What the base does in this tick, and whether that is a command."""
         base, motion = self.base, self.motion
         if velocity is not None and velocity != (0.0, 0.0):
             ahead, aside = base.limited(motion, velocity)
             self.motion = base.driven(motion, ahead, aside)
-            return base.drive(motion, ahead, aside), self.body.lag
+            return base.drive(motion, ahead, aside), True
         arcs, parts = [], 4
         if velocity is not None:
             motion = base.braking(motion)
@@ -207,20 +216,20 @@ class Ride:
             arcs.append(base.coast(motion, self.period / parts))
             motion = base.coasted(motion, self.period / parts)
         self.motion = motion
-        return arcs, 0.0
+        return arcs, False
 
 
 def drawn(kind: str, rng: Random) -> Body:
     """A body of a kind, or a preset, with errors or without."""
-    error, lag = rng.choice(((0.0, 0.0), (0.0, 0.0), (0.05, 0.0), (0.3, 1e-3)))
+    error, lag, play = rng.choice(((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.2, 0.01, 1e-3)))
     if kind == "point":
-        return Body("point", error=error, lag=lag)
+        return Body("point", error=error, lag=lag, play=play)
     hold = rng.choice((0.0, 0.0, 0.02, 0.1, 0.5))
     acceleration = rng.choice((0.1, 0.5, 2.0, 50.0))
     if kind == "omnidirectional":
-        return Body(kind, acceleration=acceleration, hold=hold, error=error, lag=lag)
+        return Body(kind, acceleration=acceleration, hold=hold, error=error, lag=lag, play=play)
     if kind == "differential-drive":
         track, offset = rng.uniform(0.03, 0.3), rng.uniform(0.02, 0.15)
         speed = rng.choice((0.1, 0.3))
-        return Body(kind, 0.1, offset, track, speed, acceleration, hold, error, lag)
+        return Body(kind, 0.1, offset, track, speed, acceleration, hold, error, lag, play)
     return PRESETS[kind]

@@ -534,6 +534,36 @@ SURROUNDINGS = (
         model="skirmish",
     ),
     Mutant(
+        "acknowledge-things-when-clear",
+        "a version that announces a thing is acknowledged only by who is clear of its place",
+        (
+            Edit(
+                _ROBOT,
+                "(lines.keeps_clear and things is not None and things.keeps_clear)",
+                "lines.keeps_clear",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "things-appear-when-acknowledged",
+        "a thing is put up only when everybody live has acknowledged its place",
+        (
+            Edit(
+                _LIVES,
+                "if not self.things.appearing or not self._roster.all_keep_clear():",
+                "if not self.things.appearing:",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "things-appear-beside-standing-disks",
+        "and not where the disk of a life that is over stands",
+        (Edit(_LIVES, "settled = self.things.settle(disks)", "settled = self.things.settle([])"),),
+        model="skirmish",
+    ),
+    Mutant(
         "nearest-point",
         "a tangent touches the thing itself: one through its middle leaves half of it on the own side",
         (

@@ -11,11 +11,12 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from random import Random
-from typing import Any
+from typing import Any, Literal
 
 from agents.peers.state import addressed_to
 from protocol.geometry import Shape
 from protocol.messages import Command, State, Tick
+from protocol.scenario.body import Body
 from protocol.scenario.model import (
     Actuation,
     Control,
@@ -26,6 +27,7 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
+from protocol.things import ThingOrder
 from tests.agents.lines.product import Product
 
 TICKS = 40
@@ -62,6 +64,8 @@ class Skirmish:
         self.delay = rng.choice((0, 0, 1, 4, 15))  # ticks at most
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
         self.before: list[Vector] = list(self.world.truth.positions)
+        self.operator = Random(f"operator {seed}") if self.scenario.things else None
+        self.things = self.scenario.shapes  # that stand in this tick
         for robot in self.scenario.ids:
             if rng.random() < 0.15:
                 self.world.give_up_waiting(robot)
@@ -84,6 +88,7 @@ class Skirmish:
         for command in (*self.late, *self.late):
             world.accept(command)
         self.late = self.late[-20:]
+        self.things = dict(world._lives.things.standing)
         world.close_tick()
         for process in self.processes.values():
             process.asleep -= 1
@@ -100,6 +105,23 @@ class Skirmish:
             if process is not None and rng.random() >= 0.3 * self.loss:
                 process.queue.append(tick)
         self.before = list(world.truth.positions)
+        if self.operator is not None and self.operator.random() < 0.2:
+            self._operate(self.operator)
+
+    def _operate(self, rng: Random) -> None:
+        """Something comes or goes."""
+        book = self.world._lives.things
+        here = [*book.standing, *book.appearing]
+        if here and rng.random() < 0.3:
+            self.world.remove_thing(rng.choice(here))
+            return
+        thing = _beside(rng, rng.choice(self.before))
+        if self.world.founded and rng.random() < 0.3:
+            self.world._lives.announce(
+                thing.shape
+            )  # the world refuses what is on a robot; the roster need not
+        else:
+            self.world.add_thing(ThingOrder(thing.center, thing.radius, thing.points or ()))
 
     def _together(self, awake: list[_Process]) -> None:
         """All States are on their way before anybody commands."""
@@ -126,7 +148,7 @@ class Skirmish:
             outside = scenario.workspace.shape.distance(*after[number]) + radius
             if outside > TOLERANCE:
                 return f"robot {robot} is out of the workspace by {outside:.3g} m"
-            for thing, shape in scenario.shapes.items():
+            for thing, shape in self.things.items():
                 overlap = radius - _nearest(shape, self.before[number], after[number])
                 if overlap > TOLERANCE:
                     return f"robot {robot} and thing {thing} overlap by {overlap:.3g} m"
@@ -281,7 +303,22 @@ def _scenario(seed: int, rng: Random) -> Scenario:
         sensing=(sensing,),
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
         things=_things(seed, specs, room),
+        body=_body(seed),
     )
+
+
+def _body(seed: int) -> Body | Literal["point"]:
+    """A point; in one of four runs a base that holds its velocity and brakes, on wheels or without."""
+    if seed % 4 != 2:
+        return "point"
+    rng = Random(f"body {seed}")
+    error, lag, play = rng.choice(((0.0, 0.0, 0.0), (0.05, 0.01, 1e-3)))
+    odometry, drift = rng.choice(((0.0, 0.0), (0.1, 1e-3)))
+    acceleration, hold = rng.choice((3.0, 10.0, 50.0)), rng.choice((0.0, 0.02, 0.1))
+    slips = {"error": error, "lag": lag, "play": play, "odometry": odometry, "drift": drift}
+    if rng.random() < 0.5:
+        return Body("omnidirectional", acceleration=acceleration, hold=hold, **slips)
+    return Body("differential-drive", None, 0.02, 0.04, 1.5, acceleration, hold, **slips)
 
 
 def _room(seed: int, room: float) -> Workspace:
@@ -305,6 +342,17 @@ def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Thing, ...]
         each for each in drawn if all(each.shape.distance(*spec.start) > spec.radius + 1e-3 for spec in specs)
     ]
     return tuple(clear[: rng.randint(1, 3)])
+
+
+def _beside(rng: Random, place: Vector) -> Thing:
+    """A disk or a thin wall some way off a robot, where it may soon be."""
+    turn, far, size = rng.uniform(0.0, math.tau), rng.uniform(0.0, 0.12), rng.uniform(0.003, 0.02)
+    cos, sin = math.cos(turn), math.sin(turn)
+    x, y = place[0] + far * cos, place[1] + far * sin
+    if rng.random() < 0.5:
+        return Thing(center=(x, y), radius=size)
+    corners = ((0.002, size), (-0.002, size), (-0.002, -size), (0.002, -size))
+    return Thing(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))
 
 
 def _thing(rng: Random, room: float) -> Thing:

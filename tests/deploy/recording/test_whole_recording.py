@@ -5,12 +5,17 @@ import tracemalloc
 
 import numpy as np
 from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from deploy.recording.mcap.contents import contents
 from deploy.recording.reader import read
+from deploy.recording.ros2 import export
 from deploy.recording.trajectory import trajectory
 from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
+from deploy.scene.fleet import TOPICS
+from deploy.scene.ros import NAME
 from protocol.bus.events import Sample
 from protocol.codec import encode
 from protocol.keys import everything, parse, robot_key
@@ -33,16 +38,53 @@ class Spy:
         self.heard.append(event)
 
 
+def own(summary):
+    """The channels of the run, without those that draw it."""
+    return [channel for channel in summary.channels.values() if channel.topic not in TOPICS]
+
+
+def test_a_recording_holds_a_scene_that_follows_the_truth(recorded):
+    path, _ = recorded
+    store, found = get_typestore(Stores.ROS2_HUMBLE), read(path)
+    with path.open("rb") as file:
+        drawn = [
+            (channel.topic, message) for _, channel, message in make_reader(file).iter_messages([*TOPICS])
+        ]
+    assert {topic for topic, _ in drawn} == set(TOPICS)
+    frames = [message for topic, message in drawn if topic == "/tf"]
+    ticks = found.truths.ticks.tolist()
+    assert len(frames) >= len(ticks) // 2
+    for frame in frames:
+        row = ticks.index(round(frame.log_time / 1e9 / 0.05))
+        moved = store.deserialize_cdr(frame.data, NAME).transforms
+        told = [(each.transform.translation.x, each.transform.translation.y) for each in moved]
+        assert told == [tuple(place) for place in found.truths.positions[row].tolist()]
+        assert [each.child_frame_id for each in moved] == ["robot_1", "robot_2", "robot_7"]
+
+
+def test_ros_tools_open_what_is_exported(recorded, tmp_path):
+    path, report = recorded
+    export(read(path), tmp_path / "ros.mcap")
+    with AnyReader([tmp_path / "ros.mcap"]) as bag:
+        (connection,) = bag.connections
+        assert (connection.topic, connection.msgtype) == ("/tf", NAME)
+        times = [time for _, time, _ in bag.messages()]
+        *_, (_, _, last) = bag.messages()
+        final = bag.deserialize(last, NAME).transforms[1].transform.translation
+    assert times == [tick * 50_000_000 for tick in range(report["ticks"] + 1)]
+    assert [final.x, final.y] == read(path).truths.positions[-1][1].tolist()
+
+
 def test_any_mcap_reader_reads_it(recorded):
     path, report = recorded
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
-        topics = [channel.topic for channel in summary.channels.values()]
+        topics = [channel.topic for channel in summary.channels.values() if channel.topic not in TOPICS]
         assert len(topics) == len(set(topics)) == 2 + 4 * len(ROBOTS)
-        assert {each.encoding for each in summary.schemas.values()} == {"jsonschema"}
-        assert {channel.message_encoding for channel in summary.channels.values()} == {"json"}
-        for _, channel, message in reader.iter_messages():
+        assert {summary.schemas[each.schema_id].encoding for each in own(summary)} == {"jsonschema"}
+        assert {channel.message_encoding for channel in own(summary)} == {"json"}
+        for _, channel, message in reader.iter_messages(topics):
             content = json.loads(message.data)
             assert message.log_time == round(content["tick"] * 0.05 * 1e9)
             assert content.get("robot") == parse(channel.topic).robot
@@ -102,7 +144,8 @@ def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
     assert not found.cut
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages()) == found.counts.total() == len(list(found.entries))
+        said = sum(channel.topic not in TOPICS for _, channel, _ in reader.iter_messages())
+        assert said == found.counts.total() == len(list(found.entries))
         assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 4
 
 

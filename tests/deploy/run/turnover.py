@@ -142,7 +142,8 @@ def main() -> int:
     report = turnover.fleet.world.world.report()
     print(
         f"{turnover.changes} changes in {given.hours:g} h: {report['collisions']} contacts, "
-        f"clearance at least {1000 * report['min_clearance']:.3f} mm, {'nobody' if settled else 'somebody'} stuck at the end"
+        f"clearance at least {1000 * report['min_clearance']:.3f} mm, "
+        f"{'nobody' if settled else 'somebody'} stuck at the end"
     )
     return int(bool(report["collisions"]) or not settled or turnover.changes < given.changes)
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from protocol.bodies.base import STEPS, Arc, Base, Motion, chord, turned
-from protocol.bodies.sweep import sweep
+from protocol.bodies.sweep import Miss, sweep
 from protocol.scenario.body import PRESETS, Body
 
 BURGER = replace(PRESETS["turtlebot3-burger"], hold=0.12)
@@ -112,7 +112,7 @@ def test_a_sweep_contains_the_way(heading, ahead, aside, vx, vy, towards, body):
     base, motion = Base(body, PERIOD), Motion(heading, ahead, aside, 0.05)
     to = base.limited(motion, (vx, vy))
     arcs = [*base.drive(motion, *to), base.halt(base.driven(motion, *to))]
-    passed = sweep(base, heading, arcs, error=0.0, lag=0.0, rise=STEPS)
+    passed = sweep(base, motion, arcs, miss=Miss(), rise=STEPS)
     nx, ny = math.cos(towards), math.sin(towards)
     x = y = farthest = way = 0.0
     for arc in arcs:

@@ -58,11 +58,16 @@ export class Model {
     return this.robots.find((robot) => robot.id === id) ?? null;
   }
 
+  // What stands in the workspace, or is about to.
+  get things() {
+    return Object.values({ ...this.overview.things, ...this.frame?.things }).filter((thing) => thing !== null);
+  }
+
   // From the disk of a robot to the nearest other one, thing or wall, m, where all were last.
   clearance(robot) {
-    const { room, things } = this.overview;
+    const things = this.things.filter((thing) => thing.status !== "appearing");
     const disks = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - other.radius);
-    return Math.min(-gap(room, robot.to), ...things.map((thing) => gap(thing, robot.to)), ...disks) - robot.radius;
+    return Math.min(-gap(this.overview.room, robot.to), ...things.map((thing) => gap(thing, robot.to)), ...disks) - robot.radius;
   }
 
   // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun

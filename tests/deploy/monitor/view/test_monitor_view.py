@@ -13,7 +13,7 @@ from rich.console import Console, RenderableType
 from deploy.monitor.terminal import table
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import HISTORY, View
-from deploy.monitor.view.thinned import Thinned
+from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, Errand, GoalStatus, Health, Message, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Time
 from protocol.steering import Steering

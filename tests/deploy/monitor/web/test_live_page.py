@@ -35,7 +35,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-PATIENCE = 10.0  # s
+PATIENCE = 30.0  # s
 MARGIN = 10  # px around the workspace
 DESKTOP, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
@@ -330,7 +330,7 @@ PLACES = """async () => {
   const { Model } = await import('/model.js');
   const model = new Model();
   const robot = { id: 1, radius: 0.1, start: [0, 0], goal: [1, 1], trail: [] };
-  model.begin({ scenario: 's', run: 'r', room: {}, things: [], robots: [robot], history: [], tick: -1 });
+  model.begin({ scenario: 's', run: 'r', room: {}, things: {}, robots: [robot], history: [], tick: -1 });
   const frame = (tick, place) => ({ robots: [{ goal: [1, 1] }], samples: [[tick, tick, 1, 1, [place]]] });
   model.take(frame(1, [0.2, 0.4]), 1000);
   model.take(frame(2, [0.4, 0.2]), 1100);

@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -29,7 +30,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
-from tests.deploy.processes.hosts.ssh_server import Server, free_ports, needs_sshd, ssh_server
+from tests.deploy.processes.hosts.ssh_server import ROOT, Server, free_ports, needs_sshd, ssh_server
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 
@@ -75,9 +76,9 @@ def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 @contextmanager
-def a_long_run(server: Server, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+def a_long_run(server: Server, folder: Path, **changes: str) -> Iterator[subprocess.Popen[bytes]]:
     """A launcher whose fleet runs; afterwards nothing of that is left on the hosts, or soon will not be."""
-    hosts, port = table(server, folder, ("base", "left"))
+    hosts, port = table(server, folder, ("base", "left"), **changes)
     command = [*DISKNAV, "run", "figure-1", "--hosts", str(hosts), "--run", "long", *LONG]
     launcher = subprocess.Popen(
         [*command, "--quiet", "--json", str(folder / "result.json")], start_new_session=True
@@ -99,19 +100,26 @@ def a_long_run(server: Server, folder: Path) -> Iterator[subprocess.Popen[bytes]
         launcher.wait()
 
 
-def await_ticks(port: int) -> None:
-    """Wait until the run that a router at `port` relays has made a few ticks."""
+def port_of(folder: Path) -> int:
+    """Of the world's router, in the table that was written to `folder`."""
+    return int(tomllib.loads((folder / "hosts.toml").read_text())["hosts"][0]["port"])
+
+
+def await_ticks(port: int, condition: Callable[[Clock], bool] = lambda _: True, more: int = 2) -> None:
+    """Wait until the run that a router at `port` relays has made some ticks under a condition."""
     bus = ZenohBus(Connection(connect=(f"tcp/127.0.0.1:{port}",), timeout=40.0))
     with closing(bus):
         bus.subscribe(world_key("long", "clock"))
-        deadline = time.monotonic() + 40.0
+        deadline, since = time.monotonic() + 40.0, None
         while time.monotonic() < deadline:
             event = bus.receive(1.0)
             if isinstance(event, Sample):
                 clock = decode(event.key, event.payload)
                 assert isinstance(clock, Clock)
-                if clock.tick > 2:
-                    return
+                if condition(clock):
+                    since = clock.tick if since is None else since
+                    if clock.tick > since + more:
+                        return
     raise AssertionError("the fleet did not start")
 
 
@@ -171,16 +179,55 @@ def test_a_launcher_that_is_killed_leaves_nothing(server: Server, tmp_path: Path
         launcher.kill()
 
 
-def test_a_host_that_is_lost_ends_the_run(server: Server, tmp_path: Path) -> None:
+def lose(launcher: subprocess.Popen[bytes], host: int) -> None:
+    """Kill the connection to one of the hosts that are reached by ssh, in the order of the table."""
+    connections = [each for each in psutil.Process(launcher.pid).children() if each.name() == "ssh"]
+    sorted(connections, key=lambda each: each.create_time())[host].kill()
+
+
+def test_a_host_that_is_lost_costs_its_own_robots_only(server: Server, tmp_path: Path) -> None:
     with a_long_run(server, tmp_path) as launcher:
-        connections = [each for each in psutil.Process(launcher.pid).children() if each.name() == "ssh"]
-        sorted(connections, key=lambda each: each.create_time())[1].kill()  # to the second host
+        lose(launcher, 1)
+        await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
+        launcher.send_signal(signal.SIGTERM)
+        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+    found = result(tmp_path)
+    assert found["down"] == [3, 4]
+    assert found["min_clearance"] > 0.0
+    whys = {row["name"]: row["exit_code"] for row in found["processes"]}
+    assert {name for name, code in whys.items() if code == EXIT_FAULT} == {
+        "router-left",
+        "robot-3",
+        "robot-4",
+    }
+
+
+@pytest.mark.parametrize("how", ["stall", "lie"])
+def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
+    how: str, server: Server, tmp_path: Path
+) -> None:
+    python = f"env PYTHONPATH={ROOT} {sys.executable}"
+    liar = f"{python} -m tests.deploy.processes.hosts.liar {how} {server.command}"
+    with a_long_run(server, tmp_path, command=liar) as launcher:
+        (one,) = (
+            each
+            for each in psutil.Process(server.pid).children(recursive=True)
+            if "tests.deploy.processes.hosts.liar" in each.cmdline()
+        )
+        one.send_signal(signal.SIGUSR1)
+        await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
+        launcher.send_signal(signal.SIGTERM)
+        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+    assert result(tmp_path)["down"] == [3, 4]
+
+
+def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> None:
+    with a_long_run(server, tmp_path) as launcher:
+        lose(launcher, 0)
         assert launcher.wait(20.0) == EXIT_OTHERWISE
     found = result(tmp_path)
     assert found["verdict"] == "aborted"
-    assert found["reason"].startswith("router-left: host left is gone: ssh ended by signal 9")
-    assert found["ticks"] > 0
-    assert found["min_clearance"] > 0.0  # the world, on another host, could still report
+    assert "host base is gone: ssh ended by signal 9" in found["reason"]
 
 
 @pytest.mark.parametrize(

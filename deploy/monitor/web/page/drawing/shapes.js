@@ -18,10 +18,12 @@ export function drawThing(space, thing) {
   const path = outline(space, thing);
   context.fillStyle = context.strokeStyle = space.colour("muted");
   context.globalAlpha = 0.3;
-  context.fill(path);
+  if (thing.status !== "appearing") context.fill(path);
   context.globalAlpha = 1;
   context.lineWidth = 1.25;
+  if (thing.status === "appearing") context.setLineDash([4, 4]);
   context.stroke(path);
+  context.setLineDash([]);
 }
 
 export function drawTrail(space, robot, place, stress) {

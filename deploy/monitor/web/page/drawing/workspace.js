@@ -29,7 +29,7 @@ export class Workspace extends Painted {
     this.middle = [(left + right) / 2, (low + high) / 2];
     this.scale = Math.min((this.width - 2 * MARGIN) / (right - left), (this.height - 2 * MARGIN) / (high - low));
     this.drawFloor(overview);
-    overview.things.forEach((thing) => drawThing(this, thing));
+    this.model.things.forEach((thing) => drawThing(this, thing));
     const places = robots.map((robot) => this.model.place(robot, now));
     this.crowd = robots.length > CROWD;
     if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i], this.stress(robot)));

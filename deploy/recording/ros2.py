@@ -1,0 +1,32 @@
+"""Where robots were, for ROS 2 tools: an MCAP file of the profile `ros2` with `/tf` alone, tick by tick."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from deploy.recording.mcap.file import McapFile
+from deploy.recording.reader import Recording
+from deploy.recording.writer import LIBRARY
+from deploy.scene import ros
+from deploy.scene.fleet import WORLD, frame
+from protocol.errors import UsageError
+
+
+def export(recording: Recording, path: Path) -> None:
+    """Write the recorded truths to `path`.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    step, robots = recording.scenario.time.step, [frame(robot) for robot in recording.scenario.ids]
+    truths = recording.truths
+    try:
+        file = McapFile(path, LIBRARY, "ros2")
+        number = file.channel("/tf", file.schema(ros.NAME, ros.DEFINITION.encode(), "ros2msg"), {}, "cdr")
+        for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True):
+            time = round(tick * step * 1e9)
+            places = {robot: (x, y) for robot, (x, y) in zip(robots, positions, strict=True)}
+            file.message(number, time, ros.transforms(time, WORLD, places))
+        file.finish()
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error

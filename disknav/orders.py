@@ -1,0 +1,95 @@
+"""Orders to robots while they drive: of a fleet that runs elsewhere, or of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import inf
+from pathlib import Path
+
+import msgspec
+
+from deploy.run.operator import Operator, operating
+from deploy.security.membership import Membership
+from deploy.security.roster import OPERATOR
+from protocol.errors import UsageError
+from protocol.goals import GoalOrder
+from protocol.messages import GoalStatus, Vector
+
+_LONGEST = 1e6  # s
+
+
+class Orders:
+    """Sends robots of one run elsewhere."""
+
+    def __init__(self, operator: Operator) -> None:
+        self._operator = operator
+
+    def send(
+        self,
+        robot: int,
+        *points: Vector,
+        queue: bool = False,
+        patrol: bool = False,
+        within: float | None = None,
+    ) -> int:
+        """Send a robot to `points` (m), one after another; without any, it stays where it is.
+
+        Args:
+            queue: after what it is doing, instead of at once.
+            patrol: round and round through all points.
+            within: s of simulated time after which it gives up and stays where it is.
+
+        Returns:
+            The number of the order.
+
+        Raises:
+            UsageError: the order is malformed, or the world refuses it; says why.
+            BusError: no world of this run answers.
+        """
+        wanted = {"points": points, "queue": queue, "patrol": patrol, "within": within}
+        try:
+            order = msgspec.convert(wanted, GoalOrder)
+        except msgspec.ValidationError as error:
+            raise UsageError(f"that is no order: {error}") from None
+        reply = self._operator.order(robot, order)
+        if not reply.accepted:
+            raise UsageError(f"robot {robot} cannot be sent there: {reply.text}")
+        return reply.number
+
+    def status(self, robot: int) -> GoalStatus | None:
+        """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
+        return self._operator.status(robot).status
+
+
+class FleetOrders(Orders):
+    """Orders to a fleet that drives by itself, so that their end can be waited for."""
+
+    def outcome(self, robot: int, number: int, within: float = inf) -> GoalStatus:
+        """Wait until an order has come to an end, at most `within` s; how it ended.
+
+        Raises:
+            BusError: it has not.
+        """
+        return self._operator.outcome(robot, number, min(within, _LONGEST))
+
+
+@contextmanager
+def operate(
+    run: str, *, router: str | None = None, secure: str | Path | None = None
+) -> Iterator[FleetOrders]:
+    """Inside, orders to a fleet that runs elsewhere, such as one of `disknav serve`.
+
+    Args:
+        run: its name.
+        router: endpoint where its router listens; tcp/127.0.0.1:7447 unless given (tls/ with `secure`).
+        secure: directory of certificates, with an operator's.
+
+    Raises:
+        BusError: nobody listens there.
+        CertificateError: the certificates are missing or not accepted.
+    """
+    membership = Membership(None if secure is None else Path(secure))
+    connection = membership.client(OPERATOR, (router or membership.default_router,))
+    with operating(connection, membership.run(run) or run) as operator:
+        yield FleetOrders(operator)

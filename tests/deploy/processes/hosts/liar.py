@@ -1,0 +1,38 @@
+"""A host that is well until told (SIGUSR1) not to be: `liar.py HOW COMMAND...` stands before COMMAND."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import struct
+import subprocess
+import sys
+
+from deploy.processes.fork_messages import Exited, encode_news
+
+_LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))
+WAYS = {
+    "stall": struct.pack("!i", 1000) + b"the rest of this message never comes",
+    "garbage": b"\xff" * 64,
+    "lie": struct.pack("!i", len(_LIE)) + _LIE,  # of a process that nobody asked for
+}
+
+
+def main(how: str, *command: str) -> int:
+    """Pass on what the command says until the signal; then say something else, and nothing more."""
+    told, telling = os.pipe()
+    signal.signal(signal.SIGUSR1, lambda *_: os.write(telling, b"!"))
+    with subprocess.Popen(command, stdout=subprocess.PIPE, bufsize=0) as host:
+        assert host.stdout is not None
+        while told not in (ready := select.select([host.stdout, told], [], [])[0]):
+            said = os.read(host.stdout.fileno(), 1 << 16) if ready else b""
+            if not said:
+                return host.wait()
+            os.write(1, said)
+        os.write(1, WAYS[how])
+        return host.wait()  # once the launcher has hung up
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,102 @@
+"""`disknav hosts`: what is found out about a host before a run, and what is put there."""
+
+from __future__ import annotations
+
+import io
+import re
+import socket
+import subprocess
+import sys
+import tarfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from deploy.processes.hosts import check as checking
+from deploy.processes.hosts import install as installing
+from deploy.processes.hosts.check import check
+from deploy.processes.hosts.install import install
+from deploy.processes.hosts.table import Host
+from protocol.errors import UsageError
+from tests.deploy.processes.hosts.ssh_server import ROOT, free_ports, needs_sshd, ssh_server
+
+HERE = Host("here", "127.0.0.1")
+
+
+@pytest.fixture(scope="module")
+def far(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
+    with ssh_server(tmp_path_factory.mktemp("sshd")) as server:
+        yield Host(
+            "far",
+            "127.0.0.1",
+            ssh=f"{server.user}@127.0.0.1",
+            options=server.options,
+            command=server.command,
+        )
+
+
+def levels(host: Host) -> dict[str, str]:
+    return {each.what: each.level for each in check(host)}
+
+
+@pytest.mark.process
+@needs_sshd
+def test_a_host_that_is_fit(far: Host) -> None:
+    (port,) = free_ports(1)
+    found = {each.what: each for each in check(replace(far, port=port))}
+    assert {each.level for each in found.values()} <= {"good", "note"}, found
+    assert set(found) == {"reach", "version", "compiled", "clock rate", "router port", "space"}
+    rate = re.fullmatch(r"([+-]\d+) ± (\d+) ppm", found["clock rate"].text)
+    assert rate is not None
+    assert abs(int(rate[1])) <= int(rate[2]) + 1000  # it is the clock of this machine
+
+
+@pytest.mark.process
+@needs_sshd
+def test_a_host_that_is_not(far: Host) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert levels(replace(far, port=port))["router port"] == "bad"
+    assert levels(replace(far, command="/nowhere/disknav")) == {"reach": "bad"}
+    assert levels(replace(far, ssh="nobody-at-all@127.0.0.1")) == {"reach": "bad"}
+    other = 'echo \'{"code": "0", "python": "3", "compiled": true, "free": 1, "port": ""}\'; cat #'
+    assert levels(replace(far, command=other)) == {"reach": "bad"}  # it does not tell its time
+
+
+def test_a_host_that_says_nothing_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checking, "_PATIENCE", 0.1)
+    monkeypatch.setattr(
+        checking.sys, "executable", "/bin/yes"
+    )  # it never says anything that can be understood
+    (found,) = check(HERE)
+    assert (found.what, found.level) == ("reach", "bad")
+
+
+@pytest.mark.slow
+def test_the_command_tells_by_its_status(tmp_path: Path) -> None:
+    table = tmp_path / "hosts.toml"
+    (port,) = free_ports(1)
+    text = f'[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nport = {port}\nrobots = [3, 7]\n'
+    for address, status in (("127.0.0.1", 0), ("203.0.113.1", 1)):
+        table.write_text(text.replace("127.0.0.1", address))
+        command = [sys.executable, "-m", "deploy.cli", "hosts", "check", str(table)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == status, done.stdout + done.stderr
+        assert "router port" in done.stdout
+
+
+def test_what_is_installed_is_this_checkout_and_nothing_made_of_it() -> None:
+    with tarfile.open(fileobj=io.BytesIO(installing._archive())) as archive:
+        names = set(archive.getnames())
+        assert {entry.uid for entry in archive.getmembers()} == {0}
+    assert {"pyproject.toml", "agents/robot.py", "deploy/monitor/web/page/index.html"} <= names
+    assert not any(name.endswith((".so", ".pyc")) or "tests" in name for name in names)
+    assert all((ROOT / name).exists() for name in names)
+
+
+@pytest.mark.parametrize("command", ["disknav", "/usr/bin/python3", "bin/disknav"])
+def test_where_to_install_has_to_be_said(command: str) -> None:
+    with pytest.raises(UsageError, match="FOLDER/bin/disknav"):
+        install(Host("far", "10.0.0.2", ssh="far", command=command))

@@ -1,0 +1,151 @@
+"""The scene: as Foxglove and ROS define it, whole in every message, at a bounded rate."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import pytest
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate  # type: ignore[import-untyped]
+from google.protobuf import json_format
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_typestore
+
+from deploy.scene import ros
+from deploy.scene.fleet import TOPICS, FleetScene, Picture
+from protocol import messages
+from protocol.messages import Clock, GoalStatus, Health, Standing, Truth
+from protocol.scenario.model import RobotSpec, Scenario, Thing
+
+ROBOTS = (RobotSpec(3, 0.03, (-0.1, 0.0), (0.1, 0.0)), RobotSpec(7, 0.02, (0.0, 0.0), (0.0, 0.1)))
+THINGS = (Thing(center=(0.0, -0.2), radius=0.02), Thing(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))))
+SCENARIO = Scenario(ROBOTS, name="two", things=THINGS)
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+
+
+def truth(tick: int, x: float = 0.0) -> Truth:
+    return Truth(tick, (3, 7), ((x, 0.0), (0.05, 0.01)), 0.01, 0.5)
+
+
+def health(robot: int, peer: int) -> Health:
+    return Health(robot, 1, 1, 0.001, 1, 1, {}, (), ((peer, 1.0, 0.0, 0.03),))
+
+
+def content(picture: Picture) -> dict[str, Any]:
+    return dict(json.loads(picture.data))
+
+
+def drawn(scene: FleetScene, topic: str) -> list[dict[str, Any]]:
+    return list(content(scene.picture(topic))["entities"])
+
+
+def untimed(value: Any) -> Any:
+    """Without times: in JSON they are two numbers, in protobuf's own JSON a text."""
+    if isinstance(value, dict):
+        return {name: untimed(each) for name, each in value.items() if name not in ("timestamp", "lifetime")}
+    return [untimed(each) for each in value] if isinstance(value, list) else value
+
+
+def test_every_update_is_one_by_foxgloves_own_definition() -> None:
+    scene = FleetScene(SCENARIO)
+    for message in (truth(1), truth(2, 0.01), health(3, 7), health(7, 3)):
+        list(scene.hear(message))
+    updates = [picture for picture in scene.whole() if picture.topic.startswith("/scene/")]
+    assert len(updates) == 5
+    for picture in updates:
+        update = json_format.ParseDict(untimed(content(picture)), SceneUpdate())  # strict
+        assert any(each.cylinders or each.lines for each in update.entities), picture.topic
+
+
+def test_the_schema_says_all_that_is_written_without_references() -> None:
+    def check(value: Any, schema: dict[str, Any]) -> None:
+        kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int}
+        kind = kinds.get(schema["type"], (int, float))
+        assert isinstance(value, kind)
+        if isinstance(value, dict):
+            assert value.keys() == schema["properties"].keys()
+        parts = value.items() if isinstance(value, dict) else ()
+        for name, each in parts:
+            check(each, schema["properties"][name])
+        for each in value if isinstance(value, list) else ():
+            check(each, schema["items"])
+
+    scene = FleetScene(SCENARIO)
+    for message in (truth(1), truth(2, 0.01), health(3, 7)):
+        list(scene.hear(message))
+    for picture in scene.whole():
+        if TOPICS[picture.topic].encoding == "json":
+            check(content(picture), json.loads(TOPICS[picture.topic].definition))
+
+
+def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
+    scene = FleetScene(SCENARIO)
+    (goals,) = scene.hear(GoalStatus(7, 4, 1, "under way", (-0.1, 0.2)))
+    (entity,) = content(goals)["entities"]
+    assert [each["pose"]["position"]["x"] for each in entity["cylinders"]] == [0.1, -0.1]
+    before = [each["cylinders"][0]["color"] for each in drawn(scene, "/scene/robots")]
+    (robots,) = scene.hear(Clock(4, 0.2, (3,), (Standing(7, 1, (0.0, 0.0)),), ""))
+    after = [each["cylinders"][0]["color"] for each in content(robots)["entities"]]
+    assert (after[0], after[1] != before[1]) == (before[0], True)
+    assert not list(scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), "")))
+
+
+def test_things_that_come_or_go_change_the_room() -> None:
+    scene = FleetScene(SCENARIO)
+    came = messages.Thing(3, "standing", ((0.2, 0.1),), 0.01)
+    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", things=(came, messages.Thing(1, "gone"))))
+    (entity,) = content(room)["entities"]
+    assert [len(each["points"]) for each in entity["triangles"]] == [
+        3,
+        3 * 46,
+    ]  # thing 2, and 3 of 48 corners
+    assert not list(scene.hear(Clock(2, 0.1, (3, 7), (), "", things=(came, messages.Thing(1, "gone")))))
+
+
+def test_lines_are_drawn_between_those_who_are_near() -> None:
+    scene = FleetScene(SCENARIO)
+    list(scene.hear(health(3, 7)))
+    list(scene.hear(truth(1, 0.0)))
+    (near,) = drawn(scene, "/scene/lines")
+    assert [point["x"] for point in near["lines"][0]["points"]] == pytest.approx([0.03, 0.03])
+    list(scene.hear(truth(2, -0.2)))
+    (far,) = drawn(scene, "/scene/lines")
+    assert far["lines"] == []
+
+
+def test_ten_frames_and_one_picture_of_trails_a_simulated_second() -> None:
+    scene = FleetScene(SCENARIO)
+    counts = Counter(picture.topic for tick in range(1, 201) for picture in scene.hear(truth(tick)))
+    assert counts == {"/tf": 100, "/measures": 100, "/scene/lines": 20, "/scene/trails": 10}
+
+
+def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
+    scene = FleetScene(SCENARIO)
+    before = [*scene.whole()]
+    assert not list(scene.hear(truth(2**53)))
+    list(scene.hear(Truth(0, (9,), ((0.3, 0.3), (0.1, 0.1)), 0.0, 1.0)))
+    list(scene.hear(health(9, 3)))
+    list(scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0))))
+    assert [*scene.whole()] == before
+
+
+@given(
+    st.integers(0, 2**31 * 10**9 - 1),
+    st.dictionaries(
+        st.text("abc_1", min_size=1, max_size=12),
+        st.tuples(st.floats(allow_nan=False), st.floats(allow_nan=False)),
+        max_size=5,
+    ),
+)
+def test_transforms_are_read_by_ros_as_written(time: int, places: dict[str, tuple[float, float]]) -> None:
+    message = STORE.deserialize_cdr(ros.transforms(time, "world", places), ros.NAME)
+    read = {each.child_frame_id: each for each in message.transforms}  # type: ignore[attr-defined]
+    found = {
+        name: (each.transform.translation.x, each.transform.translation.y) for name, each in read.items()
+    }
+    assert found == places
+    for each in read.values():
+        assert each.header.stamp.sec * 10**9 + each.header.stamp.nanosec == time
+        assert (each.header.frame_id, each.transform.rotation.w) == ("world", 1.0)

@@ -1,0 +1,106 @@
+"""Every command that README and the documentation show is run, or at least understood by the command line.
+
+A fenced block marked `sh` holds commands. The lines of a page that begin with `disknav` run one after another
+in a folder of the page's own, and have to succeed. A comment before a block changes that:
+
+    <!-- not run: why -->     its commands and options have to exist, no more
+    <!-- file: mine.toml -->  the block, of whatever kind, is the content of this file in the page's folder
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import typer
+
+from deploy.commands.application import app
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+_BLOCK = re.compile(
+    r"(?:<!-- (not run|file): ([^>]*?) -->\n+)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE
+)
+
+
+class Shown(NamedTuple):
+    """A block: its words for the command line, or the file that it is."""
+
+    commands: list[list[str]]
+    runs: bool
+    file: str
+    text: str
+
+
+def blocks(page: Path) -> list[Shown]:
+    """The blocks of a page that hold commands or are files."""
+    found = []
+    for mark, said, kind, text in _BLOCK.findall(page.read_text()):
+        lines = [shlex.split(line, comments=True) for line in text.splitlines()] if kind == "sh" else []
+        commands = [words[1:] for words in lines if words and words[0] == "disknav"]
+        if commands or mark == "file":
+            found.append(Shown(commands, mark != "not run", said if mark == "file" else "", text))
+    return found
+
+
+def redirected(words: list[str]) -> tuple[list[str], str]:
+    """What stands before `> FILE`, and the file."""
+    return (words[:-2], words[-1]) if words[-2:-1] == [">"] else (words, "output")
+
+
+WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
+
+
+@pytest.mark.process
+@pytest.mark.timeout(200)
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+def test_they_run(page: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    for block in blocks(page):
+        if block.file:
+            (tmp_path / block.file).write_text(block.text)
+        for words in block.commands if block.runs else ():
+            call, target = redirected(words)
+            with (tmp_path / target).open("w") as output:
+                done = subprocess.run(
+                    [sys.executable, "-m", "disknav", *call],
+                    cwd=tmp_path,
+                    env=environment,
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.PIPE,
+                    timeout=150,
+                    check=False,
+                )
+            assert done.returncode == 0, (words, done.stderr.decode())
+
+
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+def test_their_options_exist(page: Path) -> None:
+    for block in blocks(page):
+        for words in block.commands:
+            command, rest = typer.main.get_command(app), [word for word in words if word != "--help"]
+            while hasattr(command, "commands") and rest:
+                command = command.commands[rest.pop(0)]
+            rest, _ = redirected(rest)
+            if rest:
+                command.make_context("disknav", rest)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_no_command_hides_from_this(page: Path) -> None:
+    outside = _BLOCK.sub("", page.read_text())
+    assert re.findall(r"^(?: {4}|\$ )disknav .*", outside, re.MULTILINE) == []
+    for kind, text in re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE):
+        if kind != "sh":
+            assert re.findall(r"^(?:\$ |\.venv/bin/)?disknav [a-z].*", text, re.MULTILINE) == []
+
+
+def test_there_are_commands() -> None:
+    assert sum(len(block.commands) for page in PAGES for block in blocks(page) if block.runs) >= 20

@@ -1,0 +1,85 @@
+"""The site: builds without a warning, fetches nothing, and its reference is the code's."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import disknav
+from deploy.commands.application import GROUPS
+from deploy.run.options import RunOptions
+from deploy.run.result import complete
+from docs.reference import commands, python, result, scenario
+from protocol.scenario.file import json_schema
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built as `make site` does; mkdocs.yml is strict, so a dead link is a failure."""
+    target = tmp_path_factory.mktemp("site")
+    call = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(target)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(
+        call, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=110, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return target
+
+
+def test_every_page_is_there(site: Path) -> None:
+    pages = {path.relative_to(site).with_suffix(".md").as_posix() for path in site.rglob("*.html")}
+    named = set(re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text()))
+    assert named <= pages
+    index = (site / "index.html").read_text()
+    for path in (ROOT / "docs").glob("*.md"):
+        assert f'href="{path.stem}.html"' in index, f"{path.name} is in no menu"
+
+
+def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
+    fetched = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(?:https?:)?//[^\"]*\"")
+    found = {
+        address
+        for page in site.rglob("*.html")
+        for address in fetched.findall(page.read_text())
+        if 'rel="canonical"' not in address
+    }
+    assert found == set()
+    for sheet in site.rglob("*.css"):
+        assert not re.search(r"url\(\s*[\"']?(?:https?:)?//", sheet.read_text())
+
+
+def test_every_command_is_in_the_reference() -> None:
+    page = commands.page()
+    names = [
+        command.info.name if hasattr(command, "info") else command.__name__
+        for grouped in GROUPS.values()
+        for command in grouped
+    ]
+    assert all(f"### `disknav {name}" in page for name in names)
+    assert "| `--json FILE` |" in page
+    assert "| `--set PATH=VALUE` |" in page
+
+
+def test_every_scenario_key_is_in_the_reference() -> None:
+    page, schema = scenario.page(), json_schema()
+    tables = [schema, *schema["$defs"].values()]
+    keys = {key for table in tables for key, value in table.get("properties", {}).items()}
+    missing = {key for key in keys if f"| `{key}` |" not in page and f"{key}]" not in page}
+    assert missing == set()
+
+
+def test_every_result_field_is_in_the_reference() -> None:
+    report = disknav.run("head-on", {"time.limit": 0.5}).result
+    assert set(complete(report, RunOptions(), [])) == set(result.FIELDS)
+
+
+def test_every_name_of_the_python_interface_is_in_the_reference() -> None:
+    page = python.page()
+    assert all(f"## `{name}" in page for name in disknav.__all__)

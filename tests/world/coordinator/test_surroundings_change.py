@@ -1,0 +1,138 @@
+"""Things that come and go: acknowledged before they appear, refused with a reason, judged from then on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from agents.robot import Robot
+from protocol.messages import Command
+from protocol.scenario.model import RobotSpec, Thing, Workspace
+from protocol.things import ThingOrder
+from tests.world.driving import advance, joined, scenario
+from world.shell.run import Run
+from world.world import World
+
+BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
+WALL = ThingOrder(points=((0.0, 0.1), (0.01, 0.1), (0.01, 0.2), (0.0, 0.2)))
+
+
+def world() -> World:
+    """Two robots far apart, a box, and a first tick that is over."""
+    setting = replace(
+        scenario(((-0.4, 0.0), (0.4, 0.0)), ((0.0, -0.4), (0.0, 0.4))),
+        workspace=Workspace(0.6),
+        things=(Thing(points=BOX),),
+    )
+    found = joined(setting)
+    advance(found)
+    return found
+
+
+def statuses(found: World) -> dict[int, str]:
+    return {each.number: each.status for each in found.things}
+
+
+def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
+    found = world()
+    reply = found.add_thing(WALL)
+    assert (reply.accepted, reply.number) == (True, 2)
+    told = found.open_tick()
+    assert statuses(found) == {2: "appearing"}
+    assert [each.shape for each in told[1].roster.things] == [WALL.shape]
+    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.version))
+    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.version - 1))
+    found.close_tick()
+    assert statuses(found) == {2: "appearing"}
+    advance(found)
+    assert statuses(found) == {2: "standing"}
+
+
+def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
+    found = world()
+    assert found.remove_thing(1).accepted
+    assert statuses(found) == {1: "gone"}
+    for _ in range(4):
+        advance(found, {1: (0.1, 0.03)})
+    assert not found.remove_thing(1).accepted
+    assert "no thing 1" in found.remove_thing(1).text
+    assert found.report()["collisions"] == 0
+
+
+def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
+    found = world()
+    number = found.add_thing(ThingOrder(center=(-0.3, 0.0), radius=0.02)).number
+    advance(found)
+    advance(found)
+    for _ in range(10):
+        advance(found, {1: (0.1, 0.0)})
+    assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
+    found.remove_thing(number)
+    assert found.things == ()
+
+
+@pytest.mark.parametrize(
+    ("order", "words"),
+    [
+        (ThingOrder(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))), "is not convex at point 3"),
+        (ThingOrder(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "crosses itself"),
+        (ThingOrder(center=(0.0, 0.0)), "needs `center` and `radius`, or `points`"),
+        (ThingOrder(center=(0.0, 0.0), radius=float("nan")), "not of reasonable size"),
+        (ThingOrder(center=(0.0, 0.0), radius=1.0, points=BOX), "not both"),
+        (ThingOrder(center=(2.0, 0.0), radius=0.1), "outside of the workspace"),
+        (ThingOrder(center=(-0.4, 0.05), radius=0.02), "overlaps robot 1 by 0.01 m"),
+    ],
+)
+def test_a_refusal_says_why_and_changes_nothing(order: ThingOrder, words: str) -> None:
+    found = world()
+    version, noted = found.version, []
+    found.note = noted.append
+    reply = found.add_thing(order)
+    assert not reply.accepted
+    assert words in reply.text
+    assert (found.version, found.things, noted) == (version, (), [])
+
+
+def test_before_the_first_tick_nothing_is_added() -> None:
+    fresh = World(scenario(((-0.1, 0.0), (0.1, 0.0))))
+    assert fresh.add_thing(WALL).text == "the run has not begun"
+
+
+def test_a_thing_on_a_goal_is_accepted_with_a_warning() -> None:
+    reply = world().add_thing(ThingOrder(center=(0.4, 0.05), radius=0.02))
+    assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
+
+
+def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
+    setting = replace(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.3, 0.3), (0.3, 0.3))), workspace=Workspace(0.6))
+    found = World(setting)
+    robot = Robot(setting, 1, found.join(1))
+    found.give_up_waiting(2)
+    found.open_tick()
+    found.close_tick()
+    found._lives.announce(ThingOrder(center=(0.02, 0.0), radius=0.02).shape)
+    kept = []
+    for _ in range(20):
+        robot.begin(found.open_tick()[1])
+        command = robot.command()
+        found.accept(command)
+        kept.append(command.roster == found.version)
+        assert statuses(found)[1] == "appearing"
+        if kept[-1]:
+            break
+        found.close_tick()
+    assert kept[0] is False
+    assert kept[-1] is True
+    x, y = found.truth.positions[0]
+    assert (x - 0.02) ** 2 + y**2 > 0.06**2
+
+
+def test_a_clock_says_what_stands() -> None:
+    run = Run(
+        0,
+        replace(scenario(((-0.1, 0.0), (0.1, 0.0))), robots=(RobotSpec(1, 0.04, (0.0, 0.0), (0.1, 0.0)),)),
+        {},
+        0,
+    )
+    assert run.clock().things == ()

@@ -1,0 +1,98 @@
+"""What stands in the workspace and is no robot: what the scenario lists, and what comes and goes while the
+fleet runs. It comes as a robot's disk does, by the roster's second rule, and goes once it was taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from protocol.geometry import Disk, Shape
+from protocol.messages import Presence, Thing, Vector
+from protocol.scenario.model import Scenario
+from protocol.things import ThingOrder
+
+MOST = 256  # things that came or went, at a time: a roster is one message
+
+
+class Surroundings:
+    """The things of one run.
+
+    Attributes:
+        standing: shapes, by number.
+        appearing: shapes that are announced, by number; nothing is there yet.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._room, self._scenario = scenario.workspace.shape, scenario
+        self._listed = scenario.shapes
+        self.standing: dict[int, Shape] = dict(self._listed)
+        self.appearing: dict[int, Shape] = {}
+        self._number = len(self._listed)
+
+    @property
+    def changes(self) -> tuple[Thing, ...]:
+        """What a roster says of things: all but those of the scenario that still stand."""
+        came = {number: _thing(number, "appearing", shape) for number, shape in self.appearing.items()}
+        for number, shape in self.standing.items():
+            if number not in self._listed:
+                came[number] = _thing(number, "standing", shape)
+        for number in self._listed.keys() - self.standing.keys():
+            came[number] = Thing(number, "gone")
+        return tuple(came[number] for number in sorted(came))
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        self._scenario = scenario
+
+    def refusal(self, order: ThingOrder, positions: Sequence[Vector]) -> str:
+        """Why a thing cannot come; "" if it can.
+
+        Args:
+            positions: of all disks in the order of robot ids, m.
+        """
+        if problem := order.defect():
+            return f"the thing {problem}"
+        shape = order.shape
+        if len(self.changes) >= MOST:
+            return f"at most {MOST} things come and go in one run"
+        if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
+            return "the thing lies outside of the workspace"
+        for robot, position in zip(self._scenario.ids, positions, strict=True):
+            depth = self._scenario.spec(robot).radius - shape.distance(*position)
+            if depth >= 0.0:
+                return f"the thing overlaps robot {robot} by {depth:.3g} m"
+        return ""
+
+    def announce(self, shape: Shape) -> int:
+        """Something is to appear; its number."""
+        self._number += 1
+        self.appearing[self._number] = shape
+        return self._number
+
+    def take_away(self, number: int) -> bool:
+        """Something is gone, or does not appear after all; whether it was there."""
+        known = number in self.standing or number in self.appearing
+        self.standing.pop(number, None)
+        self.appearing.pop(number, None)
+        return known
+
+    def settle(self, disks: Iterable[tuple[Vector, float]]) -> bool:
+        """Everybody keeps clear of what is announced: put it up where no disk stands; whether any was.
+
+        Args:
+            disks: centre and radius of those that stand, error bounds included, m.
+        """
+        fixed = list(disks)
+        free = [
+            number
+            for number, shape in self.appearing.items()
+            if all(shape.distance(*centre) >= radius for centre, radius in fixed)
+        ]
+        for number in free:
+            self.standing[number] = self.appearing.pop(number)
+        return bool(free)
+
+
+def _thing(number: int, status: Presence, shape: Shape) -> Thing:
+    if isinstance(shape, Disk):
+        return Thing(number, status, ((shape.x, shape.y),), shape.radius)
+    return Thing(number, status, shape.points)
