@@ -27,7 +27,7 @@ class GradientLaw:
         self._radius = spec.radius
         self._room, self._k, self._robots = scenario.workspace.shape, scenario.k, len(scenario.robots)
         self._workspace = round_boundary(self._room)
-        self._attraction = Attraction(self._room, spec.radius)
+        self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
         self._aim = (spec.goal, spec.goal)  # the goal of the last tick, and where it pulled
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"

@@ -1,4 +1,8 @@
-"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it."""
+"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it.
+
+circus and supervisord walk such a table, too, but with an interpreter for each process: see
+`deploy.processes.spawn` for what that costs.
+"""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ from agents.node import RobotNode
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
 from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
@@ -141,7 +142,7 @@ class LocalFleet:
         try:
             self.network.run(lambda: self.world.finished)
         except KeyboardInterrupt:
-            self.world.interrupt("interrupted", "stopped by the user")
+            self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
             self._recorder.close()
         return self._reports
