@@ -28,6 +28,7 @@ _WATCH = ("declare_liveliness_subscriber", "liveliness_query")
 _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
 
 _ALIVE = "alive"
+_ADMIN = "@/*/router/**"  # what a router tells of itself, where it does
 
 
 def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
@@ -40,7 +41,7 @@ def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
     """
     run = roster.run
     rules = {rule["id"]: rule for role in roster.roles for rule in _rules(run, role)}
-    out = _rule("anybody", "hear", _ALL, [everything(run)], flow="egress")
+    out = _rule("anybody", "hear", _ALL, [everything(run), _ADMIN], flow="egress")
     return {
         "enabled": True,
         "default_permission": "deny",
@@ -101,7 +102,7 @@ def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
     """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
     operator may also send robots elsewhere."""
     yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
-    yield _rule(role, "ask", _ASK, [_key(run, name) for name in questions])
+    yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])
     yield _rule(role, "watch", _WATCH, [everything(run)])
 
 

@@ -109,7 +109,12 @@ def _conventions() -> str:
         "The `alive` keys are liveliness tokens: a robot's is there from the moment it has joined until its\n"
         "process ends or hangs; subscribe to `disknav/<run>/**` liveliness, with history, to see all."
     )
-    return "\n".join([*notes, "", alive, ""])
+    admin = (
+        "Who declares which of these keys stands in zenoh's admin space of a router started with `--admin`\n"
+        "(or of a `zenohd`): `@/*/router/subscriber/disknav/<run>/**`; so do `publisher`, `queryable` and\n"
+        "`token`. `@/*/router` tells who is connected. Asking for `@/**` at once can block a router for good."
+    )
+    return "\n".join([*notes, "", alive, "", admin, ""])
 
 
 def _overview() -> str:

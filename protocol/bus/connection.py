@@ -29,6 +29,7 @@ class Connection:
     lease: float = 2.0  # s, silence of this process after which others consider it gone
     credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
     access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
+    admin: bool = False  # whether a router tells, in zenoh's admin space, who is connected and declares what
 
     @property
     def linked(self) -> bool:
@@ -60,8 +61,8 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
         "listen": {"endpoints": list(connection.listen), "timeout_ms": 0, "exit_on_failure": True},
         # Endpoints are explicit: nobody is searched for, and nobody is told about third parties.
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
-        # `get('@/**')` under many declarations can deadlock a router for good.
-        "adminspace": {"enabled": False},
+        # `get('@/**')` under many declarations can deadlock a router for good, so only who asks has it.
+        "adminspace": {"enabled": connection.admin, "permissions": {"read": True, "write": False}},
         # Ticks are in the messages; a router would stamp every sample with the wall clock.
         "timestamping": {"enabled": {"router": False, "peer": False, "client": False}},
         "transport": {

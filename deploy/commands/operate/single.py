@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -111,6 +112,10 @@ def router(
     connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
     secure: options.Secure = None,
     host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
+    admin: Annotated[
+        bool,
+        typer.Option("--admin", help="Tell who is connected, and declares what, in zenoh's admin space."),
+    ] = False,
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
     ] = False,
@@ -125,7 +130,8 @@ def router(
     from deploy.processes.router_config import router_config
 
     membership = Membership(secure)
-    connection = membership.router(() if listen is None else (listen,), connect or (), host)
+    plain = membership.router(() if listen is None else (listen,), connect or (), host)
+    connection = replace(plain, admin=admin)
     if print_config:
         sys.stdout.write(router_config(connection, membership.default_router))
         return

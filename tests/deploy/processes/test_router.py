@@ -9,13 +9,19 @@ from contextlib import closing
 
 import pytest
 
+from deploy.library.load import load
 from deploy.processes.router import holder, listening, main
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import EndpointTakenError, ProcessError
+from protocol.keys import parse, robot_key
+from protocol.messages import Clock
+from protocol.streams import QUESTIONS, STREAMS
 from tests.deploy.processes import children
 
 pytestmark = pytest.mark.timeout(60)
@@ -51,6 +57,40 @@ def test_a_router_without_its_port_ends_at_once() -> None:
         (exit_,) = supervisor.poll()
         assert not exit_.expected
         assert exit_.process.vital
+
+
+@pytest.mark.process
+def test_the_admin_space_shows_the_streams_as_they_are_declared() -> None:
+    bus, endpoint = listening(Connection("router", admin=True))
+    scenario = load("swap-2", ["control.speed=0.02"])
+    kinds: dict[str, set[str]] = {}
+
+    def look(clock: Clock) -> None:
+        if clock.tick > 2 and not kinds:
+            with closing(ZenohBus(Connection(connect=(endpoint,)))) as asking:
+                for kind in ("subscriber", "publisher", "queryable", "token"):
+                    head = f"/router/{kind}/"
+                    replies = asking._session.get(f"@/*{head}disknav/shown/**", timeout=5.0)
+                    kinds[kind] = {str(each.ok.key_expr).partition(head)[2] for each in replies if each.ok}
+
+    with closing(bus), Fleet([scenario], RunOptions(router=endpoint, run="shown"), watch=look) as fleet:
+        (report,) = fleet.execute()
+    assert report["verdict"] == "arrived"
+    streams = {parse(key.replace("*", "1")).stream for key in kinds["publisher"]}
+    assert (
+        {name for name, each in STREAMS.items() if each.reliable and name != "result"}
+        <= streams
+        <= set(STREAMS)
+    )
+    assert {parse(key.replace("*", "1")).stream for key in kinds["queryable"]} == {
+        each.name for each in QUESTIONS
+    }
+    assert kinds["token"] == {
+        "disknav/shown/world/alive",
+        *(robot_key("shown", robot, "alive") for robot in (1, 2)),
+    }
+    heard = {parse(key.replace("*", "1")).stream for key in kinds["subscriber"]}
+    assert {"tick", "state", "command", "clock"} <= heard <= set(STREAMS)
 
 
 def test_nobody_holds_a_free_port() -> None:

@@ -93,9 +93,9 @@ class Disturbed(Fleet):
         prefix = f"disknav/{self._options.run}"
         for token in (*TOKENS, "robot/1/alive", "robot/2/alive/3/4/5"):
             stranger.announce(f"{prefix}/{token}")
-        for pattern in PATTERNS[:3]:
+        for pattern in (*PATTERNS[:3], "robot/1/join"):
             try:
-                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 2.0)))
+                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 20.0)))
             except BusError as error:
                 self.replies.append(error)
         keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")

@@ -20,7 +20,7 @@ from protocol.bus.connection import Connection
 from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError, UsageError
-from protocol.keys import everything, robot_key, world_key
+from protocol.keys import ROBOT_STREAMS, everything, robot_key, world_key
 from protocol.streams import QUESTIONS, STREAMS
 from tests.deploy.processes.hosts.ssh_server import free_ports
 
@@ -40,13 +40,17 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
+def keys_of(name: str) -> list[str]:
+    """Of a stream or question: one of each robot, or the world's."""
+    if name in ROBOT_STREAMS:
+        return [robot_key(RUN, robot, name) for robot in ROSTER.robots]
+    return [world_key(RUN, name)]
+
+
 def every_key() -> Iterator[tuple[str, str]]:
     """Each stream of everybody, with its key."""
     for name, stream in STREAMS.items():
-        if name in ("clock", "truth", "result"):
-            yield name, world_key(RUN, name)
-        else:
-            yield from ((stream.name, robot_key(RUN, robot, name)) for robot in ROSTER.robots)
+        yield from ((stream.name, key) for key in keys_of(name))
 
 
 def owner(key: str) -> str:
@@ -71,8 +75,8 @@ class Field:
         self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
         self.honest = self.client("robot-2", "b")
         for question in QUESTIONS:
-            key = f"disknav/{RUN}/robot/*/join" if question.name == "join" else world_key(RUN, question.name)
-            self.world.serve(key)
+            for key in keys_of(question.name):
+                self.world.serve(key)
         self.honest.subscribe(robot_key(RUN, 2, "tick"), STATES)
         self.spy.subscribe(ALL)
         self.spy.watch(ALL)
@@ -178,9 +182,11 @@ def test_who_joins_proves_who_it_is(keys: Path) -> None:
             else:
                 with pytest.raises(BusError, match="nobody answered"):
                     it.rogue.ask(key, b"", 0.3)
-        for steering in ("steering", "scenario"):  # nor is it a monitor
+        others = [question.name for question in QUESTIONS if question.asked_by != "itself"]
+        assert {"steering", "scenario"} <= set(others)
+        for key in [key for name in others for key in keys_of(name)]:  # nor is it a monitor, or an operator
             with pytest.raises(BusError, match="nobody answered"):
-                it.rogue.ask(world_key(RUN, steering), b"", 0.3)
+                it.rogue.ask(key, b"", 0.2)
         key = robot_key(RUN, 2, "join")
         assert it.honest.ask(key, b"", 5.0) == key.encode()
 
