@@ -184,6 +184,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     missed: Count = 0  # commands that never came, over all robots and ticks so far
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
+    newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
