@@ -65,8 +65,8 @@ fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minu
 	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser'
 
 test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
-	$(BIN)/python -m pytest -n 2 -m 'not process and not browser'
-	$(BIN)/python -m pytest -m 'process or browser'
+	$(BIN)/python -m pytest -n 2 --durations=20 -m 'not process and not browser'
+	$(BIN)/python -m pytest --durations=20 -m 'process or browser'
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

@@ -13,6 +13,7 @@ from agents.navigation.flow import Flow, desired_velocity
 from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
 from agents.peers.state import PeerState
+from protocol.scenario.gain import grown
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -24,9 +25,9 @@ class GradientLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._radius = spec.radius
-        self._room, self._k = scenario.workspace.shape, scenario.k
+        self._room, self._k, self._robots = scenario.workspace.shape, scenario.k, len(scenario.robots)
         self._workspace = round_boundary(self._room)
-        self._attraction = Attraction(self._room, spec.radius)
+        self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
         self._aim = (spec.goal, spec.goal)  # the goal of the last tick, and where it pulled
         self._speed, self._period = control.speed, scenario.time.step
         self._common = control.pace == "common"
@@ -40,10 +41,13 @@ class GradientLaw:
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
         position, goal, neighbours = view.position, view.goal, view.neighbours
-        peers = [*neighbours.disks(), *standing(self._room, view.things, *position)]
+        others = neighbours.disks()
+        peers = [*others, *standing(self._room, view.things, *position)]
         aim = self._attraction.aim(position, goal, view.things)
         self._aim, goal = (goal, aim), aim
-        field = self._slice = Slice(goal, self._radius, self._workspace, self._k, peers)
+        field = self._slice = Slice(
+            goal, self._radius, self._workspace, grown(self._k, self._robots, len(others) + 1), peers
+        )
         begin = field.gradient(*position)
         moving = neighbours.moving()
         away = math.hypot(position[0] - goal[0], position[1] - goal[1])

@@ -27,7 +27,9 @@ class Nominal:
         self._speed, self._period = scenario.control.speed, scenario.time.step
         self._held = max(1, scenario.ticks(_HELD))
         self._tolerance, self._noise = scenario.time.tolerance, noise
-        self._attraction = Attraction(scenario.workspace.shape, scenario.spec(robot).radius)
+        self._attraction = Attraction(
+            scenario.workspace.shape, scenario.spec(robot).radius, alone=len(scenario.robots) == 1
+        )
 
     def velocity(self, position: Vector, goal: Vector, tick: int, things: Sequence[Shape] = ()) -> Vector:
         """m/s, at most the speed limit and the random part."""

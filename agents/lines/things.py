@@ -50,6 +50,7 @@ class Things:
         self._x = self._y = 0.0
         self._bound = math.inf
         self._shape: Polygon | None = None
+        self._swept: Sweep | None = None
         if start is not None:
             for tangent in self._each:
                 tangent.renew(*start, 0.0, far=math.inf)
@@ -61,7 +62,7 @@ class Things:
         within `shape` around it if that is given. From there it passes `swept` until all commands that are
         still out have ended."""
         self._x, self._y = position
-        self._bound, self._shape = bound, shape
+        self._bound, self._shape, self._swept = bound, shape, swept
         for tangent in self._each:
             tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step, swept)
 
@@ -96,7 +97,7 @@ class Things:
         for number, each in news.items():
             if each.status != "gone" and number not in self._tangents:
                 tangent = self._tangents[number] = Tangent(each.shape, self._radius)
-                tangent.renew(self._x, self._y, self._bound, self._shape)
+                tangent.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
         self._appearing = {number for number, each in news.items() if each.status == "appearing"}
         self._each = list(self._tangents.values())
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from agents.navigation.route import Route, way_points
 from protocol.geometry import Shape
 from protocol.geometry.sphere_world import is_sphere_world
 
 Vector = tuple[float, float]
+_TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other
 
 
 class Attraction:
@@ -18,15 +20,22 @@ class Attraction:
     In a sphere world it is straight, as in Koditschek and Rimon's navigation functions; elsewhere gamma_i is
     the squared length of the shortest way, whose gradient leads to the first corner of it.
 
+    In a passage that is wide enough for one only, two that meet bar each other's way for good. So a robot
+    that is not alone goes through those where two can pass, as long as they lead to its goal.
+
     Args:
         room: the workspace.
         radius: of the robot, m.
+        alone: whether it is the only one.
     """
 
-    def __init__(self, room: Shape, radius: float) -> None:
+    def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
         self._room, self._radius = room, radius
+        self._widths = (1.0,) if alone else (_TWO, 1.0)
         self._things: list[Shape] = []
-        self._route: Route | None = None
+        self._routes: list[Route] = []
+        self._goal: Vector | None = None
+        self._choice = 0  # of the routes, for this goal
 
     def aim(self, position: Vector, goal: Vector, things: Sequence[Shape]) -> Vector:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
@@ -34,17 +43,31 @@ class Attraction:
             return goal
         if self._things != list(things):
             self._begin(list(things))
-        if self._route is None:
+        if goal != self._goal:
+            self._goal, self._choice = goal, 0
+        found = self._ahead(position, goal)
+        if found is None or found[0] == goal:
             return goal
-        (x, y), length = self._route.ahead(position, goal)
-        if (x, y) == goal:
-            return goal
+        (x, y), length = found
         dx, dy = x - position[0], y - position[1]
         scale = length / math.hypot(dx, dy)
         return position[0] + scale * dx, position[1] + scale * dy
 
+    def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
+        """By the widest passages that lead there; once narrow ones are needed, by these for this goal.
+
+        A robot that chose anew in every place could go to and fro between two ways for ever.
+        """
+        for choice in range(self._choice, len(self._routes)):
+            found = self._routes[choice].ahead(position, goal)
+            if found is not None:
+                self._choice = choice
+                return found
+        return None
+
     def _begin(self, things: list[Shape]) -> None:
         self._things = things
-        self._route = None
+        self._routes, self._choice = [], 0
         if not is_sphere_world(self._room, dict(enumerate(things, 1)), self._radius):
-            self._route = Route(way_points(self._room, tuple(things), self._radius))
+            shapes = tuple(things)
+            self._routes = [Route(way_points(self._room, shapes, w * self._radius)) for w in self._widths]

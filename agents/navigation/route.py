@@ -108,19 +108,12 @@ class Route:
         self._goal: Vector | None = None
         self._rest: Reals = np.empty(0)  # from each point to the goal, m
 
-    def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float]:
+    def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
         """The first corner of the shortest way to the goal, and the length of all of it, m.
 
-        The goal itself where nothing is in between, and where no way is found.
+        The goal itself where nothing is in between; None where no way was found.
         """
-        found = self._first(complex(*position), goal)
-        return (goal, math.dist(position, goal)) if found is None else found
-
-    def reaches(self, position: Vector, goal: Vector) -> bool:
-        """Whether there is a way."""
-        return self._first(complex(*position), goal) is not None
-
-    def _first(self, here: complex, goal: Vector) -> tuple[Vector, float] | None:
+        here = complex(*position)
         if goal != self._goal:
             self._goal, self._rest = goal, self._distances(complex(*goal))
         points = np.append(self._ways.points, complex(*goal))

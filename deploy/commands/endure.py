@@ -89,7 +89,7 @@ def _finish(
     outcome: dict[str, Any], table: Callable[[dict[str, Any]], Any], target: Path | None, silent: bool
 ) -> None:
     """Write, print and exit."""
-    from deploy.run.fleet import INTERRUPTED
+    from deploy.run.unjudged import INTERRUPTED
 
     json_output.write_json(outcome, target)
     if not silent:

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from functools import partial
 from typing import NamedTuple
 
+from deploy.library.among_things import beads, blocks, boxes, forest, sphere_world
 from deploy.library.demonstrations import admissible, crash, delay_6
 from deploy.library.figures import figure_1, figure_2
 from deploy.library.goal_sets import TIGHTNESS, figure_3
@@ -41,6 +42,10 @@ _FIXED: dict[str, tuple[_Build, Entry]] = {
     "head-on": (head_on, Entry("head-on", "2", "two robots change places, exactly on the saddle")),
     "admissible": (admissible, Entry("admissible", "3", "goals for which the paper's guarantee holds")),
     "delay-6": (delay_6, Entry("delay-6", "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss")),
+    "sphere-world": (
+        sphere_world,
+        Entry("sphere-world", "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
+    ),
     "crash": (crash, Entry("crash", "6", "figure-3c; one robot is killed and started again")),
 }
 _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
@@ -52,12 +57,16 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
         turtlebots,
         Entry("turtlebots-N", "2 to 100", "robots on two wheels each change places on a circle"),
     ),
+    "forest": (forest, Entry("forest-N", "1 to 20", "among 40 boxes, as in LSC-DR's forest10")),
+    "blocks": (blocks, Entry("blocks-N", "4 to 100", "four groups cross between four blocks, as in RVO2")),
+    "boxes": (boxes, Entry("boxes-N", "1 to 100", "random goals among 8 boxes, as in GCBF+")),
+    "beads": (beads, Entry("beads-N", "1 to 100", "in a corridor, where all keep their order")),
     "random": (
         random_instance,
         Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
     ),
 }
-_NUMBERED = re.compile(r"(swap|turtlebots|random)-([1-9][0-9]{0,5})")
+_NUMBERED = re.compile(r"(swap|turtlebots|random|blocks|forest|boxes|beads)-([1-9][0-9]{0,5})")
 
 
 def catalogue() -> list[Entry]:

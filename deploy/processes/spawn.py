@@ -1,7 +1,9 @@
 """Starts processes, fast and without orphans: the supervisor's side of the fork server.
 
-Against one interpreter per process this starts 64 of them in a quarter of the time and shares what
-they import. The fork server leads a session of its own, so a terminal's Ctrl-C reaches the
+`python -m tests.benchmarks.libraries`: 16 processes are up in 0.8 of the time of `multiprocessing`'s own fork
+server, with 2 MB of private memory each beside 4, and in a twelfth of the time of an interpreter for each (22
+MB), which is what circus, supervisord and subprocess start. Nor do these say what an ended process cost, or
+work the same over ssh. The fork server leads a session of its own, so a terminal's Ctrl-C reaches the
 supervisor alone.
 """
 

@@ -1,4 +1,8 @@
-"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it."""
+"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it.
+
+circus and supervisord walk such a table, too, but with an interpreter for each process: see
+`deploy.processes.spawn` for what that costs.
+"""
 
 from __future__ import annotations
 
@@ -107,6 +111,11 @@ class Supervisor:
         life.told_to_end = life.again = True
         self.signal(name, signal.SIGKILL)
         self._advance(_STOPPING, lambda: life.number != before)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all rows."""
+        return tuple(self._lives)
 
     def running(self) -> list[str]:
         """Names of the processes that have not ended, as of the last `poll`."""

@@ -50,15 +50,15 @@ class Writer:
         self._begun: tuple[str, Scenario] | None = None
 
     @classmethod
-    def at(cls, address: Path) -> Writer:
-        """The process that `main` runs at an address."""
+    def at(cls, address: Path, path: Path | None = None) -> Writer:
+        """The process that `main` runs at an address; `path`, for messages, is what it writes."""
 
         def connect() -> Pipe:
             with socket.socket(socket.AF_UNIX) as client:
                 client.connect(str(address))
                 return Pipe(client.detach())
 
-        return cls(address, connect)
+        return cls(path or address, connect)
 
     def begin(self, run: str, scenario: Scenario) -> None:
         """See `RecordingFile.begin`."""

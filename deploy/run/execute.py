@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +14,12 @@ from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
 from deploy.run.fleet import Fleet
+from deploy.run.interruption import undisturbed
 from deploy.run.live_page import live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
+from deploy.run.unjudged import interrupted, unjudged
 from protocol.scenario.model import Scenario
 
 
@@ -31,7 +34,7 @@ class Extras:
 
 
 def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: bool) -> Result:
-    """Run `scenario` to its verdict.
+    """Run `scenario` to its verdict; whenever Ctrl-C comes, and however often, there is a result.
 
     Raises:
         UsageError: the options do not fit together, or an optional library is missing.
@@ -40,16 +43,24 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
     _check(extras)
     with ExitStack() as stack:
         recording = _recording_path(extras, stack)
-        with (
-            RunProgress(scenario, quiet) as progress,
-            _fleet(scenario, options, recording, progress) as fleet,
-        ):
+        with RunProgress(scenario, quiet) as progress, ExitStack() as running:
+            began = time.monotonic()
+            try:
+                fleet = _fleet(scenario, options, recording, progress)
+                running.enter_context(fleet)
+            except KeyboardInterrupt:
+                with undisturbed():
+                    report = interrupted(unjudged(scenario, None, time.monotonic() - began))
+                    result = complete(report, options, [])
+                    json_output.write_json(result, extras.json)
+                return result
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
-            reports, processes = fleet.execute(), fleet.processes()
-            recordings = fleet.recordings()
-            result = complete(reports[0], options, processes, recordings if extras.record else [])
-            json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
-            fleet.record(result)
+            reports = fleet.execute()
+            with undisturbed():
+                processes, recordings = fleet.processes(), fleet.recordings()
+                result = complete(reports[0], options, processes, recordings if extras.record else [])
+                json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
+                fleet.record(result)
         if extras.plot is not None:
             draw(Path(recordings[-1]), extras.plot)
         if page is not None and sys.stdin.isatty():

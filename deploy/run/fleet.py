@@ -8,7 +8,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -26,12 +26,12 @@ from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
 from deploy.run.topology import Mesh, Routed, Topology
-from deploy.run.unjudged import unjudged
+from deploy.run.unjudged import INTERRUPTED, unjudged
 from deploy.security.membership import Membership
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import MessageError
+from protocol.errors import DisknavError, MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
@@ -44,7 +44,6 @@ _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _ECHO = 0.5  # s for messages of a process that has ended
 _POLL = 0.02  # s
-INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
 ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
 
 
@@ -85,6 +84,7 @@ class Fleet:
         self._began = time.monotonic()
         self._reports = Reports(on_report)
         self._leaving = _LEAVING
+        self._started: set[int] = set()  # newcomers whose processes were started
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
@@ -244,7 +244,7 @@ class Fleet:
             RecordingError: it could not be written to its end.
         """
         if self._writer is not None:
-            Writer.at(self._writer).finish(json.dumps(result))
+            Writer.at(self._writer, self._record).finish(json.dumps(result))
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -271,8 +271,33 @@ class Fleet:
         self._clock = clock
         for fault in self._schedule.due(clock):
             self._carry_out(fault)
+        self._welcome(clock.newcomers)
         if self._watch is not None:
             self._watch(clock)
+
+    def _welcome(self, newcomers: Sequence[int]) -> None:
+        """Start a process for each robot that was added, on this host."""
+        for robot in newcomers:
+            name = table.robot_name(robot)
+            if name in self._supervisor.running() or robot in self._started:
+                continue
+            self._started.add(robot)
+            if name in self._supervisor.names:
+                self._supervisor.restart(name)
+            else:
+                self._start(robot)
+        self._started &= set(newcomers)
+
+    def _start(self, robot: int) -> None:
+        """Start the process of a robot that was not in the table; a person must if this cannot."""
+        options, topology = self._options, self.topology
+        if isinstance(topology, Mesh):
+            topology = self.topology = topology.joined(robot)
+        try:
+            self._supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
+        except DisknavError as error:
+            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
+            print(text, file=sys.stderr, flush=True)
 
     def _carry_out(self, fault: ProcessFault) -> None:
         name = table.robot_name(fault.robot)
@@ -314,21 +339,26 @@ class Fleet:
             self._take(self._bus.receive(_POLL))
 
     def _cut(self, verdict: str, reason: str) -> None:
-        """End the run before its time. The world says what it saw so far; if it cannot, the launcher does."""
-        if self._options.restarts:
-            self._leaving = 0.0  # robots wait for a world that will not be back
+        """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
+        run does not wait for it, the launcher does."""
+        with suppress(KeyboardInterrupt):
+            self._await_last_words()
         reports = self._reports.all
-        if table.WORLD in self._supervisor.running():
-            self._supervisor.signal(table.WORLD, signal.SIGTERM)
-            deadline = time.monotonic() + _LAST_WORDS
-            already = len(reports)
-            while len(reports) == already and time.monotonic() < deadline:
-                self._take(self._bus.receive(_POLL))
-                self._poll()
         if not reports:
             reports.append(self._unjudged())
         if reports[-1]["verdict"] != "collision":
             reports[-1].update(verdict=verdict, reason=reason)
+
+    def _await_last_words(self) -> None:
+        if self._options.restarts:
+            self._leaving = 0.0  # robots wait for a world that will not be back
+        if table.WORLD in self._supervisor.running():
+            self._supervisor.signal(table.WORLD, signal.SIGTERM)
+            deadline = time.monotonic() + _LAST_WORDS
+            already = len(self._reports.all)
+            while len(self._reports.all) == already and time.monotonic() < deadline:
+                self._take(self._bus.receive(_POLL))
+                self._poll()
 
     def _unjudged(self) -> Report:
         return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)

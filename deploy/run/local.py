@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ from agents.node import RobotNode
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
 from deploy.run.fault_schedule import FaultSchedule
-from protocol.bus.bus import Bus
+from deploy.run.unjudged import INTERRUPTED
+from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
@@ -91,10 +93,12 @@ class LocalFleet:
         if self._past is not None:
             self._past.journal.close()
 
-    def start(self, robot: int) -> None:
+    def start(self, robot: int) -> Node:
         """Start a robot's node."""
         bus = self.robots[robot] = self.network.connect()
-        bus.node = RobotNode(bus, self.run, robot)
+        node: Node = RobotNode(bus, self.run, robot)
+        bus.node = node
+        return node
 
     def kill(self, robot: int) -> None:
         """End a robot's node at once; its token goes."""
@@ -138,7 +142,7 @@ class LocalFleet:
         try:
             self.network.run(lambda: self.world.finished)
         except KeyboardInterrupt:
-            self.world.interrupt("interrupted", "stopped by the user")
+            self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
             self._recorder.close()
         return self._reports
@@ -161,6 +165,7 @@ class FaultInjector:
         self._schedule = schedule
         self._watch = watch
         self._paused: dict[int, RobotNode] = {}
+        self._started: set[int] = set()  # newcomers whose nodes were started
 
     def handle(self, event: Event) -> None:
         if not isinstance(event, Sample):
@@ -169,6 +174,10 @@ class FaultInjector:
         if isinstance(message, Clock):
             for fault in self._schedule.due(message):
                 self._carry_out(fault)
+            for robot in message.newcomers:
+                if robot not in self._started:
+                    self._fleet.start(robot).wake(time.monotonic())
+            self._started = set(message.newcomers)
             if self._watch is not None:
                 self._watch(message)
 

@@ -12,6 +12,14 @@ _UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
 _PER_ROBOT = ("path_lengths", "lateral_deviation")
 
 
+INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
+
+
+def interrupted(report: dict[str, Any]) -> dict[str, Any]:
+    """The same, of a run that Ctrl-C ended."""
+    return {**report, "verdict": "interrupted", "reason": INTERRUPTED}
+
+
 def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> dict[str, Any]:
     """A readable report as of the last Clock heard; what is unknown is None.
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from deploy.library.load import load
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import cores, floors, journal, recording
+from tests.benchmarks import cores, floors, journal, libraries, reading, recording
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -59,6 +61,22 @@ def test_the_journal_is_measured() -> None:
     assert found.ratio == found.journalled / found.plain
     assert journal.added(2, repeat=1) < 1e6
     assert journal.replay(2).size > 20.0
+
+
+@pytest.mark.process
+def test_libraries_are_measured() -> None:
+    rows = [line.rsplit(maxsplit=3) for line in libraries.lines(2, 1000, 1)]
+    assert [row[0].strip() for row in rows[4:]] == ["fork server", "multiprocessing", "interpreters"]
+    assert all(float(number) > 0.0 for row in rows[4:] for number in row[1:])
+
+
+@pytest.mark.process
+def test_reading_is_measured(tmp_path: Path) -> None:
+    count = reading.make(tmp_path / "any.mcap", 15.0, 3)
+    assert count > 3 * 3 * 300
+    assert reading.cost(tmp_path / "any.mcap", ("info",)).peak_mb > 10.0
+    with pytest.raises(RuntimeError, match="exit status 2"):
+        reading.cost(tmp_path / "none.mcap", ("info",))
 
 
 def test_the_ratio_is_to_the_same_round() -> None:

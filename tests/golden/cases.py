@@ -19,6 +19,8 @@ _COUNTED = (
     "random-6",
     "random-12",
     "random-24",
+    "boxes-4",
+    "beads-5",
 )
 _NOISE = ("sensing.delay=[0.0,0.1]", "sensing.noise=0.001", "sensing.dropout=0.1", "actuation.noise=0.02")
 _LINK = ("link.delay=[0.1,0.3]", "link.jitter=0.1", "link.loss=0.3", "link.duplicate=0.2")

@@ -1,7 +1,7 @@
 """An MCAP file that is being written: the records are the `mcap` library's, the messages packed at once.
 
-The library's own writer takes ten times as long for a message as its JSON does, a field at a time; a
-recorder that shares two processors with a fleet cannot afford that.
+A message costs an eighth of the processor time that the library's own writer takes, a field at a time
+(0.4 µs beside 3.3, `python -m tests.benchmarks.libraries`): a recorder shares two processors with a fleet.
 """
 
 from __future__ import annotations

@@ -109,10 +109,5 @@ def _clearance(scenario: Scenario, which: str) -> float:
 def _unreachable(scenario: Scenario) -> list[int]:
     room, shapes = scenario.workspace.shape, tuple(scenario.shapes.values())
     routes = {spec.radius: Route(way_points(room, shapes, spec.radius)) for spec in scenario.robots}
-    return [
-        robot
-        for robot in scenario.ids
-        if not routes[scenario.spec(robot).radius].reaches(
-            scenario.spec(robot).start, scenario.spec(robot).goal
-        )
-    ]
+    specs = [scenario.spec(robot) for robot in scenario.ids]
+    return [spec.id for spec in specs if routes[spec.radius].ahead(spec.start, spec.goal) is None]

@@ -36,7 +36,7 @@ NUMBERED = ["swap-2", "swap-3", "swap-10", "swap-60", "random-1", "random-2", "r
 def gap(scenario: Scenario, start: bool) -> float:
     """Smallest clearance of starts or goals, m."""
     disks = [(robot.start if start else robot.goal, robot.radius) for robot in scenario.robots]
-    wall = min(scenario.workspace.radius - r - math.hypot(*p) for p, r in disks)
+    wall = min(-scenario.workspace.shape.distance(*p) - r for p, r in disks)
     pairs = [math.dist(p, q) - r - s for n, (p, r) in enumerate(disks) for q, s in disks[:n]]
     return min([wall, *pairs])
 

@@ -1,5 +1,6 @@
 """Recording on real zenoh: by a process of its own, and within the router."""
 
+import re
 import signal
 import time
 from collections.abc import Callable
@@ -41,11 +42,11 @@ def _feed(world: FakeWorld, bus, until: Callable[[], bool]) -> int:
 
 
 def _feed_past(world: FakeWorld, bus, path: Path) -> int:
-    """Publish until the file holds the present tick, half a second later or when it next grows; that tick."""
+    """Publish until the file holds the present tick, which it does when it has grown twice; that tick."""
     safe = world.tick
-    _feed(world, bus, _after(0.5))
-    size = path.stat().st_size
-    _feed(world, bus, lambda: path.stat().st_size > size)
+    for _ in range(2):
+        size = path.stat().st_size
+        _feed(world, bus, lambda size=size: path.stat().st_size > size)
     return safe
 
 
@@ -55,11 +56,6 @@ def network():
     router, endpoint = listening(Connection("router"))
     with closing(router), closing(ZenohBus(Connection(connect=(endpoint,)))) as bus:
         yield FakeWorld(bus, "lost"), bus, endpoint
-
-
-def _after(seconds: float) -> Callable[[], bool]:
-    due = time.monotonic() + seconds
-    return lambda: time.monotonic() > due
 
 
 @pytest.fixture
@@ -80,6 +76,11 @@ def _pids(supervisor: Supervisor) -> dict[str, int]:
     """Of those that run now."""
     supervisor.poll()
     return supervisor.pids()
+
+
+def _ignores(pid: int, number: int) -> bool:
+    (line,) = re.findall(r"^SigIgn:\s(\w+)$", Path(f"/proc/{pid}/status").read_text(), re.MULTILINE)
+    return bool(int(line, 16) >> (number - 1) & 1)
 
 
 @pytest.mark.process
@@ -119,8 +120,9 @@ def test_a_killed_writer_leaves_all_but_the_last_moment_and_the_next_writes_anot
 @pytest.mark.process
 def test_a_recorder_told_to_stop_finishes_with_the_result(beside):
     supervisor, world, bus, path = beside
+    recorder = _pids(supervisor)[table.RECORDER]
     supervisor.signal(table.RECORDER, signal.SIGTERM)
-    _feed(world, bus, _after(0.1))
+    _feed(world, bus, lambda: _ignores(recorder, signal.SIGTERM))  # it has been heard once
     world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
     until(lambda: table.RECORDER not in _pids(supervisor))
     supervisor.stop()

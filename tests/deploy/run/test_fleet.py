@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,7 @@ from protocol.errors import UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
+from tests.deploy.monitor.watched import until
 from tests.deploy.processes.test_spawn import gone
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
@@ -243,14 +244,31 @@ def test_two_fleets_share_a_router() -> None:
     assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in alone]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_stops_everything_and_leaves_a_result(number: int, tmp_path: Any) -> None:
+@pytest.mark.parametrize(
+    ("number", "times", "starting"),
+    [
+        (signal.SIGINT, 1, False),
+        (signal.SIGTERM, 1, False),
+        (signal.SIGINT, 4, False),
+        (signal.SIGINT, 2, True),
+    ],
+)
+def test_a_signal_stops_everything_and_leaves_a_result(
+    number: int, times: int, starting: bool, tmp_path: Path
+) -> None:
     target, recording = tmp_path / "result.json", tmp_path / "run.mcap"
     command = [*DISKNAV, "run", "swap-6", "--mode", "realtime", "--quiet", "--json", str(target)]
     command += ["--record", str(recording), "--set", "control.speed=0.01"]
     process = subprocess.Popen(command, start_new_session=True)
-    family = _wait_for_family(process, recording)
-    os.kill(process.pid, number)
+    if starting:
+        until(lambda: psutil.Process(process.pid).children(recursive=True))  # the fork server, to begin with
+        family = psutil.Process(process.pid).children(recursive=True)
+    else:
+        family = _wait_for_family(process, recording)
+    for _ in range(times):
+        os.kill(process.pid, number)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(0.1)
     assert process.wait(20.0) == EXIT_INTERRUPTED
     assert json.loads(target.read_text())["verdict"] == "interrupted"
     assert all(gone(each.pid) for each in family)

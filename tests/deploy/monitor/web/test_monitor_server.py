@@ -10,6 +10,8 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable
+from contextlib import closing
+from select import select
 from typing import Any
 from urllib.parse import urljoin
 
@@ -91,16 +93,31 @@ def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
         assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
 
 
+def asleep(server: Server) -> socket.socket:
+    """A viewer that asks and does not read, until the server can send it no more, and reads no more."""
+    viewer = socket.socket()
+    viewer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    host, port = server.address.removeprefix("http://").split(":")
+    viewer.connect((host, int(port)))
+    viewer.sendall(
+        f"GET /live HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+    )
+    assert viewer.recv(12) == b"HTTP/1.1 101"
+    viewer.setblocking(False)
+    nonsense = b"\x81\x81\0\0\0\0x" * 5000  # text frames, masked by nothing
+    sent = 0
+    while select([], [viewer], [], 0.5)[1]:
+        start = sent % 7  # or a frame would be broken where the last one did not fit
+        sent += viewer.send(nonsense[start:])
+        assert sent < 100_000_000, "the server takes whatever comes"
+    return viewer
+
+
 def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=0.3)
-    with (
-        running(fleet),
-        served(watcher) as server,
-        live(server, max_queue=1, close_timeout=0.1) as asleep,
-        live(server) as viewer,
-    ):
-        news(asleep, "overview")
+    with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
         first = news(viewer, "frame")["tick"]
         assert news(viewer, "frame", lambda it: it["tick"] > first + 10)["phase"] == "running"
 

@@ -150,7 +150,7 @@ def test_a_study_of_speeds_stays_on_one_machine() -> None:
 
 def test_a_search_in_generations_finds_the_same(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(campaign, "GENERATION", 8)
-    plan = Plan(3, 20, "local")
+    plan = Plan(3, 12, "local")
     there, here = Campaign(plan, RunLog(None)), Campaign(plan, RunLog(None))
     with Cluster(scheduler, falsify) as workers:
         there.execute(workers)

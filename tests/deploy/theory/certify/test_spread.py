@@ -11,6 +11,7 @@ pytest.importorskip("distributed")
 from distributed import LocalCluster
 
 from deploy.library.load import read
+from deploy.software import scheduler as reached
 from deploy.theory.certify import spread
 from deploy.theory.certify.campaign import Here, prove
 from deploy.theory.certify.certificate import Certificate, Goals
@@ -37,6 +38,7 @@ def test_the_branching_is_that_of_one_machine(scheduler: str, monkeypatch: pytes
     assert there.time > 0.0
 
 
-def test_a_cluster_that_is_not_there_is_named() -> None:
+def test_a_cluster_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reached, "_REACHING", 0.3)
     with pytest.raises(ProcessError, match=r"127\.0\.0\.1:1"):
         spread.Spread("tcp://127.0.0.1:1")

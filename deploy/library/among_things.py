@@ -1,0 +1,179 @@
+"""Robots among things: benchmarks of others with their parameters, and the paper's own relatives."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from protocol.draws import Purpose, generator
+from protocol.errors import UsageError
+from protocol.scenario.file import validated
+from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Thing, Time, Workspace
+
+_TRIES = 20_000  # places tried for one thing or robot
+_Corners = tuple[Point, ...]
+
+
+def forest(count: int, seed: int = 0) -> Scenario:
+    """40 boxes of 0.5 m in 10 m by 10 m; robots of 0.15 m change places on a circle of 4 m (LSC-DR)."""
+    robots = _opposite(count, 0.15, 4.0)
+    random = generator(seed, Purpose.SCENARIO)
+    keep = [(point, spec.radius + 0.05) for spec in robots for point in (spec.start, spec.goal)]
+    boxes = _scattered(random, keep, many=40, reach=4.5, sides=(0.5, 0.5), turned=False)
+    return validated(
+        Scenario(
+            robots,
+            f"forest-{count}",
+            f"{count} robots change places among 40 boxes; starts as in LSC-DR's forest10",
+            seed,
+            Workspace(points=_box((0.0, 0.0), 5.0, 5.0)),
+            Time(step=0.2, limit=120.0, tolerance=0.1),
+            Control(speed=1.0),
+            things=boxes,
+        )
+    )
+
+
+def boxes(count: int, seed: int = 0) -> Scenario:
+    """8 boxes in 4 m by 4 m, robots of 0.05 m with starts and goals 0.2 m apart (GCBF+, SingleIntegrator)."""
+    random = generator(seed, Purpose.SCENARIO)
+    things = _scattered(random, (), many=8, reach=1.8, sides=(0.1, 0.5), turned=True)
+    starts, goals = (_free_places(random, things, count) for _ in range(2))
+    robots = tuple(RobotSpec(n + 1, 0.05, starts[n], goals[n]) for n in range(count))
+    return validated(
+        Scenario(
+            robots,
+            f"boxes-{count}",
+            f"{count} robots with random goals among 8 boxes, sizes as in GCBF+",
+            seed,
+            Workspace(points=_box((0.0, 0.0), 2.0, 2.0)),
+            Time(step=0.03, limit=60.0, tolerance=0.1),
+            Control(speed=1.0),
+            things=things,
+        )
+    )
+
+
+def blocks(count: int, seed: int = 0) -> Scenario:
+    """Four groups cross between four square blocks (RVO2, Blocks: 25 each); each goal is its own here.
+
+    Raises:
+        UsageError: `count` is no multiple of 4 up to 100.
+    """
+    if count % 4 or not 4 <= count <= 100:
+        raise UsageError(f"{count} robots are not four groups of up to 25: choose a multiple of 4 up to 100")
+    robots = []
+    for n in range(count):
+        group, member = divmod(n, count // 4)
+        i, j = 55.0 + 10.0 * (member % 5), 55.0 + 10.0 * (member // 5)
+        x, y = (i, j, -i, -j)[group], (j, -i, -j, i)[group]
+        robots.append(RobotSpec(n + 1, 2.0, (x, y), (-x, -y)))
+    corners = [(sx * 25.0, sy * 25.0) for sx in (1, -1) for sy in (1, -1)]
+    return validated(
+        Scenario(
+            tuple(robots),
+            f"blocks-{count}",
+            f"four groups of {count // 4} robots cross between four blocks; sizes as in RVO2",
+            seed,
+            Workspace(points=_box((0.0, 0.0), 110.0, 110.0)),
+            Time(step=0.25, limit=600.0, tolerance=1.0),
+            Control(speed=2.0),
+            things=tuple(Thing(points=_box(centre, 15.0, 15.0)) for centre in corners),
+        )
+    )
+
+
+def sphere_world(seed: int = 0) -> Scenario:
+    """One robot among disks that stand (Koditschek and Rimon 1990)."""
+    disks = (
+        (0.0, 0.0, 0.06),
+        (-0.14, 0.1, 0.03),
+        (0.02, 0.19, 0.03),
+        (0.12, -0.12, 0.035),
+        (-0.1, -0.14, 0.04),
+    )
+    return validated(
+        Scenario(
+            (RobotSpec(1, 0.015, (-0.25, 0.02), (0.25, -0.01)),),
+            "sphere-world",
+            "one robot among five disks that stand: Koditschek and Rimon's theorem applies",
+            seed,
+            things=tuple(Thing(center=(x, y), radius=radius) for x, y, radius in disks),
+        )
+    )
+
+
+def beads(count: int, seed: int = 0) -> Scenario:
+    """Robots on a line segment, where nobody can pass another (Koditschek, beads on a line)."""
+    random = generator(seed, Purpose.SCENARIO)
+    radius, length = 0.02, 0.06 * count
+    starts, goals = (_spaced(random, count, 2.2 * radius, length) for _ in range(2))
+    robots = tuple(RobotSpec(n + 1, radius, (starts[n], 0.0), (goals[n], 0.0)) for n in range(count))
+    return validated(
+        Scenario(
+            robots,
+            f"beads-{count}",
+            f"{count} robots in a corridor, who keep their order",
+            seed,
+            Workspace(points=_box((0.0, 0.0), length + 2.0 * radius, 1.5 * radius)),
+        )
+    )
+
+
+def _opposite(count: int, radius: float, circle: float) -> tuple[RobotSpec, ...]:
+    if not 1 <= count <= 20:
+        raise UsageError(f"{count} robots do not fit on the circle: choose between 1 and 20")
+    places = [
+        (circle * math.cos(math.tau * n / count), circle * math.sin(math.tau * n / count))
+        for n in range(count)
+    ]
+    return tuple(RobotSpec(n + 1, radius, (x, y), (0.0 - x, 0.0 - y)) for n, (x, y) in enumerate(places))
+
+
+def _box(centre: Point, ahead: float, aside: float, turn: float = 0.0) -> _Corners:
+    cos, sin = math.cos(turn), math.sin(turn)
+    corners = ((ahead, aside), (-ahead, aside), (-ahead, -aside), (ahead, -aside))
+    return tuple((centre[0] + cos * u - sin * v, centre[1] + sin * u + cos * v) for u, v in corners)
+
+
+def _scattered(
+    random: np.random.Generator,
+    keep: list[tuple[Point, float]] | tuple[()],
+    *,
+    many: int,
+    reach: float,
+    sides: tuple[float, float],
+    turned: bool,
+) -> tuple[Thing, ...]:
+    """Boxes that keep clear of some places; they may overlap each other."""
+    found: list[Thing] = []
+    for _ in range(_TRIES):
+        x, y, along, across, turn = random.random(5)
+        ahead, aside = (0.5 * (sides[0] + part * (sides[1] - sides[0])) for part in (along, across))
+        centre = ((2.0 * x - 1.0) * reach, (2.0 * y - 1.0) * reach)
+        thing = Thing(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))
+        if all(thing.shape.distance(*point) > room for point, room in keep):
+            found.append(thing)
+            if len(found) == many:
+                return tuple(found)
+    raise UsageError(f"no room for {many} boxes")
+
+
+def _free_places(random: np.random.Generator, things: tuple[Thing, ...], count: int) -> list[Point]:
+    """Centres at least 0.2 m apart and 0.1 m from every thing and wall."""
+    shapes, places = [thing.shape for thing in things], list[Point]()
+    for _ in range(_TRIES):
+        x, y = (float(part) for part in 3.8 * random.random(2) - 1.9)
+        apart = all(math.dist((x, y), other) > 0.2 for other in places)
+        if apart and all(shape.distance(x, y) > 0.1 for shape in shapes):
+            places.append((x, y))
+            if len(places) == count:
+                return places
+    raise UsageError(f"no room for {count} robots")
+
+
+def _spaced(random: np.random.Generator, count: int, apart: float, length: float) -> list[float]:
+    """Increasing places within `length` of 0, at least `apart` from each other, m."""
+    room = 2.0 * length - (count - 1) * apart
+    return [float(part) - length + n * apart for n, part in enumerate(sorted(room * random.random(count)))]
