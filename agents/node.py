@@ -24,7 +24,7 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Health, State, Tick
+from protocol.messages import Health, Roster, State, Tick
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
@@ -142,6 +142,18 @@ class RobotNode:
         if not self._declared:
             self._declare(admission.scenario)
 
+    def _meet(self, roster: Roster) -> None:
+        """Hear who has joined the fleet since this process was admitted."""
+        for member in roster.members:
+            key = robot_key(self._run, member.robot, "state")
+            known = self._peers.get(key)
+            if member.robot == self._robot or (known is not None and known.radius == member.radius):
+                continue
+            index = len(self._peers) if known is None else known.index
+            self._peers[key] = PeerReader(self._robot, member.robot, member.radius, index=index)
+            if known is None:
+                self._bus.subscribe(key)
+
     def _declare(self, scenario: Scenario) -> None:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
@@ -212,6 +224,8 @@ class RobotNode:
             if not self._commanded:
                 self._command_or_complain(core)
         elif tick.incarnation == core.incarnation and tick.tick > core.tick:
+            if tick.roster is not None:
+                self._meet(tick.roster)
             self._said_state = encode(core.begin(tick))
             if core.note and not self._noted:
                 self._noted = True

@@ -7,10 +7,11 @@ Grammar::
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer >= 1, no leading zero    a robot writes under its own id only
     robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
-    world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "halt" | "alive"
+    world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "halt"
+                   | "fleet" | "alive"
 
-`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering` and `halt` are queryables, all
-others are published streams (declared with types and rates in `protocol.streams`).
+`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering`, `halt` and `fleet` are queryables,
+all others are published streams (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import NamedTuple
 from protocol.errors import KeyGrammarError
 
 ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join", "alive")
-WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "alive")
+WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "fleet", "alive")
 
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(

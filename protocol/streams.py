@@ -76,4 +76,5 @@ QUESTIONS = (
     Question("scenario", "monitor"),
     Question("steering", "monitor"),
     Question("halt", "operator"),
+    Question("fleet", "operator"),
 )

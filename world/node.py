@@ -19,6 +19,8 @@ from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
+from protocol.fleet import FleetReply, decode_change
+from protocol.fleet import encode_reply as encode_fleet_reply
 from protocol.goals import GoalReply, decode_order, encode_reply
 from protocol.halt import Halted, decode_halt, encode_halted
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
@@ -80,8 +82,11 @@ class WorldNode:
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
         self._tell = tell
-        self._admissions = Admissions(run, scenarios[0].ids, lockstep, clock, self._journal)
-        self._publishers = Publishers(bus, run, scenarios[0].ids)
+        current = Run(0, scenarios[0], {}) if past is None else past.run
+        ids = {*scenarios[0].ids, *current.scenario.ids}
+        self._bus, self._name, self._several = bus, run, len(scenarios) > 1
+        self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
+        self._publishers = Publishers(bus, run, ids)
         self._failures = FailureDetector(
             self._admissions,
             self._pacing,
@@ -93,14 +98,13 @@ class WorldNode:
             say=say,
         )
         self._shutdown = Shutdown(self._admissions, self._pacing)
-        current = Run(0, scenarios[0], {}) if past is None else past.run
         self._scenarios = iter(scenarios[current.number + 1 :])
         self._begin(current)
         if past is not None:
             self._remember(past)
-        bus.subscribe(*[robot_key(run, i, "command") for i in scenarios[0].ids])
+        bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario", "halt"):
+        for stream in ("steering", "scenario", "halt", "fleet"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))
@@ -182,6 +186,8 @@ class WorldNode:
             address = parse(request.key)
             if address.stream == "steering":
                 return self._steer(request.payload)
+            if address.stream == "fleet":
+                return self._change(request.payload)
             if address.stream == "halt":
                 return self._halt(request.payload)
             if address.stream == "goal" and address.robot is not None:
@@ -212,6 +218,26 @@ class WorldNode:
         self._publishers.goals(world.goal_news())
         return encode_reply(reply, payload)
 
+    def _change(self, payload: bytes) -> bytes:
+        """A robot is to come or to go, or the question who is there."""
+        world, text = self._run.world, ""
+        change = decode_change(payload)
+        if change is not None and self._several:
+            text = "this world judges several scenarios one after another: each says who is in it"
+        elif change is not None and change.add is not None:
+            text = world.add(change.add) or self._welcome(change.add.id)
+        elif change is not None and change.remove is not None:
+            text = world.remove(change.remove)
+        return encode_fleet_reply(FleetReply(not text, world.roster, text), payload)
+
+    def _welcome(self, robot: int) -> str:
+        """Have what is needed to hear and tell another robot."""
+        if robot not in self._admissions.slots:
+            self._bus.subscribe(robot_key(self._name, robot, "command"))
+        self._admissions.add(robot)
+        self._publishers.add(robot)
+        return ""
+
     def _halt(self, payload: bytes) -> bytes:
         """The emergency stop, its release, or the question whether it is in force."""
         world = self._run.world
@@ -233,6 +259,8 @@ class WorldNode:
         if asked.robot is None or asked.stream != "join":
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
+        if self._run.world.dismiss(join.robot):
+            return joining.Finished("removed")
         refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
             return refusal

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ def report(
     arrived: list[int],
     record: Record,
     touches: Touches,
-    lengths: Sequence[float],
+    lengths: Mapping[int, float],
     commands: Commands,
     lives: Lives,
     sensors: Iterable[Sensor],
@@ -40,10 +40,9 @@ def report(
     Args:
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
-        lengths: path length of each robot, m, in the order of ids.
+        lengths: path length of each robot that is or was there, m.
     """
     step, truth = scenario.time.step, record.truth
-    paths = dict(zip(scenario.ids, lengths, strict=True))
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -61,8 +60,8 @@ def report(
             "kind": scenario.world.plant,
             "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in touches.all[:LISTED]],
         },
-        "nrl": normalised_length(record.goals, paths),
-        "path_lengths": {str(robot): length for robot, length in paths.items()},
+        "nrl": normalised_length(record.goals, dict(lengths)),
+        "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},
         "lateral_deviation": {
             str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)
         },

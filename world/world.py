@@ -13,11 +13,12 @@ from typing import Any
 import msgspec
 
 from protocol.goals import GoalOrder, GoalReply
-from protocol.messages import Command, GoalStatus, Sense, Standing, Thing, Tick, Truth, Vector
-from protocol.scenario.model import Scenario
+from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Thing, Tick, Truth, Vector
+from protocol.scenario.model import RobotSpec, Scenario
 from protocol.things import ThingOrder, ThingReply
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
+    Added,
     Closed,
     Ended,
     Expected,
@@ -29,10 +30,12 @@ from world.coordinator.inputs import (
     Opened,
     Ordered,
     Placed,
+    Removed,
     TakenAway,
     checksum,
 )
 from world.coordinator.lives import Lives
+from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
 from world.judge.goals import Goals
@@ -85,6 +88,8 @@ class World:
         self._touches = Touches()
         self._judge = Judge(scenario, goals)
         self._told: dict[int, Tick] | None = None  # of the open tick
+        self._membership = Membership(scenario, self._lives, self._missions)
+        self._departed: dict[int, float] = {}  # path lengths of robots that left, m
 
     @property
     def truth(self) -> Truth:
@@ -154,6 +159,7 @@ class World:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
         incarnation = self._lives.join(robot, heard=self.tick - 1 if self._told is None else self.tick)
+        self._membership.joined(robot)
         self._noted(Joined(robot, incarnation))
         return incarnation
 
@@ -293,6 +299,77 @@ class World:
         return self._missions.news()
 
     @property
+    def scenario(self) -> Scenario:
+        """The scenario with the robots that are there now."""
+        return self._scenario
+
+    @property
+    def roster(self) -> Roster:
+        """Who is there."""
+        return self._lives.roster
+
+    @property
+    def newcomers(self) -> tuple[int, ...]:
+        """Robots that were added, whose disks are there, and whose processes have not joined yet."""
+        return tuple(sorted(self._membership.newcomers))
+
+    def add(self, spec: RobotSpec) -> str:
+        """Have the disk of another robot appear at its start, once everybody keeps clear of that place.
+
+        Returns why that cannot be; "" if it is under way.
+        """
+        reason = self._fixed or self._plant.refusal(spec) or self._membership.add(spec)
+        if not reason:
+            self._noted(Added(spec))
+        return reason
+
+    @property
+    def _fixed(self) -> str:
+        """Why nobody can come or go; "" if that is possible."""
+        if not self.founded or self.verdict:
+            return "the run has not begun, or is over"
+        return self._plant.fixed
+
+    def remove(self, robot: int) -> str:
+        """End a robot and take its disk away, at the end of the open tick or else now.
+
+        Returns why that cannot be; "" if it is done.
+        """
+        reason = self._fixed or self._membership.remove(robot)
+        if reason:
+            return reason
+        if self._told is None:
+            self._turn_over()
+        self._noted(Removed(robot))
+        return ""
+
+    def dismiss(self, robot: int) -> bool:
+        """Whether a robot was removed; its process, which asks, is told no more."""
+        gone = self._lives.status_of(robot) == "gone"
+        if gone and robot in self._lives.of:
+            self._lives.dismiss(robot)
+        return gone
+
+    def _turn_over(self) -> None:
+        """Between two ticks: who was added and may appear is there, who was removed is not."""
+        plant = self._plant
+        left = self._membership.turn_over(self.tick, dict(zip(plant.ids, plant.positions, strict=True)))
+        if left is None:
+            return
+        self._departed |= {robot: plant.lengths[plant.ids.index(robot)] for robot in left}
+        scenario = self._scenario = self._membership.scenario
+        plant.recast(scenario)
+        self._sensors = {robot: self._sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
+        self._odometers = {
+            robot: self._odometers.get(robot) or Odometer(scenario, robot, plant.slips)
+            for robot in scenario.ids
+        }
+        self._missions.recast(scenario)
+        self._record.recast(scenario, plant.positions, self._lives.things.standing)
+        self._lives.things.recast(scenario)
+        self._judge.recast(scenario, self.tick)
+
+    @property
     def things(self) -> tuple[Thing, ...]:
         """Things that came or went since the run began, as the roster has them."""
         return self._lives.things.changes
@@ -347,6 +424,7 @@ class World:
         self._record.add(self._plant.positions, self._plant.between)
         if self._lives.settle():
             self._record.surround(self._lives.things.standing)
+        self._turn_over()
         self._decide()
         if self.note is not None:
             self.note(Closed(self.checksum))
@@ -401,7 +479,7 @@ class World:
             arrived=self._judge.arrived(self._plant.positions),
             record=self._record,
             touches=self._touches,
-            lengths=self._plant.lengths,
+            lengths=dict(zip(self._plant.ids, self._plant.lengths, strict=True)) | self._departed,
             commands=self._commands,
             lives=self._lives,
             sensors=self._sensors.values(),

@@ -12,6 +12,7 @@ from agents.navigation.flow import Flow, desired_velocity
 from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
 from agents.peers.state import PeerState
+from protocol.scenario.gain import grown
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -28,7 +29,7 @@ class GradientLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._radius = spec.radius
-        self._room, self._k = scenario.workspace.shape, scenario.k
+        self._room, self._k, self._robots = scenario.workspace.shape, scenario.k, len(scenario.robots)
         self._workspace = round_boundary(self._room)
         self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
         self._speed, self._period = control.speed, scenario.time.step
@@ -58,9 +59,11 @@ class GradientLaw:
         """Take in who is where; before anything else in a tick."""
         x, y = view.position
         self.obstacles = standing(self._room, view.things, x, y)
-        self._peers, self._moving = [*view.neighbours.disks(), *self.obstacles], view.neighbours.moving()
+        others, self._moving = view.neighbours.disks(), view.neighbours.moving()
+        self._peers = [*others, *self.obstacles]
         self._goal, self.aim = view.goal, self._attraction.aim(view.position, view.goal, view.things)
-        self._slice = Slice(self.aim, self._radius, self._workspace, self._k, self._peers)
+        k = grown(self._k, self._robots, len(others) + 1)
+        self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers)
         gx, gy = self.aim
         self._begin = self._slice.gradient(x, y)
         self._away = math.hypot(x - gx, y - gy)

@@ -67,8 +67,8 @@ class Link:
 
     def _due(self, state: PeerState) -> list[int]:
         """Ticks at which copies of this State are heard; empty when it is lost."""
-        faults, column = self._faults, self._column[state.robot]
-        loss, duplicate, *spread = self._drawn(state.tick)[:, column].tolist()
+        faults = self._faults
+        loss, duplicate, *spread = self._drawn_for(state.robot, state.tick)
         time = state.tick * self._scenario.time.step
         if loss < faults.loss or any(_parted(p, time, self._robot, state.robot) for p in faults.partition):
             self.lost += 1
@@ -84,6 +84,14 @@ class Link:
         bounds = self._faults.delay
         low, high = bounds if isinstance(bounds, tuple) else (bounds, bounds)
         return tick + self._scenario.ticks(low + delay * (high - low) + jitter * self._faults.jitter)
+
+    def _drawn_for(self, peer: int, tick: int) -> list[float]:
+        column = self._column.get(peer)
+        if column is not None:
+            drawn: list[float] = self._drawn(tick)[:, column].tolist()
+            return drawn
+        source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick, peer)
+        return list(source.random(6).tolist())
 
     def _drawn(self, tick: int) -> np.ndarray:
         drawn = self._draws.get(tick)

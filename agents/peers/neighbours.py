@@ -19,6 +19,7 @@ class Neighbours:
 
     def __init__(self, radii: Mapping[int, float]) -> None:
         self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
+        self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
         self._radii = list(radii.items())
         self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
@@ -37,6 +38,8 @@ class Neighbours:
             known = self._states[index]
         if known is not None and not is_newer(state, known):
             return False
+        if self._gone and state.incarnation <= self._gone.get(state.robot, 0):
+            return False
         self._states[index] = state
         if self.standing:
             self._rise(state)
@@ -50,6 +53,7 @@ class Neighbours:
 
     def on_member(self, member: Member) -> None:
         """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
+        self._meet(member)
         state = self.state(member.robot)
         if state is not None and state.incarnation > member.incarnation:
             return
@@ -57,7 +61,17 @@ class Neighbours:
             self.standing[member.robot] = member
         elif member.status == "gone":
             self.standing.pop(member.robot, None)
+            self._gone[member.robot] = member.incarnation
             self._forget(member.robot)
+
+    def _meet(self, member: Member) -> None:
+        """Have a place for a peer that the scenario did not name; its radius is the roster's."""
+        index = self._index.setdefault(member.robot, len(self._radii))
+        if index == len(self._radii):
+            self._radii.append((member.robot, member.radius))
+            self._states.append(None)
+        elif self._radii[index][1] != member.radius:
+            self._radii[index] = (member.robot, member.radius)
 
     def _forget(self, peer: int) -> None:
         index = self._index.get(peer)

@@ -1,12 +1,12 @@
 """Reads a peer's States for one robot. In a large fleet nearly all that they say of lines concerns
-other pairs, and nothing is made of that."""
+other pairs: that is checked, and nothing is made of it."""
 
 from __future__ import annotations
 
 from typing import Final, final
 
 from agents.peers.state import PeerState, addressed_to
-from protocol.codec import check_finite, encode
+from protocol.codec import LARGEST, check_finite, encode
 from protocol.cursor import Cursor
 from protocol.messages import HIGHEST_ID, Answer, Proposal, State
 from protocol.reader import Reader
@@ -29,23 +29,25 @@ class PeerReader:
         index: see `PeerState`.
 
     Attributes:
+        radius, index: as given.
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_index", "_peer", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_others", "_peer", "_reader", "_robot", "index", "oldest", "radius")
 
     def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, index: int = 0) -> None:
-        self._robot, self._peer, self._radius, self._index = robot, peer, radius, index
+        self._robot, self._peer, self.radius, self.index = robot, peer, radius, index
         self.oldest = oldest
         self._reader = Reader("state", peer)
+        self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
         self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
 
     def read(self, payload: bytes) -> PeerState:
         """What the State in `payload` says to this robot.
 
         Raises:
-            MessageError: it is none, or another robot's; or a number in what concerns this robot is
-                infinite, or none.
+            MessageError: it is none, or another robot's; or a number is infinite, absurd or none, whichever
+                pair it concerns: what one refuses all refuse, so that it is the speaker who is given up.
         """
         try:
             state = self._usual(payload) if _COMPILED else None
@@ -66,8 +68,11 @@ class PeerReader:
         bound, gamma, slice_norm = cursor.number(), cursor.number(), cursor.number()
         cursor.enter(2)
         vx, vy = cursor.number(), cursor.number()
+        self._others = 0.0
         proposals, answers = self._proposals(cursor), self._answers(cursor)
         if cursor.at != len(payload) or bound < 0.0 or gamma < 0.0 or slice_norm < 0.0:
+            return None
+        if not self._others <= LARGEST:
             return None
         state = PeerState(
             self._peer,
@@ -81,10 +86,10 @@ class PeerReader:
             slice_norm,
             vx,
             vy,
-            radius=self._radius,
+            radius=self.radius,
             proposals=proposals,
             answers=answers,
-            index=self._index,
+            index=self.index,
         )
         return state if state.is_finite else None
 
@@ -97,6 +102,8 @@ class PeerReader:
             nx, ny, offset = cursor.number(), cursor.number(), cursor.number()
             if peer == self._robot:
                 found = (*found, Proposal(peer, life, number, nx, ny, offset))
+            else:
+                self._others += abs(nx) + abs(ny) + abs(offset)
         return found
 
     def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
@@ -112,10 +119,8 @@ class PeerReader:
     def _any(self, payload: bytes) -> PeerState:
         message = self._reader.read(payload)
         assert isinstance(message, State)
-        state = addressed_to(self._robot, message, self._radius, self._index)
-        if not state.is_finite:
-            check_finite("state", message)
-        return state
+        check_finite("state", message)
+        return addressed_to(self._robot, message, self.radius, self.index)
 
 
 def _identity(cursor: Cursor) -> int:

@@ -19,6 +19,7 @@ from deploy.commands.operate import hosts, keys
 from deploy.commands.operate.deploy import deploy
 from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
+from deploy.commands.operate.membership import add, remove
 from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
 from deploy.commands.operate.stop import release, stop
@@ -56,13 +57,13 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
     "Study": (study, certify, endure, flood),
-    "Operate": (stop, release, router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
+    "Operate": (add, remove, stop, release, router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
 }
 for _group, _commands in GROUPS.items():
     for _command in _commands:
         if isinstance(_command, typer.Typer):
             app.add_typer(_command, rich_help_panel=_group)
         else:
-            lenient = {"ignore_unknown_options": True} if _command is goal else {}  # -0.1 is no option
+            lenient = {"ignore_unknown_options": True} if _command in (goal, add) else {}  # -0.1 is no option
             app.command(rich_help_panel=_group, context_settings=lenient)(_command)
 app.command(hidden=True)(host)

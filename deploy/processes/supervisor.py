@@ -112,6 +112,11 @@ class Supervisor:
         self.signal(name, signal.SIGKILL)
         self._advance(_STOPPING, lambda: life.number != before)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all rows."""
+        return tuple(self._lives)
+
     def running(self) -> list[str]:
         """Names of the processes that have not ended, as of the last `poll`."""
         return [name for name, life in self._lives.items() if life.exit_code is None]

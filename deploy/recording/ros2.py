@@ -18,15 +18,14 @@ def export(recording: Recording, path: Path) -> None:
     Raises:
         UsageError: it cannot be written.
     """
-    step, robots = recording.scenario.time.step, [frame(robot) for robot in recording.scenario.ids]
-    truths = recording.truths
+    step, truths = recording.scenario.time.step, recording.truths
+    frames = ros.Frames(WORLD, [frame(robot) for robot in recording.scenario.ids])
     try:
         file = McapFile(path, LIBRARY, "ros2")
         number = file.channel("/tf", file.schema(ros.NAME, ros.DEFINITION.encode(), "ros2msg"), {}, "cdr")
         for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True):
             time = round(tick * step * 1e9)
-            places = {robot: (x, y) for robot, (x, y) in zip(robots, positions, strict=True)}
-            file.message(number, time, ros.transforms(time, WORLD, places))
+            file.message(number, time, frames.message(time, positions))
         file.finish()
     except OSError as error:
         raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error

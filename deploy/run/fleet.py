@@ -31,7 +31,7 @@ from deploy.security.membership import Membership
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import MessageError
+from protocol.errors import DisknavError, MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
@@ -84,6 +84,7 @@ class Fleet:
         self._began = time.monotonic()
         self._reports = Reports(on_report)
         self._leaving = _LEAVING
+        self._started: set[int] = set()  # newcomers whose processes were started
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
@@ -270,8 +271,33 @@ class Fleet:
         self._clock = clock
         for fault in self._schedule.due(clock):
             self._carry_out(fault)
+        self._welcome(clock.newcomers)
         if self._watch is not None:
             self._watch(clock)
+
+    def _welcome(self, newcomers: Sequence[int]) -> None:
+        """Start a process for each robot that was added, on this host."""
+        for robot in newcomers:
+            name = table.robot_name(robot)
+            if name in self._supervisor.running() or robot in self._started:
+                continue
+            self._started.add(robot)
+            if name in self._supervisor.names:
+                self._supervisor.restart(name)
+            else:
+                self._start(robot)
+        self._started &= set(newcomers)
+
+    def _start(self, robot: int) -> None:
+        """Start the process of a robot that was not in the table; a person must if this cannot."""
+        options, topology = self._options, self.topology
+        if isinstance(topology, Mesh):
+            topology = self.topology = topology.joined(robot)
+        try:
+            self._supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
+        except DisknavError as error:
+            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
+            print(text, file=sys.stderr, flush=True)
 
     def _carry_out(self, fault: ProcessFault) -> None:
         name = table.robot_name(fault.robot)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.unjudged import INTERRUPTED
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
@@ -92,10 +93,12 @@ class LocalFleet:
         if self._past is not None:
             self._past.journal.close()
 
-    def start(self, robot: int) -> None:
+    def start(self, robot: int) -> Node:
         """Start a robot's node."""
         bus = self.robots[robot] = self.network.connect()
-        bus.node = RobotNode(bus, self.run, robot)
+        node: Node = RobotNode(bus, self.run, robot)
+        bus.node = node
+        return node
 
     def kill(self, robot: int) -> None:
         """End a robot's node at once; its token goes."""
@@ -162,6 +165,7 @@ class FaultInjector:
         self._schedule = schedule
         self._watch = watch
         self._paused: dict[int, RobotNode] = {}
+        self._started: set[int] = set()  # newcomers whose nodes were started
 
     def handle(self, event: Event) -> None:
         if not isinstance(event, Sample):
@@ -170,6 +174,10 @@ class FaultInjector:
         if isinstance(message, Clock):
             for fault in self._schedule.due(message):
                 self._carry_out(fault)
+            for robot in message.newcomers:
+                if robot not in self._started:
+                    self._fleet.start(robot).wake(time.monotonic())
+            self._started = set(message.newcomers)
             if self._watch is not None:
                 self._watch(message)
 

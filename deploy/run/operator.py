@@ -14,12 +14,16 @@ from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
+from protocol.fleet import FleetReply
+from protocol.fleet import decode_reply as decode_fleet_reply
 from protocol.goals import GoalOrder, GoalReply, decode_reply
 from protocol.halt import Halt, Halted, decode_halted
 from protocol.keys import checked_run, robot_key, world_key
-from protocol.messages import GoalStatus
+from protocol.messages import GoalStatus, Member
+from protocol.scenario.model import RobotSpec
 
 ANSWER = 5.0  # s within which a world answers
+_LOOK = 0.05  # s between looks at the roster
 
 
 class Operator:
@@ -40,6 +44,38 @@ class Operator:
     def status(self, robot: int) -> GoalReply:
         """How things stand with a robot's goal; raises as `order` does."""
         return self._ask(robot, b"")
+
+    def add(self, spec: RobotSpec) -> FleetReply:
+        """Have the disk of another robot appear; raises as `order` does."""
+        return self._change({"add": spec})
+
+    def remove(self, robot: int) -> FleetReply:
+        """End a robot, and have its disk taken away; raises as `order` does."""
+        return self._change({"remove": robot})
+
+    def fleet(self) -> FleetReply:
+        """Who is there; raises as `order` does."""
+        return decode_fleet_reply(self._answer(world_key(self._run, "fleet"), b""))
+
+    def appeared(self, robot: int, within: float) -> Member:
+        """Wait until the disk of a robot that was added is in its place.
+
+        Raises:
+            BusError: it is not, `within` s later: somebody cannot get out of its way.
+        """
+        deadline = time.monotonic() + within
+        while True:
+            member = next((each for each in self.fleet().roster.members if each.robot == robot), None)
+            if member is not None and member.status in ("standing", "live"):
+                return member
+            if time.monotonic() >= deadline:
+                raise BusError(
+                    f"robot {robot} has not appeared within {within:g} s: somebody is in its place"
+                )
+            self._bus.receive(_LOOK)
+
+    def _change(self, change: dict[str, object]) -> FleetReply:
+        return decode_fleet_reply(self._answer(world_key(self._run, "fleet"), msgspec.msgpack.encode(change)))
 
     def halt(self, halt: bool | None = None) -> Halted:
         """Have everybody stand, release them, or (None) ask whether they stand; raises as `order` does."""

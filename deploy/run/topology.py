@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from deploy.processes.hosts.topology import MultiHost
@@ -41,7 +41,7 @@ class Mesh:
     """All are peers with a link of their own to each other, over Unix sockets in `folder`.
 
     Sockets are files named after who listens, so no two fleets and no other program can take one.
-    Each listens, and connects to those before it: the world, then robots by id.
+    Each listens, and connects to those before it: the world, then robots in their order.
     """
 
     folder: Path
@@ -53,8 +53,12 @@ class Mesh:
 
     def robot(self, robot: int) -> Connection:
         """A robot's connection."""
-        before = ["world", *(str(other) for other in self.robots if other < robot)]
+        before = ["world", *map(str, self.robots[: self.robots.index(robot)])]
         return Connection("peer", connect=self._endpoints(before), listen=(self._endpoint(str(robot)),))
+
+    def joined(self, robot: int) -> Mesh:
+        """The mesh with another robot, after all others."""
+        return self if robot in self.robots else replace(self, robots=(*self.robots, robot))
 
     def observer(self) -> Connection:
         """Connection of somebody who only watches: to everybody, and nobody connects to it."""

@@ -35,12 +35,18 @@ from protocol.messages import Clock, GoalStatus, Health, Message, Truth
 from protocol.scenario.model import Scenario
 
 WORLD = "world"  # the frame in which positions are told
-_PERIODS = {"/tf": 0.1, "/measures": 0.1, "/scene/lines": 0.5, "/scene/trails": 1.0}  # s of simulated time
-_TRAIL_POINTS = 1536  # of all robots together, at most
+_SECOND = 1_000_000_000  # ns of simulated time
+_PERIODS = {
+    "/tf": _SECOND // 10,
+    "/measures": _SECOND // 10,
+    "/scene/lines": _SECOND,
+    "/scene/trails": 2 * _SECOND,
+}
+_TRAIL_POINTS = 512  # of all robots together, at most
 _DIGITS = 5  # of a metre
 _NEAR = 3  # radii of gap; between robots farther apart no line is drawn
 _HUES = ("0072b2", "d98e00", "009e73", "c0629a", "46a6dd", "8a6f3e")
-_LATEST = (1 << 31) * 1_000_000_000  # ns that ROS can tell; no tick of a real run is later
+_LATEST = (1 << 31) * _SECOND  # ns that ROS can tell; no tick of a real run is later
 _GREY, _RED, _DARK = "7a828c", "c5161d", "1c1f23"
 
 
@@ -93,9 +99,12 @@ class FleetScene:
         self._things = dict(scenario.shapes)
         self._lines: dict[int, tuple[messages.Line, ...]] = {}
         limit = max(8, _TRAIL_POINTS // len(scenario.ids))
-        self._trails = {robot: Thinned(limit, _later) for robot in scenario.ids}
+        self._trails: dict[int, Thinned[messages.Vector]] = {
+            robot: Thinned(limit, lambda _, later: later) for robot in scenario.ids
+        }
         self._measures = Measures(0.0, 1.0)
-        self._last: dict[str, int] = {}
+        self._moving = ros.Frames(WORLD, [frame(robot) for robot in scenario.ids])
+        self._next = dict.fromkeys(_PERIODS, 0)  # ns; when a topic is due
         self._draw: dict[str, Callable[[], bytes]] = {
             "/tf": self._frames,
             "/measures": lambda: msgspec.json.encode(self._measures),
@@ -143,19 +152,17 @@ class FleetScene:
         for robot, place in zip(truth.robots, truth.positions, strict=False):
             if robot in self._places:
                 self._places[robot] = place
+        due = [topic for topic, time in self._next.items() if now >= time]
+        for topic in due:
+            self._next[topic] = now + _PERIODS[topic]
+        if "/tf" in due:
+            for robot, place in self._places.items():
                 self._trails[robot].append(place)
-        return [topic for topic, period in _PERIODS.items() if self._is_due(topic, period)]
-
-    def _is_due(self, topic: str, period: float) -> bool:
-        last = self._last.get(topic)
-        if last is not None and 0 <= self._now - last < round(period * 1e9):
-            return False
-        self._last[topic] = self._now
-        return True
+        return due
 
     @property
     def _stamp(self) -> Time:
-        return Time(*divmod(self._now, 1_000_000_000))
+        return Time(*divmod(self._now, _SECOND))
 
     # -- what is drawn
 
@@ -169,8 +176,7 @@ class FleetScene:
         }
 
     def _frames(self) -> bytes:
-        places = {frame(robot): place for robot, place in self._places.items()}
-        return ros.transforms(self._now, WORLD, places)
+        return self._moving.message(self._now, self._places.values())
 
     def _room(self) -> tuple[Entity, ...]:
         shapes = self._things.values()
@@ -239,10 +245,6 @@ def _update(draw: Callable[[], tuple[Entity, ...]]) -> bytes:
 def frame(robot: int) -> str:
     """The frame that moves with a robot."""
     return f"robot_{robot}"
-
-
-def _later(_: messages.Vector, later: messages.Vector) -> messages.Vector:
-    return later
 
 
 def _point(x: float, y: float) -> Vector:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterable, Sequence
+from itertools import chain
 
 from protocol.messages import Vector
 
@@ -41,29 +42,31 @@ float64 w
 """
 
 _LITTLE_ENDIAN = b"\0\1\0\0"
-_TIME, _LENGTH, _POSE = struct.Struct("<iI"), struct.Struct("<I"), struct.Struct("<7d")
+_UNTURNED = (0.0, 0.0, 0.0, 0.0, 1.0)  # height, and a rotation by nothing
 
 
-def transforms(nanoseconds: int, parent: str, places: Mapping[str, Vector]) -> bytes:
-    """The payload that puts frames at places, m, within the frame `parent`, unturned."""
-    stamp = _TIME.pack(*divmod(nanoseconds, 1_000_000_000))
-    above = stamp + _text(parent)
-    content = bytearray(_LENGTH.pack(len(places)))
-    for child, (x, y) in places.items():
-        _align(content, 4)
-        content += above
-        _align(content, 4)
-        content += _text(child)
-        _align(content, 8)
-        content += _POSE.pack(x, y, 0.0, 0.0, 0.0, 0.0, 1.0)
-    return _LITTLE_ENDIAN + content
+class Frames:
+    """Frames named `children` that move within the frame `parent`."""
 
+    def __init__(self, parent: str, children: Sequence[str]) -> None:
+        form, size = "<4sI", 4  # numbers stand at multiples of their size, counted after the first 4 bytes
+        for child in children:
+            for piece, align, length in (
+                ("iI", 4, 8),
+                *((f"I{len(name) + 1}s", 4, 4 + len(name) + 1) for name in (parent, child)),
+                ("7d", 8, 56),
+            ):
+                pad = -size % align
+                form, size = f"{form}{pad}x{piece}", size + pad + length
+        self._layout = struct.Struct(form)
+        self._names = [
+            (len(parent) + 1, parent.encode(), len(child) + 1, child.encode()) for child in children
+        ]
 
-def _text(text: str) -> bytes:
-    data = text.encode() + b"\0"
-    return _LENGTH.pack(len(data)) + data
-
-
-def _align(content: bytearray, size: int) -> None:
-    """Numbers stand at multiples of their size."""
-    content += bytes(-len(content) % size)
+    def message(self, nanoseconds: int, places: Iterable[Vector]) -> bytes:
+        """The payload that puts the frames at places, m, in the order of their names, unturned."""
+        stamp = divmod(nanoseconds, 1_000_000_000)
+        parts = [
+            (*stamp, *names, *place, *_UNTURNED) for names, place in zip(self._names, places, strict=True)
+        ]
+        return self._layout.pack(_LITTLE_ENDIAN, len(parts), *chain.from_iterable(parts))

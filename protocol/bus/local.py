@@ -34,12 +34,19 @@ class LocalNetwork:
         return bus
 
     def run(self, finished: Callable[[], bool]) -> None:
-        """Deliver events and wake nodes until `finished`; sleeps while nothing is due."""
+        """Deliver events and wake nodes until `finished`; sleeps while nothing is due.
+
+        A node that wants to be woken at once is woken after its events, however busy the others are.
+        """
         while not finished():
-            if self._ready:
-                self._ready.popleft().drain()
-            else:
+            if not self._ready:
                 self._wait()
+                continue
+            bus = self._ready.popleft()
+            bus.drain()
+            node = bus.node
+            if node is not None and not node.finished and node.deadline <= (now := time.monotonic()):
+                node.wake(now)
 
     def _wait(self) -> None:
         nodes = [bus.node for bus in self._buses if bus.node is not None and not bus.node.finished]

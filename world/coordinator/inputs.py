@@ -12,6 +12,7 @@ import msgspec
 
 from protocol.goals import GoalOrder
 from protocol.messages import Command, Count, Id, Vector
+from protocol.scenario.model import RobotSpec
 from protocol.things import ThingOrder
 
 
@@ -84,9 +85,21 @@ class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt")
     halted: bool
 
 
+class Added(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="add"):
+    """See `World.add`."""
+
+    spec: RobotSpec
+
+
+class Removed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="remove"):
+    """See `World.remove`."""
+
+    robot: Id
+
+
 _encode = msgspec.msgpack.encode
 
-Operated = Ordered | Placed | TakenAway | Halted
+Operated = Ordered | Placed | TakenAway | Added | Removed | Halted
 Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operated | Ended
 
 

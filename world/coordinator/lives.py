@@ -14,8 +14,8 @@ from enum import Enum, auto
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Shape
-from protocol.messages import Standing, Vector
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.messages import Member, Standing, Vector
+from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from world.coordinator.roster import Roster
 from world.coordinator.surroundings import Surroundings
 
@@ -156,6 +156,53 @@ class Lives:
         life.status = Status.UP
         return life.incarnation
 
+    def announce_robot(self, spec: RobotSpec) -> None:
+        """Another robot's disk is to appear at its start."""
+        self._radii[spec.id] = spec.radius
+        self._roster.announce(spec.id, spec.radius, spec.start)
+
+    def settle_robots(self, tick: int) -> list[int]:
+        """Robots whose disks appear at the start of `tick`, and stand until their processes join."""
+        settled = self._roster.settle(self._is_free)
+        for robot in settled:
+            known = self.of.get(robot)
+            incarnation = known.incarnation if known else 0
+            self.of[robot] = Life(incarnation, Status.LOST, awaited=False, heard=tick, fenced=True)
+        self.of = dict(sorted(self.of.items()))
+        return settled
+
+    def remove(self, tick: int, robot: int, position: Vector) -> None:
+        """A robot is over at the end of `tick`, and its disk is taken away."""
+        life = self.of[robot]
+        if self._roster.is_live(robot):
+            self._roster.fence(robot, position)
+            self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
+        self._roster.remove(robot)
+        life.status, life.awaited, life.fenced = Status.LOST, False, True
+
+    def dismiss(self, robot: int) -> None:
+        """The process of a robot that was removed knows it."""
+        self.of[robot].joined = False
+
+    def _is_free(self, member: Member) -> bool:
+        """Whether no thing stands in the way of a disk."""
+        assert member.position is not None
+        reach = member.radius + member.bound
+        return all(shape.distance(*member.position) >= reach for shape in self.things.standing.values())
+
+    def withdraw(self, robot: int) -> None:
+        """A disk that was announced does not appear."""
+        self._roster.withdraw(robot)
+
+    def status_of(self, robot: int) -> str:
+        """What the roster says of an id: live, appearing, standing, gone; "" if nothing."""
+        return self._roster.status(robot)
+
+    @property
+    def roster(self) -> messages.Roster:
+        """The present version."""
+        return self._roster.message
+
     def is_paused(self, robot: int) -> bool:
         """Whether the scenario holds a robot's process still: it cannot join before it is resumed."""
         return self.of[robot].status is Status.PAUSED
@@ -177,7 +224,7 @@ class Lives:
     def expect(self, robot: int) -> None:
         """A life that was lost will be followed by another: it must be there before the run goes on."""
         life = self.of[robot]
-        if life.status is Status.LOST:
+        if life.status is Status.LOST and self._roster.status(robot) != "gone":
             life.awaited = True
 
     def give_up(self, robot: int) -> bool:
@@ -193,6 +240,8 @@ class Lives:
         """Let everything happen that the scenario has in store up to and including `tick`."""
         while self._schedule and self._schedule[0][0] <= tick:
             _, fault = self._schedule.pop(0)
+            if self._roster.status(fault.robot) == "gone":
+                continue
             self.applied.append((tick, fault))
             _EVENTS[fault.event](self.of[fault.robot])
 

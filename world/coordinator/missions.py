@@ -39,15 +39,26 @@ class Missions:
         self._underway: set[int] = set()  # whose order has not come to an end
         self._news: list[GoalStatus] = []
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        for robot in set(self._missions) - set(scenario.ids):
+            del self._missions[robot], self._status[robot]
+            self._underway.discard(robot)
+        for robot in set(scenario.ids) - set(self._missions):
+            goal = scenario.spec(robot).goal
+            self._missions[robot] = Mission((goal,))
+            self._status[robot] = GoalStatus(robot, 0, 0, "under way", goal)
+        self._scenario = scenario
+
     @property
     def pending(self) -> bool:
         """Whether anybody's order has not come to an end."""
         return bool(self._underway)
 
     def goal(self, robot: int) -> Vector | None:
-        """Where a robot is to go, m; None: where the scenario says."""
-        mission = self._missions[robot]
-        return mission.points[0] if mission.number else None
+        """Where a robot is to go, m; None: where the scenario says, or nowhere as it has left."""
+        mission = self._missions.get(robot)
+        return mission.points[0] if mission is not None and mission.number else None
 
     def status(self, robot: int) -> GoalStatus:
         """How things stand with a robot of the scenario."""
@@ -80,7 +91,8 @@ class Missions:
         if ahead + len(order.points) > MOST_POINTS:
             return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
         others = [each for each in standing if each.robot != robot]
-        reasons = (self._out_of_reach(robot, point, others, things) for point in order.points)
+        radius = self._scenario.spec(robot).radius
+        reasons = (self.obstacle(robot, radius, point, others, things) for point in order.points)
         return next((reason for reason in reasons if reason), "")
 
     def accept(self, robot: int, order: GoalOrder, tick: int, position: Vector) -> GoalReply:
@@ -157,11 +169,16 @@ class Missions:
             return ""
         return f"covers the goal of robot{'s' if len(whose) > 1 else ''} {', '.join(map(str, whose))}"
 
-    def _out_of_reach(
-        self, robot: int, point: Vector, standing: Iterable[Standing], things: Mapping[int, Shape]
+    def obstacle(
+        self,
+        robot: int,
+        radius: float,
+        point: Vector,
+        standing: Iterable[Standing],
+        things: Mapping[int, Shape],
     ) -> str:
-        """Why the disk of a robot cannot be at a point; "" if it can."""
-        radius, where = self._scenario.spec(robot).radius, f"({point[0]:g}, {point[1]:g})"
+        """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
+        where = f"({point[0]:g}, {point[1]:g})"
         beyond = self._scenario.workspace.shape.distance(*point) + radius
         if beyond >= 0.0:
             return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"

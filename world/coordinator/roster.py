@@ -12,7 +12,7 @@ Everything about lives is decided here, and robots only follow its versions, whi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from msgspec.structs import replace
 
@@ -46,6 +46,11 @@ class Roster:
     def standing(self) -> tuple[Member, ...]:
         """The disks that never move again in their present life."""
         return tuple(each for each in self._members.values() if each.status == "standing")
+
+    def status(self, robot: int) -> str:
+        """Of the disk of a robot; "" if nobody ever had that id."""
+        member = self._members.get(robot)
+        return "" if member is None else member.status
 
     def is_live(self, robot: int) -> bool:
         """Whether the disk of a robot may move."""
@@ -125,11 +130,20 @@ class Roster:
         if (incarnation, version) > (life, known) and version <= self.version:
             self._kept[robot] = (incarnation, version)
 
-    def settle(self) -> list[int]:
-        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on."""
+    def settle(self, is_free: Callable[[Member], bool] = lambda _: True) -> list[int]:
+        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on.
+
+        Args:
+            is_free: whether nothing but robots is in the way of a disk.
+        """
         settled = []
         for member in tuple(self._members.values()):
-            if member.status == "appearing" and self.all_keep_clear() and self._is_free(member):
+            if (
+                member.status == "appearing"
+                and self.all_keep_clear()
+                and is_free(member)
+                and self._is_free(member)
+            ):
                 self._put(replace(member, status="standing"))
                 settled.append(member.robot)
         return settled

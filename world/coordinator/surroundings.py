@@ -39,6 +39,10 @@ class Surroundings:
             came[number] = Thing(number, "gone")
         return tuple(came[number] for number in sorted(came))
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        self._scenario = scenario
+
     def refusal(self, order: ThingOrder, positions: Sequence[Vector]) -> str:
         """Why a thing cannot come; "" if it can.
 

@@ -36,6 +36,10 @@ class Contacts:
         self._disks = disks
         self._latest: dict[tuple[int, int], Contact] = {}
 
+    def recast(self, disks: Disks) -> None:
+        """Other disks from now on; an overlap that goes on is noted anew."""
+        self._disks, self._latest = disks, {}
+
     def add(self, tick: float, gaps: Reals, before: Plane, after: Plane, span: float = 1.0) -> None:
         """Note the contacts during a straight motion that begins at `tick` and takes `span` ticks, given its
         gaps (`clearance.gaps`)."""

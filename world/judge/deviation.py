@@ -17,7 +17,14 @@ class LateralDeviation:
 
     def __init__(self, goals: Goals) -> None:
         self._goals = goals
+        self._ids = goals.ids
         self._largest = np.zeros(len(goals.ids))
+
+    def recast(self) -> None:
+        """The goals are those of other robots from now on."""
+        known = dict(zip(self._ids, self._largest.tolist(), strict=True))
+        self._ids = self._goals.ids
+        self._largest = np.array([known.get(robot, 0.0) for robot in self._ids])
 
     def add(self, positions: Plane) -> None:
         """Configurations as complex numbers, shape (n, p), m."""

@@ -37,6 +37,19 @@ class Goals:
         self._behind += float(abs(complex(*position) - self.begins[index]))
         self.begins[index], self.points[index] = complex(*position), complex(*goal)
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went: a new one's straight way begins at its start, that of one that left is behind
+        up to where its goal was."""
+        ways = dict(zip(self.ids, zip(self.points.tolist(), self.begins.tolist(), strict=True), strict=True))
+        self._behind += sum(
+            abs(point - begin) for robot, (point, begin) in ways.items() if robot not in scenario.ids
+        )
+        for spec in scenario.robots:
+            ways.setdefault(spec.id, (complex(*spec.goal), complex(*spec.start)))
+        self.ids = scenario.ids
+        self.points = np.array([ways[robot][0] for robot in self.ids])
+        self.begins = np.array([ways[robot][1] for robot in self.ids])
+
     @property
     def straight(self) -> float:
         """Length of all straight ways so far, the present ones to their goals, m."""

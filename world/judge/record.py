@@ -63,6 +63,23 @@ class Record:
         if len(self._aside) >= self._batch:
             self._measure()
 
+    def recast(self, scenario: Scenario, positions: Sequence[Vector], shapes: Mapping[int, Shape]) -> None:
+        """Robots came and went: from the newest configuration on, which is `positions` now, those of another
+        scenario are judged, among things of these shapes."""
+        self._measure()
+        self.goals.recast(scenario)
+        disks = self._disks = Disks(scenario)
+        disks.surround(shapes)
+        self._phi = NavigationFunction(disks, self.goals, scenario.k)
+        self._contacts.recast(disks)
+        self._digest.recast(disks.ids)
+        self._deviation.recast()
+        self._plane = as_plane([positions])
+        clearance = float(gaps(disks, self._plane, self._plane).min())
+        self._clearance = min(self._clearance, clearance)
+        self._truth = Truth(self._tick, disks.ids, tuple(positions), clearance, self._phi(self._plane)[0])
+        self._digest.add([self._tick], [positions])
+
     def redirect(self, robot: int, goal: Vector) -> None:
         """From the newest configuration on a robot is to go to `goal`, m; all before is measured by the old
         one."""

@@ -21,6 +21,10 @@ class TrajectoryDigest:
         self._ids = np.array(ids, dtype="<f8")
         self._sha = hashlib.sha256()
 
+    def recast(self, ids: Sequence[int]) -> None:
+        """Other robots from now on."""
+        self._ids = np.array(ids, dtype="<f8")
+
     def add(self, ticks: Sequence[int] | NDArray[np.int64], configurations: Configurations) -> None:
         """Append the truth at the start of each of `ticks`, in the order of ids."""
         rows = np.empty((len(ticks), len(self._ids), 4), dtype="<f8")

@@ -68,6 +68,13 @@ class Judge:
             return "timeout", f"{self._texts[1]} are over; {_not_there(self._ids, arrived)}"
         return "", ""
 
+    def recast(self, scenario: Scenario, tick: int) -> None:
+        """Robots came and went at `tick`; the goals are recast already."""
+        anchors = dict(zip(self._ids, self._anchors, strict=True))
+        self._ids = scenario.ids
+        self._anchors = [anchors.get(robot, complex(*scenario.spec(robot).start)) for robot in scenario.ids]
+        self.disturb(tick)
+
     def disturb(self, tick: int) -> None:
         """Somebody was given another goal at `tick`: who stood still until then may move now."""
         self._moved = max(self._moved, tick)

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from protocol.bodies.base import STEPS
 from protocol.draws import Purpose
 from protocol.messages import Vector
-from protocol.scenario.model import Scenario
+from protocol.scenario.body import PRESETS
+from protocol.scenario.model import RobotSpec, Scenario
 from world.plants.base import SimulatedBase
 from world.plants.disturbance import Uniforms, truncated_normal
 from world.plants.plant import Report
@@ -44,6 +45,11 @@ class Actuation:
         self._bound = scenario.actuation.bound
         self._draws = {robot: Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2) for robot in scenario.ids}
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        for robot in scenario.ids:
+            self._draws.setdefault(robot, Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2))
+
     def displacement(self, velocity: Vector, robot: int, tick: int) -> Vector:
         """Displacement during `tick`, m.
 
@@ -69,20 +75,24 @@ class Integrator:
     """
 
     slips = False
+    fixed = ""
 
     def __init__(self, scenario: Scenario) -> None:
         self.ids = scenario.ids
+        self._default = scenario.body
         self.positions: list[Vector] = [scenario.spec(robot).start for robot in self.ids]
         self.displacements: list[Vector] = [STANDING] * len(self.ids)
         self.lengths = [0.0] * len(self.ids)
         self.between: list[tuple[Vector, ...]] = []
         self._actuation = Actuation(scenario)
-        self._bases = {
-            index: SimulatedBase(scenario, robot)
-            for index, robot in enumerate(self.ids)
-            if not scenario.body_of(robot).ideal
+        self._based = {
+            robot: SimulatedBase(scenario, robot) for robot in self.ids if not scenario.body_of(robot).ideal
         }
+        self._bases = self._by_index()
         self.parts = STEPS if self._bases else 1
+
+    def _by_index(self) -> dict[int, SimulatedBase]:
+        return {self.ids.index(robot): base for robot, base in self._based.items()}
 
     def report(self, index: int) -> Report:
         """See `world.plants.plant.Plant`."""
@@ -101,6 +111,30 @@ class Integrator:
         """None: formulas know of no contact."""
         return []
 
+    def refusal(self, spec: RobotSpec) -> str:
+        """See `world.plants.plant.Plant`."""
+        body = self._default if spec.body is None else spec.body
+        if self.parts == 1 and not (PRESETS[body] if isinstance(body, str) else body).ideal:
+            return f"robot {spec.id}: a fleet of points takes in points only"
+        return ""
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went: a new one is at its start; of one that left nothing is kept."""
+        each = zip(self.positions, self.displacements, self.lengths, strict=True)
+        known = dict(zip(self.ids, each, strict=True))
+        self.ids = scenario.ids
+        kept = [known.get(robot, (scenario.spec(robot).start, STANDING, 0.0)) for robot in self.ids]
+        self.positions = [position for position, _, _ in kept]
+        self.displacements = [displacement for _, displacement, _ in kept]
+        self.lengths = [length for _, _, length in kept]
+        self._actuation.recast(scenario)
+        self._based = {
+            robot: self._based.get(robot) or SimulatedBase(scenario, robot)
+            for robot in self.ids
+            if not scenario.body_of(robot).ideal
+        }
+        self._bases = self._by_index()
+
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """All move at once for one tick: x += executed velocity times step; a point without one stands."""
         before = tuple(self.positions)
@@ -114,7 +148,7 @@ class Integrator:
                 self.displacements[index] = STANDING
             else:
                 self._move_point(index, *self._actuation.displacement(velocity, robot, tick))
-        if parts:
+        if self.parts > 1:
             self.between = self._between(before, parts)
 
     def _move_point(self, index: int, dx: float, dy: float) -> None:

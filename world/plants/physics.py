@@ -12,7 +12,7 @@ from protocol.bodies.base import STEPS, Arc, Base, Motion, chord, turned
 from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.body import Body
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import RobotSpec, Scenario
 from world.plants.mjcf import TIMESTEP, model, wheel_radius
 from world.plants.plant import Report
 
@@ -28,6 +28,7 @@ class Physics:
 
     slips = True
     parts = STEPS
+    fixed = "robots in MuJoCo are built once and for all: stop the run, and begin another"
 
     def __init__(self, scenario: Scenario) -> None:
         self._engine: Any = mujoco
@@ -64,6 +65,14 @@ class Physics:
             self._arrive(part == STEPS - 1)
         for driven in self._robots:
             driven.begin()
+
+    def refusal(self, spec: RobotSpec) -> str:  # noqa: ARG002
+        """See `world.plants.plant.Plant`."""
+        return self.fixed
+
+    def recast(self, scenario: Scenario) -> None:  # noqa: ARG002
+        """See `world.plants.plant.Plant`."""
+        raise UsageError(self.fixed)
 
     def report(self, index: int) -> Report:
         """See `world.plants.plant.Plant`."""

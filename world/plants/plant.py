@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from protocol.messages import Vector
+from protocol.scenario.model import RobotSpec, Scenario
 
 
 class Report(NamedTuple):
@@ -26,6 +27,7 @@ class Plant(Protocol):
         lengths: path length of each so far, m.
         parts: straight motions that a tick consists of, up to some micrometres that an arc is off its chord.
         between: where the disks were at the ends of all parts of the last tick but the last one.
+        fixed: why robots can neither come nor go; "" if they can.
         slips: whether odometry is inexact by itself; else errors up to the stated ones are to be added to it.
     """
 
@@ -35,6 +37,15 @@ class Plant(Protocol):
     parts: int
     between: list[tuple[Vector, ...]]
     slips: bool
+    fixed: str
+
+    def refusal(self, spec: RobotSpec) -> str:
+        """Why this robot cannot be added; "" if it can."""
+        ...
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went, where the plant is not `fixed`: a new one is at its start; of one that left
+        nothing is kept."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""

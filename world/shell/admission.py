@@ -68,6 +68,10 @@ class Admissions:
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
 
+    def add(self, robot: int) -> None:
+        """Another robot may join."""
+        self.slots[robot] = Slot()
+
     # -- who asks
 
     def refusal(self, join: joining.Join, run: Run) -> joining.Refusal | None:

@@ -8,6 +8,7 @@ given up: it stands still, takes no part, and the others are told.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 
 from protocol.joining import Join
@@ -50,7 +51,7 @@ class FailureDetector:
         restarts: int = 0,
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self.expected = dict.fromkeys(admissions.slots, 0)
+        self.expected = Counter[int]()
         self._admissions, self._pacing, self._tell, self._say = admissions, pacing, tell, say
         self._gathering, self._patience, self._grace = gathering, patience, grace
         self._restarts = restarts if pacing.lockstep else 0

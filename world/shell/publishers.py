@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, GoalStatus, Result, Tick, Truth
@@ -31,13 +31,17 @@ class Publishers:
         self._clock, self._truth, self._result = (
             bus.publisher(STREAMS[name], world_key(run, name)) for name in ("clock", "truth", "result")
         )
-        self._goal = {
-            robot: bus.publisher(STREAMS["goalstatus"], robot_key(run, robot, "goalstatus"))
-            for robot in robots
-        }
-        self._tick = {
-            robot: bus.publisher(STREAMS["tick"], robot_key(run, robot, "tick")) for robot in robots
-        }
+        self._bus, self._run = bus, run
+        self._goal: dict[int, Publish] = {}
+        self._tick: dict[int, Publish] = {}
+        for robot in robots:
+            self.add(robot)
+
+    def add(self, robot: int) -> None:
+        """Have another robot to tell."""
+        if robot not in self._tick:
+            for name, publishers in (("tick", self._tick), ("goalstatus", self._goal)):
+                publishers[robot] = self._bus.publisher(STREAMS[name], robot_key(self._run, robot, name))
 
     def goals(self, news: Iterable[GoalStatus]) -> None:
         """Tell what came of orders."""

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from protocol.errors import JoinError, JournalError
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from world.coordinator.inputs import (
+    Added,
     Closed,
     Ended,
     Expected,
     GivenUp,
+    Halted,
     Input,
     Joined,
     Lost,
-    Operated,
+    Opened,
     Ordered,
     Placed,
+    Removed,
     TakenAway,
 )
 from world.shell.journal import Began, Journal, Seated
@@ -72,37 +75,7 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
 
 def _follow(world: World, entry: Input) -> bool:
     """Give one input to the world; whether that came of it which came of it before."""
-    if isinstance(entry, Command):
-        return world.accept(entry)
-    if isinstance(entry, Closed):
-        return _close(world, entry)
-    if isinstance(entry, Joined):
-        return _join(world, entry)
-    if isinstance(entry, Operated):
-        return _operate(world, entry)
-    if isinstance(entry, Lost):
-        world.lost(entry.robot, entry.reason)
-    elif isinstance(entry, Expected):
-        world.expect(entry.robot)
-    elif isinstance(entry, GivenUp):
-        world.give_up_waiting(entry.robot, entry.reason)
-    elif isinstance(entry, Ended):
-        world.finish(entry.verdict, entry.reason)
-    else:
-        world.open_tick()
-    return True
-
-
-def _operate(world: World, entry: Operated) -> bool:
-    """What an operator asked for; only what was accepted is noted."""
-    if isinstance(entry, Ordered):
-        return world.order(entry.robot, entry.order).accepted
-    if isinstance(entry, Placed):
-        return world.add_thing(entry.order).accepted
-    if isinstance(entry, TakenAway):
-        return world.remove_thing(entry.number).accepted
-    world.halt(entry.halted)
-    return True
+    return _FOLLOW[type(entry)](world, entry)
 
 
 def _close(world: World, entry: Closed) -> bool:
@@ -119,3 +92,31 @@ def _join(world: World, entry: Joined) -> bool:
         return world.join(entry.robot) == entry.incarnation
     except JoinError:
         return False
+
+
+def _always(do: Callable[[World, Any], object]) -> Callable[[World, Any], bool]:
+    """An input that cannot come out differently."""
+
+    def follow(world: World, entry: Any) -> bool:
+        do(world, entry)
+        return True
+
+    return follow
+
+
+_FOLLOW: dict[type, Callable[[World, Any], bool]] = {
+    Command: lambda world, entry: world.accept(entry),
+    Opened: _always(lambda world, _: world.open_tick()),
+    Closed: _close,
+    Joined: _join,
+    Lost: _always(lambda world, entry: world.lost(entry.robot, entry.reason)),
+    Expected: _always(lambda world, entry: world.expect(entry.robot)),
+    GivenUp: _always(lambda world, entry: world.give_up_waiting(entry.robot, entry.reason)),
+    Ordered: lambda world, entry: world.order(entry.robot, entry.order).accepted,
+    Placed: lambda world, entry: world.add_thing(entry.order).accepted,
+    TakenAway: lambda world, entry: world.remove_thing(entry.number).accepted,
+    Halted: _always(lambda world, entry: world.halt(entry.halted)),
+    Added: lambda world, entry: not world.add(entry.spec),
+    Removed: lambda world, entry: not world.remove(entry.robot),
+    Ended: _always(lambda world, entry: world.finish(entry.verdict, entry.reason)),
+}

@@ -37,7 +37,7 @@ class Run:
     def __init__(
         self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
     ) -> None:
-        self.number, self.scenario = number, scenario
+        self.number = number
         self.phase = Phase.RUNNING
         self.world = World(scenario, incarnations, version)
         self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
@@ -46,6 +46,11 @@ class Run:
         self.received = 0
         self.rejected: Counter[str] = Counter()
         self._due = {scenario.ticks(fault.at) for fault in scenario.process}
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario, with the robots that are there now."""
+        return self.world.scenario
 
     def clock(self) -> Clock:
         """What the clock says now."""
@@ -66,11 +71,12 @@ class Run:
             world.missed,
             dict(self.rejected),
             world.things,
+            world.newcomers,
         )
 
     def is_marked(self) -> bool:
         """Whether something is to happen at this tick that a launcher has to carry out."""
-        return self.world.tick in self._due
+        return self.world.tick in self._due or bool(self.world.newcomers)
 
     def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
         """What tells robots that the run is over."""

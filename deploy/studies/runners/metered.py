@@ -36,9 +36,10 @@ class MeteredNode:
 class MeteredFleet(LocalFleet):
     """A fleet of such robots."""
 
-    def start(self, robot: int) -> None:
+    def start(self, robot: int) -> MeteredNode:
         bus = self.robots[robot] = self.network.connect()
-        bus.node = MeteredNode(RobotNode(bus, self.run, robot))
+        node = bus.node = MeteredNode(RobotNode(bus, self.run, robot))
+        return node
 
     def robots_cpu(self) -> float:
         """CPU of the robots that are there now, s."""

@@ -9,8 +9,8 @@ def state(robot: int, incarnation: int, tick: int) -> PeerState:
     return PeerState(robot, incarnation, tick, True, float(tick), 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
 
-def standing(robot: int, place: Vector) -> Member:
-    return Member(robot, 1, "standing", 0.1, place)
+def standing(robot: int, place: Vector, radius: float = 0.1) -> Member:
+    return Member(robot, 1, "standing", radius, place)
 
 
 def test_only_news_is_taken_over() -> None:
@@ -40,8 +40,8 @@ def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
     known = Neighbours({2: 0.3, 3: 0.2, 4: 0.1})
     for each in (4, 3):
         known.on_state(state(each, 1, each))
-    known.on_member(standing(3, (7.0, 7.0)))
-    known.on_member(standing(2, (8.0, 8.0)))
+    known.on_member(standing(3, (7.0, 7.0), 0.2))
+    known.on_member(standing(2, (8.0, 8.0), 0.3))
     assert [peer.robot for peer in known.moving()] == [4]
     disks = [(disk.x, disk.y, disk.radius, disk.gamma) for disk in known.disks()]
     assert disks == [(8.0, 8.0, 0.3, 0.0), (7.0, 7.0, 0.2, 0.0), (4.0, 0.0, 0.1, 1.0)]
@@ -62,3 +62,16 @@ def test_who_is_gone_is_forgotten() -> None:
         known.on_member(Member(robot, 1, "gone", 0.1))
         assert known.position(robot) is None
     assert known.disks() == known.moving() == []
+
+
+def test_a_peer_that_the_scenario_did_not_name() -> None:
+    known = Neighbours({2: 0.1})
+    known.on_member(Member(7, 0, "appearing", 0.3, (1.0, 1.0)))
+    assert [(disk.x, disk.radius) for disk in known.disks()] == [(1.0, 0.3)]
+    known.on_member(Member(7, 1, "live", 0.3))
+    assert known.on_state(state(7, 1, 4))
+    assert [peer.robot for peer in known.moving()] == [7]
+    known.on_member(Member(7, 1, "gone", 0.3))
+    assert not known.on_state(state(7, 1, 5))  # it was late
+    assert known.disks() == []
+    assert known.on_state(state(7, 2, 5))

@@ -17,7 +17,7 @@ from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.errors import JoinError, MessageError
-from protocol.messages import Command, State, Tick
+from protocol.messages import Command, Proposal, State, Tick
 from tests.world.driving import joined, two
 from world.coordinator.patience import SILENT, blamed
 from world.node import WorldNode
@@ -170,6 +170,12 @@ def _absurd(state: State, _: bytes) -> bytes:
     return msgspec.msgpack.encode(msgspec.structs.replace(state, position=(1e200, -1e200)))
 
 
+def _nonsense_to_one(state: State, _: bytes) -> bytes:
+    """SICK owns a line with robot 3 only; what it offers is no number."""
+    offer = Proposal(3, 1, 2**40, float("nan"), 0.0, 0.0)
+    return msgspec.msgpack.encode(msgspec.structs.replace(state, proposals=(*state.proposals, offer)))
+
+
 @pytest.mark.parametrize(
     "damage",
     [
@@ -177,10 +183,11 @@ def _absurd(state: State, _: bytes) -> bytes:
         _another,
         _not_a_number,
         _absurd,
+        _nonsense_to_one,
         lambda _, payload: payload[:-1],
         lambda *_: b"\xc1" * 200_000,
     ],
-    ids=["shape", "identity", "nan", "absurd", "cut", "oversize"],
+    ids=["shape", "identity", "nan", "absurd", "to-one", "cut", "oversize"],
 )
 def test_one_whose_states_are_refused_is_given_up_alone(damage: Callable[[State, bytes], bytes]) -> None:
     ward = Ward(damage=damage)

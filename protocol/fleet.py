@@ -1,0 +1,70 @@
+"""Who is in the fleet, while it runs: a request under `world/fleet`, which the world answers.
+
+`{"add": {"id": 7, "radius": 0.04, "start": [x, y], "goal": [x, y]}}` has a disk appear once every robot keeps
+clear of its place; then it stands, and its process may join. `{"remove": 7}` ends a robot and takes its disk
+away. An empty request asks who is there. Maps in msgpack, or JSON text; the reply comes in the form of the
+request.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from protocol.errors import MessageError
+from protocol.goals import is_json
+from protocol.messages import Id, Roster
+from protocol.scenario.model import RobotSpec
+
+LIMIT = 16 * 1024  # bytes of a request
+
+
+class Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is asked: one of both."""
+
+    add: RobotSpec | None = None
+    remove: Id | None = None
+
+
+class FleetReply(msgspec.Struct, frozen=True):
+    """Whether a change was accepted, and who is there.
+
+    Attributes:
+        text: why it was refused.
+    """
+
+    accepted: bool
+    roster: Roster
+    text: str = ""
+
+
+def decode_change(payload: bytes) -> Change | None:
+    """Read a request; None if it only asks.
+
+    Raises:
+        MessageError: it is none, or asks for both or neither.
+    """
+    if not payload:
+        return None
+    if len(payload) > LIMIT:
+        raise MessageError("oversize", f"fleet request: {len(payload)} bytes, at most {LIMIT} are read")
+    read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
+    try:
+        change = read(payload, type=Change)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError("shape", f"fleet request: {error}") from None
+    if (change.add is None) == (change.remove is None):
+        raise MessageError("shape", "fleet request: give either `add` or `remove`")
+    return change
+
+
+def encode_reply(reply: FleetReply, request: bytes) -> bytes:
+    """Payload of a reply, in the form of the request."""
+    return msgspec.json.encode(reply) if is_json(request) else msgspec.msgpack.encode(reply)
+
+
+def decode_reply(payload: bytes) -> FleetReply:
+    """Read a reply; raises MessageError."""
+    try:
+        return msgspec.msgpack.decode(payload, type=FleetReply)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError("shape", f"reply to a fleet request: {error}") from None

@@ -1,0 +1,194 @@
+"""Robots that come and go while the fleet runs: announced, cleared, put down, joined, removed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.operator import Operator
+from deploy.run.options import RunOptions, Transport
+from protocol.bus.zenoh import ZenohBus
+from protocol.fleet import FleetReply, decode_change
+from protocol.messages import Clock
+from protocol.scenario.model import RobotSpec
+from tests.deploy.run.turnover import Turnover, asked
+from world.shell.journal import Journal
+
+SWAP = load("swap-4")
+GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass
+
+
+def status(fleet: LocalFleet, robot: int) -> str:
+    return next((each.status for each in asked(fleet).roster.members if each.robot == robot), "")
+
+
+def step(fleet: LocalFleet, ticks: int) -> None:
+    for _ in range(ticks):
+        assert fleet.step()
+
+
+def to_be(fleet: LocalFleet, robot: int, wanted: str, most: int = 400) -> None:
+    for _ in range(most):
+        if status(fleet, robot) == wanted:
+            return
+        assert fleet.step()
+    pytest.fail(f"robot {robot} is {status(fleet, robot)}, not {wanted}")
+
+
+def guested(tick: int, seed: int = 0) -> dict[str, Any]:
+    """The report of a run that takes in a guest at a tick."""
+    fleet = LocalFleet([replace(SWAP, seed=seed)])
+    step(fleet, tick)
+    assert asked(fleet, {"add": GUEST}).accepted
+    return fleet.execute()[0]
+
+
+def test_a_guest_appears_joins_and_arrives() -> None:
+    report = guested(20)
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    assert report["robots"] == [1, 2, 3, 4, 7]
+    assert math.dist(report["positions"]["7"], GUEST.goal) <= SWAP.time.tolerance
+    assert report["min_clearance"] > 0.0
+
+
+def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:
+    found = [guested(tick)["trajectory_sha256"] for tick in (20, 20, 21)]
+    assert found[0] == found[1] != found[2]
+
+
+def test_nothing_appears_while_somebody_is_in_its_place() -> None:
+    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    step(fleet, 5)
+    (x, y), *_ = fleet.world.world.truth.positions
+    assert asked(fleet, {"add": replace(GUEST, start=(x, y), goal=(x, y))}).accepted
+    step(fleet, 1)
+    assert status(fleet, 7) == "appearing"
+    to_be(fleet, 7, "live")  # who is there makes room
+    assert fleet.world.world.report()["collisions"] == 0
+
+
+def test_who_is_removed_ends_and_may_come_back() -> None:
+    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    step(fleet, 20)
+    assert asked(fleet, {"remove": 2}).accepted
+    step(fleet, 5)
+    assert (status(fleet, 2), fleet.world.world.truth.robots) == ("gone", (1, 3, 4))
+    node = fleet.robots[2].node
+    assert (node.finished, node.verdict) == (True, "removed")
+    assert asked(fleet, {"add": RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))}).accepted
+    to_be(fleet, 2, "live")
+    step(fleet, 40)
+    report = fleet.world.world.report()
+    assert (report["collisions"], report["robots"]) == (0, [1, 2, 3, 4])
+    assert math.dist(report["positions"]["2"], (0.0, -0.2)) > 0.01  # it moves again
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"add": replace(GUEST, id=1)}, "robot 1 is live"),
+        ({"add": replace(GUEST, start=(0.43, 0.0))}, "out of the workspace"),
+        ({"add": replace(GUEST, goal=(0.0, -0.5))}, "out of the workspace"),
+        ({"add": replace(GUEST, radius=-1.0)}, "radius above 0"),
+        ({"add": replace(GUEST, start=(math.nan, 0.0))}, "lengths up to"),
+        ({"add": replace(GUEST, body="turtlebot3-burger")}, "points only"),
+        ({"remove": 9}, "no robot 9 in the fleet; there are 1, 2, 3, 4"),
+    ],
+)
+def test_what_cannot_be_is_refused_by_reason_and_changes_nothing(change: dict[str, Any], reason: str) -> None:
+    fleet = LocalFleet([SWAP])
+    step(fleet, 3)
+    before = asked(fleet).roster
+    reply = asked(fleet, change)
+    assert not reply.accepted
+    assert reason in reply.text
+    assert reply.roster == before
+
+
+def test_the_last_one_stays() -> None:
+    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    step(fleet, 3)
+    for robot in (1, 2, 3):
+        assert asked(fleet, {"remove": robot}).accepted
+        step(fleet, 2)
+    assert "is the last one" in asked(fleet, {"remove": 4}).text
+
+
+def test_requests_that_are_none_are_refused() -> None:
+    for payload in (b"{}", b'{"add": 3}', b'{"remove": 1, "add": {}}', b"\xc1", b'{"remove": 0}'):
+        with pytest.raises(Exception, match="fleet request"):
+            decode_change(payload)
+
+
+def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
+    Journal.create(tmp_path / "journal", "local", [SWAP])
+    fleet = LocalFleet([SWAP], journal=tmp_path / "journal")
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    to_be(fleet, 7, "live")
+    assert asked(fleet, {"remove": 1}).accepted
+    step(fleet, 5)
+    before = fleet.world.world
+    fleet.kill_world()
+    fleet.start_world()
+    after = fleet.world.world
+    assert (after.truth, after.roster.members) == (before.truth, before.roster.members)
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_comings_and_goings_under_faults(seed: int) -> None:
+    turnover = Turnover(seed)
+    turnover.run(600)
+    assert turnover.fleet.world.world.report()["collisions"] == 0
+    assert turnover.changes >= 20
+    assert turnover.settles(2400)
+
+
+# -- on real zenoh
+
+
+class Guests:
+    """Takes a guest in at tick 10, and out again once it has been live for a while."""
+
+    def __init__(self) -> None:
+        self.told: list[FleetReply] = []
+        self._live = 0
+
+    def __call__(self, fleet: Fleet, clock: Clock) -> None:
+        with_bus = Operator(ZenohBus(fleet.topology.observer()), fleet._options.run)
+        try:
+            if clock.tick >= 10 and not self.told:
+                self.told.append(with_bus.add(GUEST))
+            elif self.told and len(self.told) == 1 and 7 in clock.active:
+                self.told.append(with_bus.remove(7))
+        finally:
+            with_bus._bus.close()
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("transport", ["routed", "mesh"])
+def test_processes_come_and_go(transport: Transport) -> None:
+    guests, clocks = Guests(), list[Clock]()
+    scenario = replace(load("swap-6"), time=replace(SWAP.time, limit=60.0))
+    with Fleet([scenario], RunOptions(transport, speed=4.0), watch=clocks.append) as fleet:
+
+        def enough() -> bool:
+            while clocks:
+                guests(fleet, clocks.pop(0))
+            return False
+
+        report = fleet.execute(enough)[0]
+        rows = {row["name"]: row for row in fleet.processes()}
+    assert [reply.accepted for reply in guests.told] == [True, True]
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    assert rows["robot-7"]["exit_code"] == 0

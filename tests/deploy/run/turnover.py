@@ -1,0 +1,152 @@
+"""A fleet of 3 to 12 in which somebody comes, goes, dies or is sent elsewhere all the time, under all faults.
+
+python -m tests.deploy.run.turnover --changes 1000 --hours 1
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import random
+import sys
+from dataclasses import replace
+from typing import Any
+
+import msgspec
+
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Request
+from protocol.fleet import FleetReply, decode_reply
+from protocol.keys import robot_key, world_key
+from protocol.scenario.model import Link, Partition, RobotSpec, Scenario, Sensing
+
+_SWAP = load("swap-4")
+_ROOM = 0.36  # m from the centre, in which robots are sent about
+_FEWEST, _MOST, _IDS = 3, 12, 20
+
+
+def faulty(seed: int, seconds: float) -> Scenario:
+    """The scenario: everything that can go wrong does, a partition of five seconds in each half minute."""
+    parts = tuple(
+        Partition(at, at + 5.0, (tuple(range(1, _IDS, 2)), tuple(range(2, _IDS, 2))))
+        for at in (30.0 * n + 10.0 for n in range(int(seconds // 30.0)))
+    )
+    return replace(
+        _SWAP,
+        seed=seed,
+        link=Link(delay=(0.0, 0.3), loss=0.2, duplicate=0.1, partition=parts),
+        sensing=(Sensing(noise=0.001, delay=(0.0, 0.1), dropout=0.1),),
+        time=replace(_SWAP.time, endless=True),
+    )
+
+
+def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> FleetReply:
+    """What the world answers to a change, or to the question who is there."""
+    replies: list[bytes] = []
+    payload = b"" if change is None else msgspec.msgpack.encode(change)
+    fleet.world.handle(Request(world_key(fleet.run, "fleet"), payload, replies.append))
+    return decode_reply(replies[0])
+
+
+class Turnover:
+    """One such fleet.
+
+    Attributes:
+        changes: accepted so far, by kind.
+    """
+
+    def __init__(self, seed: int, every: int = 15, seconds: float = 120.0) -> None:
+        """`every`: ticks between changes; `seconds`: for which partitions are planned."""
+        self.draw = random.Random(seed)
+        self.fleet = LocalFleet([faulty(seed, seconds)])
+        self.changes = 0
+        self._every = every
+
+    def run(self, ticks: int) -> None:
+        """Change something now and then."""
+        for tick in range(ticks):
+            assert self.fleet.step()
+            if tick % self._every == 0:
+                self.changes += self._change()
+
+    def settles(self, most: int) -> bool:
+        """Whether everybody still gets wherever it is sent, `most` ticks at most after all changes.
+
+        Goals are places on a circle, far enough apart that all can be there.
+        """
+        world = self.fleet.world.world
+        for _ in range(200):  # who was added appears, who died is fenced, and is started again
+            assert self.fleet.step()
+        self._revive()
+        for _ in range(40):
+            assert self.fleet.step()
+        robots = [each.robot for each in asked(self.fleet).roster.members if each.status == "live"]
+        for number, robot in enumerate(robots):
+            angle = math.tau * number / len(robots)
+            assert self._send(robot, [(0.3 * math.cos(angle), 0.3 * math.sin(angle))])
+        for _ in range(most):
+            if all((status := world.goal_status(robot)) and status.status == "arrived" for robot in robots):
+                return True
+            assert self.fleet.step()
+        return False
+
+    def _change(self) -> bool:
+        draw = self.draw
+        members = {each.robot: each.status for each in asked(self.fleet).roster.members}
+        live = [robot for robot, status in members.items() if status == "live"]
+        there = sum(status != "gone" for status in members.values())
+        kind = draw.choice(["add", "remove", "kill", "goal", "goal"])
+        if kind == "add" and there < _MOST:
+            free = [each for each in range(1, _IDS) if members.get(each, "gone") == "gone"]
+            spec = RobotSpec(draw.choice(free), draw.uniform(0.015, 0.03), self._place(), self._place())
+            return asked(self.fleet, {"add": spec}).accepted
+        if kind == "remove" and len(live) > _FEWEST:
+            return asked(self.fleet, {"remove": draw.choice(live)}).accepted
+        if kind == "kill" and len(live) > _FEWEST:
+            self._revive()
+            self.fleet.kill(draw.choice(live))
+            return True
+        return bool(live) and self._send(draw.choice(live), [self._place()])
+
+    def _revive(self) -> None:
+        """Start whoever is down again."""
+        for member in asked(self.fleet).roster.members:
+            if member.status == "standing" and member.incarnation:
+                self.fleet.kill(member.robot)
+                self.fleet.start(member.robot).wake(math.inf)
+
+    def _send(self, robot: int, points: list[tuple[float, float]]) -> bool:
+        replies: list[bytes] = []
+        order = msgspec.msgpack.encode({"points": points})
+        self.fleet.world.handle(Request(robot_key(self.fleet.run, robot, "goal"), order, replies.append))
+        accepted: bool = msgspec.msgpack.decode(replies[0])["accepted"]
+        return accepted
+
+    def _place(self) -> tuple[float, float]:
+        size, angle = _ROOM * math.sqrt(self.draw.random()), math.tau * self.draw.random()
+        return size * math.cos(angle), size * math.sin(angle)
+
+
+def main() -> int:
+    """Run a campaign; exit status 1 if anything touched, or somebody is stuck."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--changes", type=int, default=1000)
+    parser.add_argument("--hours", type=float, default=1.0, help="of simulated time")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    ticks = round(given.hours * 3600.0 / _SWAP.time.step)
+    turnover = Turnover(given.seed, max(1, ticks // (2 * given.changes)), 3600.0 * given.hours)
+    turnover.run(ticks)
+    settled = turnover.settles(6000)
+    report = turnover.fleet.world.world.report()
+    print(
+        f"{turnover.changes} changes in {given.hours:g} h: {report['collisions']} contacts, "
+        f"clearance at least {1000 * report['min_clearance']:.3f} mm, "
+        f"{'nobody' if settled else 'somebody'} stuck at the end"
+    )
+    return int(bool(report["collisions"]) or not settled or turnover.changes < given.changes)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

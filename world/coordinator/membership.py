@@ -1,0 +1,100 @@
+"""Who is in the fleet: robots that are added and removed while it runs.
+
+A disk that is added appears once every robot keeps clear of its place (`roster`, rule 2); it stands there
+until its process joins. A robot that is removed is over with the tick that is open, and its
+disk is gone then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from protocol.messages import HIGHEST_ID, Vector
+from protocol.scenario.gain import grown
+from protocol.scenario.model import RobotSpec, Scenario
+from world.coordinator.lives import Lives
+from world.coordinator.missions import Missions
+
+_LARGEST = 1e6  # m, of a coordinate
+_SMALLEST = 1e-9  # m, of a radius
+
+
+class Membership:
+    """What is to change between two ticks.
+
+    Attributes:
+        scenario: with the robots that are there.
+        newcomers: robots whose disks have appeared, and whose processes have not joined yet.
+    """
+
+    def __init__(self, scenario: Scenario, lives: Lives, missions: Missions) -> None:
+        self.scenario = scenario
+        self.newcomers: frozenset[int] = frozenset()
+        self._lives, self._missions = lives, missions
+        self._k, self._robots = scenario.k, len(scenario.robots)
+        self._announced: dict[int, RobotSpec] = {}  # whose disks have not appeared yet
+        self._leaving: set[int] = set()
+
+    def add(self, spec: RobotSpec) -> str:
+        """Announce a disk; returns why that cannot be, "" if it is done."""
+        reason = self._unfit(spec)
+        if not reason:
+            self._lives.announce_robot(spec)
+            self._announced[spec.id] = spec
+        return reason
+
+    def remove(self, robot: int) -> str:
+        """Let a robot leave; returns why that cannot be, "" if it is done."""
+        ids = self.scenario.ids
+        if robot in self._announced:
+            self._lives.withdraw(robot)
+            del self._announced[robot]
+            return ""
+        if robot not in ids:
+            return f"no robot {robot} in the fleet; there are {', '.join(map(str, ids))}"
+        if set(ids) <= self._leaving | {robot}:
+            return f"robot {robot} is the last one: stop the run instead"
+        self._leaving.add(robot)
+        return ""
+
+    def joined(self, robot: int) -> None:
+        """The process of a robot is there."""
+        self.newcomers -= {robot}
+
+    def turn_over(self, tick: int, places: Mapping[int, Vector]) -> frozenset[int] | None:
+        """Before `tick` begins: let disks appear that may, and take those away that leave.
+
+        Args:
+            places: of all disks, m.
+
+        Returns:
+            Who has left; None if nobody came or left. `scenario` is another one otherwise.
+        """
+        settled = self._lives.settle_robots(tick) if self._announced else []
+        left, self._leaving = frozenset(self._leaving), set()
+        if not settled and not left:
+            return None
+        for robot in sorted(left):
+            self._lives.remove(tick, robot, places[robot])
+        stay = [spec for spec in self.scenario.robots if spec.id not in left]
+        new = [self._announced.pop(robot) for robot in settled]
+        self.newcomers = self.newcomers.union(settled) - left
+        robots = (*stay, *new)
+        k = grown(self._k, self._robots, len(robots))
+        self.scenario = replace(self.scenario, robots=robots, control=replace(self.scenario.control, k=k))
+        return left
+
+    def _unfit(self, spec: RobotSpec) -> str:
+        """Why a robot cannot be added; "" if it can."""
+        robot = spec.id
+        lengths = (spec.radius, *spec.start, *spec.goal)
+        if not 1 <= robot <= HIGHEST_ID or not all(abs(length) <= _LARGEST for length in lengths):
+            return f"robot {robot}: an id from 1 to {HIGHEST_ID} and lengths up to {_LARGEST:g} m are needed"
+        if spec.radius < _SMALLEST:
+            return f"robot {robot}: a radius above 0 is needed"
+        if (status := self._lives.status_of(robot)) not in ("", "gone"):
+            return f"robot {robot} is {status}: use another id, or remove it first"
+        obstacle, things = self._missions.obstacle, self._lives.things.standing
+        at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, things)
+        return at_start or obstacle(robot, spec.radius, spec.goal, (), things)
