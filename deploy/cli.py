@@ -32,6 +32,9 @@ def main() -> None:
         _fail(error, EXIT_FAULT)
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):  # it ends anyway, with the status that it has
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _fail(error: DisknavError, status: int) -> None:

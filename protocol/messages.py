@@ -14,6 +14,7 @@ import msgspec
 from msgspec import Meta
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.geometry.defects import defect
 
 VERSION = 3
 HIGHEST_ID: Final = 999_999_999
@@ -85,6 +86,11 @@ class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     status: Presence  # appearing: nothing is there yet; gone: nothing is there any more
     points: tuple[Vector, ...] = ()  # m, corners of a polygon, or the centre of a disk
     radius: Size = 0.0  # m, of a disk
+
+    def __post_init__(self) -> None:
+        problem = "" if self.status == "gone" or len(self.points) == 1 else defect(self.points)
+        if problem:
+            raise ValueError(f"thing {self.number} {problem}")
 
     @property
     def shape(self) -> Shape:

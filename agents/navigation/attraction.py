@@ -34,6 +34,8 @@ class Attraction:
         self._widths = (1.0,) if alone else (_TWO, 1.0)
         self._things: list[Shape] = []
         self._routes: list[Route] = []
+        self._goal: Vector | None = None
+        self._choice = 0  # of the routes, for this goal
 
     def aim(self, position: Vector, goal: Vector, things: Sequence[Shape]) -> Vector:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
@@ -41,20 +43,31 @@ class Attraction:
             return goal
         if self._things != list(things):
             self._begin(list(things))
-        for route in self._routes:
-            found = route.ahead(position, goal)
+        if goal != self._goal:
+            self._goal, self._choice = goal, 0
+        found = self._ahead(position, goal)
+        if found is None or found[0] == goal:
+            return goal
+        (x, y), length = found
+        dx, dy = x - position[0], y - position[1]
+        scale = length / math.hypot(dx, dy)
+        return position[0] + scale * dx, position[1] + scale * dy
+
+    def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
+        """By the widest passages that lead there; once narrow ones are needed, by these for this goal.
+
+        A robot that chose anew in every place could go to and fro between two ways for ever.
+        """
+        for choice in range(self._choice, len(self._routes)):
+            found = self._routes[choice].ahead(position, goal)
             if found is not None:
-                (x, y), length = found
-                if (x, y) == goal:
-                    break
-                dx, dy = x - position[0], y - position[1]
-                scale = length / math.hypot(dx, dy)
-                return position[0] + scale * dx, position[1] + scale * dy
-        return goal
+                self._choice = choice
+                return found
+        return None
 
     def _begin(self, things: list[Shape]) -> None:
         self._things = things
-        self._routes = []
+        self._routes, self._choice = [], 0
         if not is_sphere_world(self._room, dict(enumerate(things, 1)), self._radius):
             shapes = tuple(things)
             self._routes = [Route(way_points(self._room, shapes, w * self._radius)) for w in self._widths]

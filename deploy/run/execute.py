@@ -49,9 +49,10 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                 fleet = _fleet(scenario, options, recording, progress)
                 running.enter_context(fleet)
             except KeyboardInterrupt:
-                report = interrupted(unjudged(scenario, None, time.monotonic() - began))
-                result = complete(report, options, [])
-                json_output.write_json(result, extras.json)
+                with undisturbed():
+                    report = interrupted(unjudged(scenario, None, time.monotonic() - began))
+                    result = complete(report, options, [])
+                    json_output.write_json(result, extras.json)
                 return result
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports = fleet.execute()

@@ -31,7 +31,7 @@ from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything
+from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything, robot_key
 from protocol.messages import Health, State
 from protocol.scenario.file import (
     apply_settings,
@@ -45,6 +45,7 @@ from protocol.scenario.model import Scenario
 from protocol.steering import Steer, decode_steer
 from protocol.streams import STREAMS
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
+from tests.sample_messages import ONE
 from world.node import WorldNode
 
 _KEPT = 40  # valid messages a stream
@@ -94,6 +95,9 @@ def _traffic() -> dict[str, list[tuple[str, bytes]]]:
         bus.subscribe(everything(fleet.run))
         bus.node = Ear()
         fleet.execute()
+    heard["goalstatus"].append(
+        (robot_key(fleet.run, 1, "goalstatus"), encode(ONE["goalstatus"]))
+    )  # none is sent
     assert heard.keys() == STREAMS.keys()
     return {name: sorted(all_)[:: max(1, len(all_) // _KEPT)] for name, all_ in sorted(heard.items())}
 
@@ -271,7 +275,7 @@ def _take_part(drawn: list[_Drawn]) -> bool:
             handle(event)
     watcher.snapshot()
     watcher.overview()
-    rejected = world._turn.rejected
+    rejected = world._run.rejected
     if rejected.total():
         raise MessageError(next(iter(rejected)), f"counted: {dict(rejected)}")
     return True

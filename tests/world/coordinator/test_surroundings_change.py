@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import pytest
 
 from agents.robot import Robot
-from protocol.messages import Command
-from protocol.scenario.model import RobotSpec, Thing, Workspace
+from protocol.codec import decode
+from protocol.errors import MessageError
+from protocol.messages import Command, Roster, Thing, Tick
+from protocol.scenario.model import RobotSpec, Workspace
+from protocol.scenario.model import Thing as Listed
 from protocol.things import ThingOrder
 from tests.world.driving import advance, joined, scenario
 from world.shell.run import Run
@@ -23,7 +27,7 @@ def world() -> World:
     setting = replace(
         scenario(((-0.4, 0.0), (0.4, 0.0)), ((0.0, -0.4), (0.0, 0.4))),
         workspace=Workspace(0.6),
-        things=(Thing(points=BOX),),
+        things=(Listed(points=BOX),),
     )
     found = joined(setting)
     advance(found)
@@ -126,6 +130,14 @@ def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
     assert kept[-1] is True
     x, y = found.truth.positions[0]
     assert (x - 0.02) ** 2 + y**2 > 0.06**2
+
+
+def test_what_is_no_shape_is_dropped_on_arrival() -> None:
+    tick = msgspec.to_builtins(Tick(1, 1, 0, (), roster=Roster(1, (), (Thing(1, "standing", BOX),))))
+    for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
+        tick[6][2][0][2] = points
+        with pytest.raises(MessageError):
+            decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))
 
 
 def test_a_clock_says_what_stands() -> None:
