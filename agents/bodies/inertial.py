@@ -29,7 +29,7 @@ _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last 
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 
 Vector = tuple[float, float]
-STILL: Final = (0.0, 0.0)  # to a base: brake
+STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 
 @final

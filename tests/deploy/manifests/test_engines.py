@@ -78,7 +78,7 @@ def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
     it = plan("composed")
     write(tmp_path / "fleet", "compose", it)
     with composed(tmp_path / "fleet") as up:
-        up("world")  # and the router, on which it depends
+        up("router", "world")
         names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
         world = next(name for name in names if "world" in name)
         probe = ["exec", world, "/bin/sh", "-c", container.PROBE]
