@@ -65,7 +65,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         points,
         shares,
         st.none() | some_ids,
-        st.sampled_from(["stand", "newest"]),
+        contradiction=st.sampled_from(["stand", "newest"]),
     )
     faults = st.builds(ProcessFault, st.sampled_from(IDS), nonnegative, st.just("restart"))
     return Scenario(
