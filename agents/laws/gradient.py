@@ -61,6 +61,8 @@ class GradientLaw:
         self.obstacles = standing(self._room, view.things, x, y)
         others, self._moving = view.neighbours.disks(), view.neighbours.moving()
         self._peers = [*others, *self.obstacles]
+        if view.goal != self._goal and self._progress is not None:
+            self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
         self._goal, self.aim = view.goal, self._attraction.aim(view.position, view.goal, view.things)
         k = grown(self._k, self._robots, len(others) + 1)
         self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers)

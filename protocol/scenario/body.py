@@ -70,7 +70,7 @@ def _two_wheels(
 
 # Radius, track and speed are the makers'. Acceleration and offset are choices: a wheel that gains 0.66 m/s
 # in a second does not spin on a smooth floor; an offset of a third of the track turns briskly. The errors are
-# what their models in MuJoCo keep to, with room to spare.
+# what the models of Burger, TurtleBot 4 and e-puck in MuJoCo keep to; for the others, the same by analogy.
 PRESETS: Final[dict[str, Body]] = {
     "point": Body(),
     "turtlebot3-burger": _two_wheels(0.10, 0.160, 0.22, 0.05),
