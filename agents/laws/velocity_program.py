@@ -15,6 +15,7 @@ from agents.lines.line import HalfPlane
 
 Vector = tuple[float, float]
 _PARALLEL: Final = 1e-12
+_ROUNDING: Final = 1e-12  # of the speed limit: a violation by less is none
 
 
 def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> Vector:
@@ -31,7 +32,7 @@ def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int =
     if length > speed:
         x, y = x * speed / length, y * speed / length
     for index, edge in enumerate(limits):
-        if edge.nx * x + edge.ny * y > edge.limit:
+        if edge.nx * x + edge.ny * y > edge.limit + _ROUNDING * speed:
             found, x_new, y_new = _on_edge(limits, index, speed, wish[0], wish[1], False)
             if not found:
                 return _least(limits, index, (x, y), speed, hard)
@@ -65,7 +66,7 @@ def _farthest(limits: Sequence[HalfPlane], dx: float, dy: float, speed: float) -
     """The velocity farthest in the unit direction (dx, dy), if there is any."""
     x, y = dx * speed, dy * speed
     for index, edge in enumerate(limits):
-        if edge.nx * x + edge.ny * y > edge.limit:
+        if edge.nx * x + edge.ny * y > edge.limit + _ROUNDING * speed:
             found, x, y = _on_edge(limits, index, speed, dx, dy, True)
             if not found:
                 return False, 0.0, 0.0
@@ -91,7 +92,7 @@ def _on_edge(
             high = min(high, room / along)
         elif along < -_PARALLEL:
             low = max(low, room / along)
-        elif room < 0.0:
+        elif room < -_ROUNDING * speed:
             return False, 0.0, 0.0
     if low > high:
         return False, 0.0, 0.0

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from agents.laws.velocity_obstacle import reciprocal
@@ -74,6 +74,7 @@ GRID = [(0.05 * i, 0.05 * j) for i in range(-20, 21) for j in range(-20, 21) if 
 
 
 @settings(max_examples=100, deadline=None)
+@example((0.0, 0.0), [(1.82, -0.01), (1.82, -0.01)])  # the same one twice
 @given(speeds, st.lists(st.tuples(hundredths(-314, 314), hundredths(-50, 100)), max_size=6))
 def test_no_velocity_is_better_than_the_programs(
     wish: tuple[float, float], data: list[tuple[float, float]]
