@@ -283,7 +283,7 @@ WHO_IS_THERE = (
     Mutant(
         "acknowledge-before-appearing",
         "a disk appears only after every live robot has acknowledged the version that announces it",
-        (Edit(_ROLL, "self.all_keep_clear() and ", ""),),
+        (Edit(_ROLL, "                and self.all_keep_clear()\n", ""),),
     ),
     Mutant(
         "admission-is-no-acknowledgement",

@@ -39,7 +39,7 @@ class Ordered(LocalFleet):
     """Robot 2 is sent elsewhere at tick 30; where there is a journal the world dies at tick 45."""
 
     def __init__(self, scenario: Scenario, journal: Path | None = None) -> None:
-        super().__init__([scenario], watch=self._look, journal=journal)
+        super().__init__([scenario], speed=6.0, watch=self._look, journal=journal)  # for the clock to be told
         self._doom = journal is not None
         self.replies: list[dict[str, Any]] = []
 

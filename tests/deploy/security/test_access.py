@@ -57,7 +57,9 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/goal", "/halt"))
+        answers = role == "world" and key.endswith(
+            ("/scenario", "/steering", "/join", "/goal", "/halt", "/fleet")
+        )
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 

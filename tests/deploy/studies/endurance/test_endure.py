@@ -108,4 +108,4 @@ def test_a_run_in_one_process_is_no_trial() -> None:
     call = [sys.executable, "-m", "deploy.cli", "endure", "--transport", "local"]
     done = subprocess.run(call, capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == 2
-    assert "real processes" in done.stderr
+    assert "'routed', 'mesh'" in done.stderr

@@ -21,11 +21,12 @@ Modules = dict[str, ModuleType]
 
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
-    *("agents.lines.boundary", "agents.lines.ends", "agents.lines.robot_pair"),
+    *("agents.lines.boundary", "agents.lines.safe_velocity"),
+    *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
+    *("agents.lines.ends", "agents.lines.robot_pair"),
     *("agents.lines.entries", "agents.lines.separating_lines"),
     *(
         "agents.roster",
-        "agents.lines.safe_velocity",
         "agents.peers.link",
         "agents.robot",
         "agents.node",
