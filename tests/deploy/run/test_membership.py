@@ -12,9 +12,9 @@ import pytest
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.operator import Operator
+from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport
-from protocol.bus.zenoh import ZenohBus
+from protocol.bus.connection import Connection
 from protocol.fleet import FleetReply, decode_change
 from protocol.messages import Clock
 from protocol.scenario.model import RobotSpec
@@ -161,17 +161,16 @@ class Guests:
 
     def __init__(self) -> None:
         self.told: list[FleetReply] = []
-        self._live = 0
+        self._connection: Connection | None = (
+            None  # to those of the beginning: the guest may not be there yet
+        )
 
     def __call__(self, fleet: Fleet, clock: Clock) -> None:
-        with_bus = Operator(ZenohBus(fleet.topology.observer()), fleet._options.run)
-        try:
-            if clock.tick >= 10 and not self.told:
-                self.told.append(with_bus.add(GUEST))
-            elif self.told and len(self.told) == 1 and 7 in clock.active:
-                self.told.append(with_bus.remove(7))
-        finally:
-            with_bus._bus.close()
+        self._connection = self._connection or fleet.topology.observer()
+        comes, goes = clock.tick >= 10 and not self.told, len(self.told) == 1 and 7 in clock.active
+        if comes or goes:
+            with operating(self._connection, fleet._options.run) as operator:
+                self.told.append(operator.add(GUEST) if comes else operator.remove(7))
 
 
 @pytest.mark.process
