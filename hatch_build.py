@@ -14,7 +14,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 _SECONDS = 1200  # to compile
 
 
-class CompiledInnerLoops(BuildHookInterface):  # type: ignore[type-arg]
+class CompiledInnerLoops(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's stub wants a configuration that hooks do not use
     """Adds what mypyc makes of the Makefile's INNER; without it the wheel is pure Python."""
 
     _copy: Path | None = None

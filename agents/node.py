@@ -18,13 +18,13 @@ from typing import Final
 from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState
 from agents.robot import Robot
-from protocol import joining
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Health, Roster, State, Tick
+from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 

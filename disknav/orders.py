@@ -13,8 +13,8 @@ from deploy.run.operator import Operator, operating
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
-from protocol.goals import GoalOrder
 from protocol.messages import GoalStatus, Vector
+from protocol.requests.goals import GoalOrder
 
 _LONGEST = 1e6  # s
 

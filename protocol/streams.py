@@ -30,8 +30,7 @@ class Stream(NamedTuple):
 
 
 class Question(NamedTuple):
-    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.steering`,
-    `protocol.goals`)."""
+    """One kind of key under which the world answers requests (`protocol.requests`)."""
 
     name: str
     asked_by: str  # "itself", the robot in the key; "monitor", or "operator"

@@ -14,19 +14,19 @@ from typing import Any
 
 import msgspec
 
-from protocol import joining
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.fleet import FleetReply, decode_change
-from protocol.fleet import encode_reply as encode_fleet_reply
-from protocol.goals import GoalReply, decode_order, encode_reply
-from protocol.halt import Halted, decode_halt, encode_halted
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
+from protocol.requests import joining
+from protocol.requests.fleet import FleetReply, decode_change
+from protocol.requests.form import encode_reply
+from protocol.requests.goals import GoalReply, decode_order
+from protocol.requests.halt import Halted, decode_halt
+from protocol.requests.steering import decode_steer
 from protocol.scenario.model import Scenario
-from protocol.steering import decode_steer
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
 from world.shell.journal import Began
@@ -228,7 +228,7 @@ class WorldNode:
             text = world.add(change.add) or self._welcome(change.add.id)
         elif change is not None and change.remove is not None:
             text = world.remove(change.remove)
-        return encode_fleet_reply(FleetReply(not text, world.roster, text), payload)
+        return encode_reply(FleetReply(not text, world.roster, text), payload)
 
     def _welcome(self, robot: int) -> str:
         """Have what is needed to hear and tell another robot."""
@@ -245,7 +245,7 @@ class WorldNode:
         if asked is not None:
             world.halt(asked.halt)
             self._inform(due=True)
-        return encode_halted(Halted(world.halted, world.tick), payload)
+        return encode_reply(Halted(world.halted, world.tick), payload)
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)

@@ -12,10 +12,10 @@ from typing import Any
 
 import msgspec
 
-from protocol.goals import GoalOrder, GoalReply
 from protocol.messages import Command, GoalStatus, Roster, Sense, Standing, Thing, Tick, Truth, Vector
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.things import ThingOrder, ThingReply
 from protocol.scenario.model import RobotSpec, Scenario
-from protocol.things import ThingOrder, ThingReply
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import (
     Added,

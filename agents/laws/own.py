@@ -74,7 +74,7 @@ def found(name: str) -> Callable[[Scenario, int], Any]:
         raise UsageError(f"control.law: there is no law {name!r}: {error!r}") from error
     if not callable(getattr(law, "velocity", None)):
         raise UsageError(f"control.law: {name!r} has no method velocity(view); see agents.laws.law.Law")
-    return law  # type: ignore[no-any-return]
+    return law  # type: ignore[no-any-return]  # a stranger's: what it is, only its use shows
 
 
 def _from_file(path: Path) -> Any:

@@ -10,10 +10,10 @@ from functools import partial
 
 from deploy.monitor.source import SharedView
 from deploy.monitor.view.fleet import View
-from protocol.goals import GoalOrder, GoalReply
 from protocol.messages import Message
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.steering import Steer, Steering
 from protocol.scenario.model import Scenario
-from protocol.steering import Steer, Steering
 
 _NAP = 0.01  # s, longest wait before steering is looked at again
 

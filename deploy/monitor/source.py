@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import View
-from protocol.goals import GoalOrder, GoalReply
-from protocol.steering import Steer
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.steering import Steer
 
 
 class Source(Protocol):

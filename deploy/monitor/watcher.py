@@ -19,13 +19,13 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.goals import GoalOrder, GoalReply
-from protocol.goals import decode_reply as decode_goal_reply
-from protocol.joining import Overview, decode_reply
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage, Message
+from protocol.requests.form import read_reply
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.joining import Overview, decode_reply
+from protocol.requests.steering import Steer, Steering
 from protocol.scenario.model import Scenario
-from protocol.steering import Steer, Steering
 
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
@@ -169,11 +169,8 @@ class Watcher(SharedView):
 
     def _send(self, robot: int, order: GoalOrder) -> GoalReply:
         try:
-            reply = decode_goal_reply(
-                self._bus.ask(
-                    robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order), _ASK_TIMEOUT
-                )
-            )
+            key, request = robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order)
+            reply = read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), GoalReply, "goal")
         except (BusError, MessageError):
             return GoalReply(False, text=_UNANSWERED)
         status = reply.status

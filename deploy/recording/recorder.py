@@ -12,7 +12,6 @@ from math import inf
 
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import Writer
-from protocol import joining
 from protocol.bus.bus import Bus
 from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Presence, Sample
@@ -20,6 +19,7 @@ from protocol.codec import decode
 from protocol.errors import BusError, MessageError, RecordingError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Result
+from protocol.requests import joining
 from protocol.scenario.model import Scenario
 
 PATIENCE = 30.0  # s that the world may take to appear

@@ -14,12 +14,12 @@ from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
-from protocol.fleet import FleetReply
-from protocol.fleet import decode_reply as decode_fleet_reply
-from protocol.goals import GoalOrder, GoalReply, decode_reply
-from protocol.halt import Halt, Halted, decode_halted
 from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member
+from protocol.requests.fleet import FleetReply
+from protocol.requests.form import read_reply
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.halt import Halt, Halted
 from protocol.scenario.model import RobotSpec
 
 ANSWER = 5.0  # s within which a world answers
@@ -55,7 +55,7 @@ class Operator:
 
     def fleet(self) -> FleetReply:
         """Who is there; raises as `order` does."""
-        return decode_fleet_reply(self._answer(world_key(self._run, "fleet"), b""))
+        return read_reply(self._answer(world_key(self._run, "fleet"), b""), FleetReply, "fleet")
 
     def appeared(self, robot: int, within: float) -> Member:
         """Wait until the disk of a robot that was added is in its place.
@@ -75,12 +75,14 @@ class Operator:
             self._bus.receive(_LOOK)
 
     def _change(self, change: dict[str, object]) -> FleetReply:
-        return decode_fleet_reply(self._answer(world_key(self._run, "fleet"), msgspec.msgpack.encode(change)))
+        return read_reply(
+            self._answer(world_key(self._run, "fleet"), msgspec.msgpack.encode(change)), FleetReply, "fleet"
+        )
 
     def halt(self, halt: bool | None = None) -> Halted:
         """Have everybody stand, release them, or (None) ask whether they stand; raises as `order` does."""
         request = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
-        return decode_halted(self._answer(world_key(self._run, "halt"), request))
+        return read_reply(self._answer(world_key(self._run, "halt"), request), Halted, "halt")
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """What came of an order: waits until it is arrived, cancelled, given up, or followed by another.
@@ -104,7 +106,7 @@ class Operator:
         return status
 
     def _ask(self, robot: int, payload: bytes) -> GoalReply:
-        return decode_reply(self._answer(robot_key(self._run, robot, "goal"), payload))
+        return read_reply(self._answer(robot_key(self._run, robot, "goal"), payload), GoalReply, "goal")
 
     def _answer(self, key: str, request: bytes) -> bytes:
         try:

@@ -13,7 +13,8 @@ from typing import Any
 
 import msgspec
 
-from protocol import joining, keys, messages, steering
+from protocol import keys, messages
+from protocol.requests import joining, steering
 from protocol.streams import STREAMS, Stream
 
 PAGE = Path(__file__).parents[2] / "docs" / "streams.md"

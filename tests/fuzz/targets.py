@@ -26,13 +26,15 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.studies.faults.scenario import fault_scenario
-from protocol import joining, keys
+from protocol import keys
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything, robot_key
 from protocol.messages import Health, State
+from protocol.requests import joining
+from protocol.requests.steering import Steer, decode_steer
 from protocol.scenario.file import (
     apply_settings,
     document_of,
@@ -42,7 +44,6 @@ from protocol.scenario.file import (
     write_toml,
 )
 from protocol.scenario.model import Scenario
-from protocol.steering import Steer, decode_steer
 from protocol.streams import STREAMS
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
 from tests.sample_messages import ONE

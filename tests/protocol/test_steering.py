@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.errors import MessageError
-from protocol.steering import Steer, Steering, decode_steer
+from protocol.requests.steering import Steer, Steering, decode_steer
 
 
 def test_paused_ticks_happen_step_by_step() -> None:

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import msgspec
 
-from protocol.goals import GoalOrder
 from protocol.messages import Command, Count, Id, Vector
+from protocol.requests.goals import GoalOrder
+from protocol.requests.things import ThingOrder
 from protocol.scenario.model import RobotSpec
-from protocol.things import ThingOrder
 
 
 class Joined(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="join"):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from protocol.geometry import Shape
-from protocol.goals import MOST_POINTS, GoalOrder, GoalReply
 from protocol.messages import Errand, GoalStatus, Standing, Vector
+from protocol.requests.goals import MOST_POINTS, GoalOrder, GoalReply
 from protocol.scenario.model import Scenario
 
 

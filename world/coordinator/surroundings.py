@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 from protocol.geometry import Disk, Shape
 from protocol.messages import Presence, Thing, Vector
+from protocol.requests.things import ThingOrder
 from protocol.scenario.model import Scenario
-from protocol.things import ThingOrder
 
 MOST = 256  # things that came or went, at a time: a roster is one message
 

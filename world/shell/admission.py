@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import inf
 
-from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
+from protocol.requests import joining
 from world.shell.journal import Journal, Seated
 from world.shell.run import Run
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from protocol.steering import Steering
+from protocol.requests.steering import Steering
 
 BEAT = 0.1  # s between looks while nothing happens
 REPEAT = 0.5  # s until a tick in which somebody has not commanded is told again; then three times that

@@ -13,8 +13,8 @@ from deploy.output.exit_status import EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
-from protocol.goals import GoalOrder, GoalReply
 from protocol.messages import GoalStatus
+from protocol.requests.goals import GoalOrder, GoalReply
 
 _PATIENCE = 1e6  # s to wait for an end without --within
 

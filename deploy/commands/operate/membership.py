@@ -11,7 +11,7 @@ from deploy.commands.operate.stop import Run
 from deploy.output.exit_status import EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
-from protocol.fleet import FleetReply
+from protocol.requests.fleet import FleetReply
 from protocol.scenario.model import RobotSpec
 
 

@@ -14,8 +14,8 @@ from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
 from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, GoalStatus, Health, Message, Thing, Truth
+from protocol.requests.steering import Steering
 from protocol.scenario.model import Scenario
-from protocol.steering import Steering
 
 HISTORY = 1024  # kept points of clearance and phi
 _TRAILS = 12_800  # kept points of all trails together

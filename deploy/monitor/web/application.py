@@ -20,9 +20,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
-from protocol.goals import GoalOrder, GoalReply
 from protocol.messages import Id
-from protocol.steering import Steer
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.steering import Steer
 
 PAGE = Path(__file__).parent / "page"
 _HEADERS = {

@@ -16,6 +16,7 @@ from typing import Any, Literal
 from agents.peers.state import addressed_to
 from protocol.geometry import Shape
 from protocol.messages import Command, State, Tick
+from protocol.requests.things import ThingOrder
 from protocol.scenario.body import Body
 from protocol.scenario.model import (
     Actuation,
@@ -27,7 +28,6 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
-from protocol.things import ThingOrder
 from tests.agents.lines.product import Product
 
 TICKS = 40

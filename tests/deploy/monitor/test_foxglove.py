@@ -19,7 +19,7 @@ from deploy.monitor.watcher import Watcher
 from deploy.run.local import LocalFleet
 from deploy.scene.fleet import TOPICS, Measures
 from protocol.errors import UsageError
-from protocol.steering import Steer
+from protocol.requests.steering import Steer
 from tests.deploy.monitor.watched import PATIENCE, ring, running, until
 
 LAYOUT = Path(__file__).parents[3] / "docs" / "foxglove-layout.json"

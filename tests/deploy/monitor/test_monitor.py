@@ -16,10 +16,10 @@ from deploy.monitor.player import Player
 from deploy.monitor.watcher import Watcher, watch_local
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalNetwork
-from protocol.goals import GoalOrder
 from protocol.keys import parse
 from protocol.messages import Clock, Truth
-from protocol.steering import Steer
+from protocol.requests.goals import GoalOrder
+from protocol.requests.steering import Steer
 from protocol.streams import STREAMS
 from tests.deploy.monitor.watched import PATIENCE, ring, running, until
 

@@ -1,8 +1,8 @@
 """A world that says whatever a test wants."""
 
-from protocol import joining
 from protocol.bus.events import Request
 from protocol.keys import parse, world_key
+from protocol.requests import joining
 from protocol.streams import STREAMS
 from tests.deploy.recording.recorded import scenario
 

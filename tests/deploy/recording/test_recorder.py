@@ -12,12 +12,12 @@ from deploy.recording.reader import read
 from deploy.recording.recorder import PATIENCE, Recorder
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import WriterProcess
-from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
+from protocol.requests import joining
 from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import scenario
 

@@ -14,7 +14,6 @@ from agents.process import main
 from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
-from protocol import joining
 from protocol.bus.connection import Connection
 from protocol.bus.drive import drive, stop_on_signal
 from protocol.bus.events import Event
@@ -22,6 +21,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import robot_key
 from protocol.messages import State
+from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.streams import Stream
 

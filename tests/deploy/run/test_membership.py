@@ -15,8 +15,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport
 from protocol.bus.connection import Connection
-from protocol.fleet import FleetReply, decode_change
 from protocol.messages import Clock
+from protocol.requests.fleet import FleetReply, decode_change
 from protocol.scenario.model import RobotSpec
 from tests.deploy.run.turnover import Turnover, asked
 from world.shell.journal import Journal

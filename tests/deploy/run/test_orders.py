@@ -22,9 +22,9 @@ from protocol.bus.connection import Connection
 from protocol.bus.events import Request
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError
-from protocol.goals import GoalOrder
 from protocol.keys import robot_key
 from protocol.messages import Clock
+from protocol.requests.goals import GoalOrder
 from protocol.scenario.model import Scenario
 from tests.deploy.monitor.watched import until
 from tests.deploy.processes.hosts.ssh_server import free_ports

@@ -17,8 +17,9 @@ import msgspec
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Request
-from protocol.fleet import FleetReply, decode_reply
 from protocol.keys import robot_key, world_key
+from protocol.requests.fleet import FleetReply
+from protocol.requests.form import read_reply
 from protocol.scenario.model import Link, Partition, RobotSpec, Scenario, Sensing
 
 _SWAP = load("swap-4")
@@ -46,7 +47,7 @@ def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> FleetReply
     replies: list[bytes] = []
     payload = b"" if change is None else msgspec.msgpack.encode(change)
     fleet.world.handle(Request(world_key(fleet.run, "fleet"), payload, replies.append))
-    return decode_reply(replies[0])
+    return read_reply(replies[0], FleetReply, "fleet")
 
 
 class Turnover:

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.errors import MessageError
-from protocol.goals import LIMIT, MOST_POINTS, GoalOrder, GoalReply, decode_order, encode_reply, is_json
 from protocol.messages import Command, GoalStatus, Standing, Vector
+from protocol.requests.form import encode_reply, is_json
+from protocol.requests.goals import LIMIT, MOST_POINTS, GoalOrder, GoalReply, decode_order
 from tests.world.driving import STEP, advance, joined, two
 from world.coordinator.missions import Missions
 from world.world import World

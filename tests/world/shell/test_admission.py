@@ -10,8 +10,8 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
 from protocol.errors import BusError, JoinError
-from protocol.joining import Admission, Join, Refusal, Reply, Wait
 from protocol.messages import Health
+from protocol.requests.joining import Admission, Join, Refusal, Reply, Wait
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import RESERVATION, Admissions

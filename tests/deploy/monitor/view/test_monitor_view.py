@@ -15,8 +15,8 @@ from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import HISTORY, View
 from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, Errand, GoalStatus, Health, Message, Standing, Truth
+from protocol.requests.steering import Steering
 from protocol.scenario.model import RobotSpec, Scenario, Time
-from protocol.steering import Steering
 
 SCENARIO = Scenario(
     tuple(RobotSpec(i, 0.03, (0.1 * i - 0.2, 0.0), (0.1 * i - 0.2, 0.1)) for i in (1, 2, 3)),

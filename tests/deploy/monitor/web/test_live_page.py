@@ -13,8 +13,8 @@ import pytest
 from deploy.monitor.watcher import Watcher, watch_local
 from deploy.monitor.web.server import Server
 from deploy.run.local import LocalFleet
+from protocol.requests.steering import Steer
 from protocol.scenario.model import Scenario
-from protocol.steering import Steer
 from tests.deploy.monitor.watched import ring, running, served
 
 playwright = pytest.importorskip(

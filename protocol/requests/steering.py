@@ -1,4 +1,4 @@
-"""Steering a lock-step run from outside: a request under `world/control`, as msgpack or JSON-like map.
+"""Steering a lock-step run from outside: a request under `world/steering`, as msgpack or JSON-like map.
 
 `{"pause": true}` holds the clock, `{"pause": false}` lets it go on, `{"step": n}` allows n ticks while
 held, `{"speed": x}` limits simulated seconds per second (0: as fast as the machine allows). The reply
@@ -12,7 +12,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from protocol.errors import MessageError
+from protocol.requests.form import read_request
 
 LIMIT = 1024  # bytes of a request
 
@@ -53,9 +53,4 @@ class Steering(msgspec.Struct):
 
 def decode_steer(payload: bytes) -> Steer:
     """Read a request; raises MessageError."""
-    if len(payload) > LIMIT:
-        raise MessageError("oversize", f"control request: {len(payload)} bytes, at most {LIMIT} are read")
-    try:
-        return msgspec.msgpack.decode(payload, type=Steer)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError("shape", f"control request: {error}") from None
+    return read_request(payload, Steer, "steering", LIMIT)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import msgspec
 
 from protocol.errors import MessageError
-from protocol.goals import is_json
 from protocol.messages import Id, Roster
+from protocol.requests.form import read_request
 from protocol.scenario.model import RobotSpec
 
 LIMIT = 16 * 1024  # bytes of a request
@@ -45,26 +45,7 @@ def decode_change(payload: bytes) -> Change | None:
     """
     if not payload:
         return None
-    if len(payload) > LIMIT:
-        raise MessageError("oversize", f"fleet request: {len(payload)} bytes, at most {LIMIT} are read")
-    read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
-    try:
-        change = read(payload, type=Change)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError("shape", f"fleet request: {error}") from None
+    change = read_request(payload, Change, "fleet", LIMIT)
     if (change.add is None) == (change.remove is None):
         raise MessageError("shape", "fleet request: give either `add` or `remove`")
     return change
-
-
-def encode_reply(reply: FleetReply, request: bytes) -> bytes:
-    """Payload of a reply, in the form of the request."""
-    return msgspec.json.encode(reply) if is_json(request) else msgspec.msgpack.encode(reply)
-
-
-def decode_reply(payload: bytes) -> FleetReply:
-    """Read a reply; raises MessageError."""
-    try:
-        return msgspec.msgpack.decode(payload, type=FleetReply)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError("shape", f"reply to a fleet request: {error}") from None

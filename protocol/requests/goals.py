@@ -16,6 +16,7 @@ from msgspec import Meta
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Vector
+from protocol.requests.form import read_request
 
 LIMIT = 16 * 1024  # bytes of a request
 MOST_POINTS = 512  # of one robot, those ahead of earlier orders included
@@ -60,31 +61,7 @@ def decode_order(payload: bytes) -> GoalOrder | None:
     """
     if not payload:
         return None
-    if len(payload) > LIMIT:
-        raise MessageError("oversize", f"goal request: {len(payload)} bytes, at most {LIMIT} are read")
-    read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
-    try:
-        order = read(payload, type=GoalOrder)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError("shape", f"goal request: {error}") from None
+    order = read_request(payload, GoalOrder, "goal", LIMIT)
     if not all(math.isfinite(part) for point in order.points for part in point):
         raise MessageError("not-finite", "goal request: a point holds a number that is infinite or none")
     return order
-
-
-def encode_reply(reply: GoalReply, request: bytes) -> bytes:
-    """Payload of a reply, in the form of the request."""
-    return msgspec.json.encode(reply) if is_json(request) else msgspec.msgpack.encode(reply)
-
-
-def decode_reply(payload: bytes) -> GoalReply:
-    """Read a reply; raises MessageError."""
-    try:
-        return msgspec.msgpack.decode(payload, type=GoalReply)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError("shape", f"reply to a goal request: {error}") from None
-
-
-def is_json(payload: bytes) -> bool:
-    """Whether a request is JSON text; no map in msgpack begins like that."""
-    return payload[:1] in (b"{", b" ", b"\n", b"\t")

@@ -1,0 +1,49 @@
+"""The form of requests: maps in msgpack or, for people and stock tools, in JSON; replies are in the same."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import msgspec
+
+from protocol.errors import MessageError
+
+T = TypeVar("T")
+_DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+
+
+def read_request(payload: bytes, kind: type[T], what: str, limit: int) -> T:
+    """A request of `kind`.
+
+    Args:
+        what: it is, in errors.
+        limit: bytes that are read at most.
+
+    Raises:
+        MessageError: oversize, or shape.
+    """
+    if len(payload) > limit:
+        raise MessageError("oversize", f"{what} request: {len(payload)} bytes, at most {limit} are read")
+    read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
+    try:
+        return read(payload, type=kind)
+    except _DAMAGED as error:
+        raise MessageError("shape", f"{what} request: {error}") from None
+
+
+def encode_reply(reply: msgspec.Struct, request: bytes) -> bytes:
+    """Payload of a reply, in the form of the request."""
+    return msgspec.json.encode(reply) if is_json(request) else msgspec.msgpack.encode(reply)
+
+
+def read_reply(payload: bytes, kind: type[T], what: str) -> T:
+    """A reply of `kind` in msgpack; raises MessageError."""
+    try:
+        return msgspec.msgpack.decode(payload, type=kind)
+    except _DAMAGED as error:
+        raise MessageError("shape", f"reply to a {what} request: {error}") from None
+
+
+def is_json(payload: bytes) -> bool:
+    """Whether a request is JSON text; no map in msgpack begins like that."""
+    return payload[:1] in (b"{", b" ", b"\n", b"\t")
