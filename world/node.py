@@ -116,8 +116,8 @@ class WorldNode:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, session in past.sessions.items():
-            life = past.run.world.incarnations[robot]
-            if past.run.world.goes_on(robot, life):
+            life = past.run.world.coordinator.incarnations[robot]
+            if past.run.world.coordinator.goes_on(robot, life):
                 self._admissions.resume(robot, session, life)
 
     def _begin(self, run: Run) -> None:
@@ -155,7 +155,7 @@ class WorldNode:
             run.rejected[error.reason] += 1
             return
         run.received += 1
-        if isinstance(message, Command) and run.world.accept(message) and run.world.complete:
+        if isinstance(message, Command) and run.world.accept(message) and run.world.coordinator.complete:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -228,7 +228,7 @@ class WorldNode:
             text = world.add(change.add) or self._welcome(change.add.id)
         elif change is not None and change.remove is not None:
             text = world.remove(change.remove)
-        return encode_reply(FleetReply(not text, world.roster, text), payload)
+        return encode_reply(FleetReply(not text, world.coordinator.roster, text), payload)
 
     def _welcome(self, robot: int) -> str:
         """Have what is needed to hear and tell another robot."""
@@ -245,7 +245,7 @@ class WorldNode:
         if asked is not None:
             world.halt(asked.halt)
             self._inform(due=True)
-        return encode_reply(Halted(world.halted, world.tick), payload)
+        return encode_reply(Halted(world.coordinator.halted, world.tick), payload)
 
     def _steer(self, payload: bytes) -> bytes:
         steer = decode_steer(payload)
@@ -259,7 +259,7 @@ class WorldNode:
         if asked.robot is None or asked.stream != "join":
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
-        if self._run.world.dismiss(join.robot):
+        if self._run.world.coordinator.dismiss(join.robot):
             return joining.Finished("removed")
         refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
@@ -291,7 +291,7 @@ class WorldNode:
         while self._run.phase is Phase.RUNNING:
             if not self._run.opened and not self._open():
                 return
-            if not (self._run.world.complete and self._lockstep):
+            if not (self._run.world.coordinator.complete and self._lockstep):
                 return
             self._close()
         self._conclude_in_time()
@@ -371,8 +371,10 @@ class WorldNode:
     def _next(self, scenario: Scenario) -> Run:
         """The run after this one."""
         number, world = self._run.number + 1, self._run.world
-        run = Run(number, scenario, world.incarnations, world.version)
+        run = Run(number, scenario, world.coordinator.incarnations, world.coordinator.version)
         if self._journal is not None:
-            self._journal.begin(number, world.incarnations, world.version, self._failures.expected)
-            run.world.note = self._journal.note
+            self._journal.begin(
+                number, world.coordinator.incarnations, world.coordinator.version, self._failures.expected
+            )
+            run.world.coordinator.note = self._journal.note
         return run
