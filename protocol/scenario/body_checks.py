@@ -23,7 +23,7 @@ def with_radii(document: Document) -> Document:
 def _with_radius(robot: Any, default: Any) -> Any:
     if not isinstance(robot, dict) or "radius" in robot:
         return robot
-    body = _fields(robot.get("body", default))
+    body = fields_of(robot.get("body", default))
     radius, offset = body.get("radius"), body.get("offset", 0.0)
     if isinstance(radius, int | float) and isinstance(offset, int | float):
         return robot | {"radius": radius + offset}
@@ -32,19 +32,19 @@ def _with_radius(robot: Any, default: Any) -> Any:
 
 def body_findings(sound: Sound) -> Iterator[Finding]:
     """Everything that is wrong with bodies."""
-    yield from _wheels(("body",), _fields(sound.get("body")))
+    yield from _wheels(("body",), fields_of(sound.get("body")))
     physics = sound.get("world", "plant") == "mujoco"
     for index in range(sound.size("robots")):
         steps: Steps = ("robots", index, "body")
         own = sound.get(*steps)
-        yield from _wheels(steps, _fields(own))
-        body = _fields(sound.get("body") if own is None else own)
+        yield from _wheels(steps, fields_of(own))
+        body = fields_of(sound.get("body") if own is None else own)
         yield from _hull(index, body, sound.get("robots", index, "radius"))
         if physics and body and body.get("kind") != "differential-drive":
             yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
 
 
-def _fields(body: Any) -> dict[str, Any]:
+def fields_of(body: Any) -> dict[str, Any]:
     """What is known of a body, by name or as a table; without one, a point."""
     if isinstance(body, dict):
         return body

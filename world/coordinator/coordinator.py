@@ -222,15 +222,18 @@ class Coordinator:
             self.noted(command)
         return taken
 
-    def close(self, resting: Mapping[int, Vector]) -> None:
+    def close(
+        self, resting: Mapping[int, Vector], bounds: Mapping[int, float] = MappingProxyType({})
+    ) -> None:
         """End the tick. Of those who have not commanded, whoever was silent for too long is fenced.
 
         Args:
             resting: robots that do not move until they hear another command, and where they are, m.
+            bounds: by how much that may be off, m, where it may.
         """
         for robot, position in resting.items():
             if robot not in self.commands.velocities:
-                self.lives.fence(self.tick, robot, position)
+                self.lives.fence(self.tick, robot, position, bounds.get(robot, 0.0))
         self.told = None
         self.tick += 1
 
@@ -244,6 +247,7 @@ class Coordinator:
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
         roster_for, goal = self.lives.roster_for, self.missions.goal
+        leased = self.scenario.is_external
         return {
             robot: Tick(
                 robot,
@@ -254,6 +258,7 @@ class Coordinator:
                 roster_for(robot),
                 goal(robot),
                 self.halted,
+                heard=life.heard if leased and life.heard >= 0 else None,
             )
             for robot, life in self.lives.listeners()
         }
