@@ -50,7 +50,7 @@ class RobotNode:
         robot: own id.
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
-        namespace: of the own base's topics, unless the scenario is right.
+        namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
         say: takes what a person should know.
 
     Raises:
@@ -66,7 +66,7 @@ class RobotNode:
         *,
         patience: float = PATIENCE,
         wait: float = PATIENCE,
-        namespace: str = "",
+        namespace: str | None = None,
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.finished = False

@@ -20,11 +20,16 @@ SUCCESS, REFUSED, FAULT = 0, 2, 3
 
 
 def main(
-    connection: Connection, run: str, robot: int, wait: float = PATIENCE, beat: Heartbeat | None = None
+    connection: Connection,
+    run: str,
+    robot: int,
+    wait: float = PATIENCE,
+    beat: Heartbeat | None = None,
+    namespace: str | None = None,
 ) -> int:
     """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
 
-    `wait` is how long there may be no world yet, s.
+    `wait` is how long there may be no world yet, s; `namespace` as of `RobotNode`.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
@@ -32,9 +37,10 @@ def main(
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            drive(
-                RobotNode(bus, checked_run(run), robot, wait=wait, say=partial(_say, robot)), bus, beat=beat
+            node = RobotNode(
+                bus, checked_run(run), robot, wait=wait, namespace=namespace, say=partial(_say, robot)
             )
+            drive(node, bus, beat=beat)
     except Stop:
         return SUCCESS
     except JoinError as error:
@@ -51,9 +57,9 @@ def _say(robot: int, what: object) -> None:
 
 
 if __name__ == "__main__":
-    endpoint, run_name, identity, waits, keys, alive = sys.argv[1:]
+    endpoint, run_name, identity, waits, keys, alive, base, topics = sys.argv[1:]
     entitle(f"robot {identity}", run_name)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)
-    sys.exit(main(router, run_name, int(identity), float(waits), sign))
+    sys.exit(main(router, run_name, int(identity), float(waits), sign, topics if base else None))

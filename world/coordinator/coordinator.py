@@ -45,7 +45,7 @@ class Coordinator:
         self.told: dict[int, Tick] | None = None
         self.note: Callable[[Input], None] | None = None
         self.lives = Lives(scenario, incarnations, version)
-        self.commands = Commands(self.lives)
+        self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
 
@@ -238,7 +238,9 @@ class Coordinator:
         self.tick += 1
 
     def is_alone(self) -> bool:
-        """Whether robots are missing that will not come back."""
+        """Whether robots are missing that will not come back; of an external fleet nobody can tell."""
+        if self.scenario.is_external:
+            return False
         missing = len(self.lives.up) < len(self.scenario.ids)
         return missing and self.lives.gone_for_good(self.tick - 1)
 
