@@ -52,6 +52,7 @@ class WorldNode:
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
         say: takes what a person should know.
+        note: takes what is worth a line in a log.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat.
         tell: is told every report.
@@ -73,6 +74,7 @@ class WorldNode:
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
         say: Callable[[str], None] = lambda _: None,
+        note: Callable[[str], None] = lambda _: None,
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
@@ -81,7 +83,7 @@ class WorldNode:
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
-        self._tell = tell
+        self._tell, self._say, self._note = tell, say, note
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._bus, self._name, self._several = bus, run, len(scenarios) > 1
@@ -215,8 +217,13 @@ class WorldNode:
         if self._run.phase is not Phase.RUNNING:
             return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
         reply = world.order(robot, order)
+        self._log(f"robot {robot} is sent to {list(order.points)}", reply.text)
         self._publishers.goals(world.goal_news())
         return encode_reply(reply, payload)
+
+    def _log(self, asked: str, refusal: str) -> None:
+        """Note what was asked for, and what came of it."""
+        self._note(f"tick {self._run.world.tick}: {asked}" + (f": refused, {refusal}" if refusal else ""))
 
     def _change(self, payload: bytes) -> bytes:
         """A robot is to come or to go, or the question who is there."""
@@ -228,6 +235,10 @@ class WorldNode:
             text = world.add(change.add) or self._welcome(change.add.id)
         elif change is not None and change.remove is not None:
             text = world.remove(change.remove)
+        if change is not None:
+            self._log(
+                f"robot {change.remove} is removed" if change.add is None else f"{change.add} is added", text
+            )
         return encode_reply(FleetReply(not text, world.roster, text), payload)
 
     def _welcome(self, robot: int) -> str:
@@ -243,6 +254,8 @@ class WorldNode:
         world = self._run.world
         asked = decode_halt(payload)
         if asked is not None:
+            if asked.halt != world.halted:
+                self._say(f"tick {world.tick}: {'emergency stop' if asked.halt else 'released'}")
             world.halt(asked.halt)
             self._inform(due=True)
         return encode_reply(Halted(world.halted, world.tick), payload)
@@ -310,6 +323,7 @@ class WorldNode:
         run.opened = True
         if run.world.tick == 0:
             run.began = self._pacing.now()
+            self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(run.world.tick, run.scenario.time.step)
@@ -360,6 +374,7 @@ class WorldNode:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
         self.reports.append(report)
+        self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
         following = next(self._scenarios, None)

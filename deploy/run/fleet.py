@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +18,7 @@ from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
-from deploy.processes.spawn import Spawner
+from deploy.processes.spawn import ProcessStarter, Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.recording.writer_process import Writer
 from deploy.run.fault_schedule import FaultSchedule
@@ -33,6 +32,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import DisknavError, MessageError
 from protocol.keys import world_key
+from protocol.log import LOG
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
 from world.shell.admission import AWAY
@@ -91,7 +91,7 @@ class Fleet:
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
             self._hosts = self._host_spawners()
-            self._supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=self._options.run)))
+            self._supervisor = stack.enter_context(Supervisor(self._spawner()))
             self._writer = self._start_writer(stack)
             self.topology = self._begin(stack)
             self._start_world(self._journal(stack))
@@ -140,7 +140,10 @@ class Fleet:
             return None
         if (roster := Membership(self._options.secure).roster()) is not None:
             check_fit(roster, hosts)
-        return HostSpawners(hosts, places(hosts), self._options.run)
+        return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
+
+    def _spawner(self) -> ProcessStarter:
+        return self._hosts or Spawner(run=self._options.run, logs=self._options.log)
 
     def _link(self, multi_host: MultiHost) -> MultiHost:
         """A router on every host, each linked with all before it: no message can be lost on a detour."""
@@ -296,8 +299,7 @@ class Fleet:
         try:
             self._supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
         except DisknavError as error:
-            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
-            print(text, file=sys.stderr, flush=True)
+            LOG.error(f"the process of robot {robot} is to be started by hand: {error}")
 
     def _carry_out(self, fault: ProcessFault) -> None:
         name = table.robot_name(fault.robot)
@@ -312,14 +314,15 @@ class Fleet:
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
+            LOG.info(str(exit_))
             if exit_.again and not exit_.expected:
-                print(f"disknav: {exit_}; it is started again", file=sys.stderr, flush=True)
+                LOG.warning(f"{exit_}; it is started again")
             if exit_.again:
                 continue
             if exit_.process.vital:
                 self._listen_on()
             if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
-                print(f"disknav: {exit_}; the recording ends there", file=sys.stderr, flush=True)
+                LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
@@ -341,6 +344,7 @@ class Fleet:
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
         run does not wait for it, the launcher does."""
+        LOG.info(f"{verdict}: {reason}")
         with suppress(KeyboardInterrupt):
             self._await_last_words()
         reports = self._reports.all
