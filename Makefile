@@ -15,11 +15,11 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/bodies/,point.py inertial.py) \
   $(addprefix protocol/bodies/,base.py sweep.py) \
   $(addprefix agents/laws/,view.py gradient.py velocity_obstacle.py velocity_program.py reciprocal.py) \
-  $(addprefix world/coordinator/,commands.py roster.py lives.py) \
+  $(addprefix world/coordinator/,commands.py roster.py lives.py coordinator.py) \
   $(addprefix world/plants/,base.py integrator.py) \
-  $(addprefix world/judge/,verdict.py record.py) \
+  $(addprefix world/judge/,verdict.py record.py referee.py) \
   $(addprefix world/sensing/,position.py odometry.py) \
-  $(addprefix world/,world.py node.py) \
+  $(addprefix world/,simulation.py world.py node.py) \
   $(addprefix world/shell/,run.py publishers.py pacing.py) \
   $(addprefix deploy/recording/mcap/,file.py) \
   $(addprefix deploy/recording/,channel.py writer.py)

@@ -31,10 +31,9 @@ def run_forked(
     """Call what `start` names in this process, which exists for nothing else, and exit.
 
     Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
-    `lifeline` the reading end of one that ends with the fork server; `begin_log` gives its log the name of this
-    process. The exit status is what the function
-    returns, 3 after an exception: one of this software's own says its message, any other prints its
-    traceback.
+    `lifeline` the reading end of one that ends with the fork server; `begin_log` begins its log, by its
+    name. The exit status is what the function returns, 3 after an exception: one of this software's own
+    says its message, any other logs its traceback.
     """
     code = FAULT
     try:
