@@ -85,11 +85,11 @@ class _Lines(logging.Formatter):
 
 
 class _File(WatchedFileHandler):
-    """Appends; a file that was moved away is begun anew. What cannot be written is dropped, which is said once."""
+    """Appends; begins anew what was moved away. What it cannot write it drops, and says so once."""
 
     _said = False
 
-    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802  logging calls it so
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as logging calls it
         if not self._said:
             self._said = True
             print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""What is said on another host comes here: to the terminal, and to a file of that host, labelled with its name."""
+"""What is said on another host, labelled with its name: on the terminal here, and in a file of that host."""
 
 from __future__ import annotations
 

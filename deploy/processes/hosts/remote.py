@@ -1,8 +1,9 @@
 """What `disknav run --hosts` starts on each host: a fork server whose channel is an ssh connection.
 
 It says who it is in one line, then serves requests that come in on standard input, and tells news on
-standard output; its processes log as lines to standard error. It ends, and all its processes with it, when the connection does, or when nothing
-has come for so long that whoever is at the other end, or the way to it, must be gone.
+standard output; logs go to standard error, as lines. It ends, and all its processes with it, when the
+connection does, or when nothing has come for so long that whoever is at the other end, or the way to it,
+must be gone.
 """
 
 from __future__ import annotations
