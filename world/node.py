@@ -109,7 +109,7 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario", "halt", "fleet"):
+        for stream in ("steering", "scenario", "halt", "fleet", "things"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))

@@ -1,4 +1,4 @@
-"""What operators ask for while a fleet runs: goals, who is in it, the emergency stop, slow motion."""
+"""What operators ask for while a fleet runs: goals, who and what is there, the emergency stop, the pace."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from protocol.requests.form import encode_reply
 from protocol.requests.goals import GoalReply, decode_order
 from protocol.requests.halt import Halted, decode_halt
 from protocol.requests.steering import decode_steer
+from protocol.requests.things import ThingReply, decode_thing_change
+from world.coordinator.surroundings import present
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
@@ -50,6 +52,7 @@ class Operations:
         self._handlers = {
             "goal": self._order,
             "fleet": self._change,
+            "things": self._surround,
             "halt": self._halt,
             "steering": self._steer,
         }
@@ -112,6 +115,21 @@ class Operations:
             self._bus.subscribe(robot_key(self._name, robot, "command"))
         self._admissions.add(robot)
         self._publishers.add(robot)
+
+    def _surround(self, _: Address, payload: bytes, run: Run) -> bytes:
+        """A thing is to come, or has gone, or the question what is there."""
+        world, reply = run.world, ThingReply(True)
+        change = decode_thing_change(payload)
+        if change is not None and run.phase is not Phase.RUNNING:
+            reply = ThingReply(False, text="the run is over")
+        elif change is not None and change.place is not None:
+            reply = world.add_thing(change.place)
+        elif change is not None and change.take is not None:
+            reply = world.remove_thing(change.take)
+        if change is not None:
+            self._log(run, str(change), reply.text)
+        things = present(world.scenario.shapes, world.coordinator.lives.things.changes)
+        return encode_reply(msgspec.structs.replace(reply, things=things), payload)
 
     def _halt(self, _: Address, payload: bytes, run: Run) -> bytes:
         """The emergency stop, its release, or the question whether it is in force."""
