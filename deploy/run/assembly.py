@@ -55,11 +55,11 @@ class Assembly:
         self.topology = self._begin(stack)
         self._start_world(self._journal(stack))
 
-    def start_robots(self) -> None:
-        """All of them at once."""
+    def robots(self) -> list[table.Process]:
+        """The rows of all robots, which are not started yet."""
         run, restarts, topology = self._options.run, self._options.restarts, self.topology
         ids = self._scenarios[0].ids
-        self.supervisor.start([table.robot(topology.robot(robot), run, robot, restarts) for robot in ids])
+        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in ids]
 
     def start_newcomer(self, robot: int) -> None:
         """The process of a robot that was added, on this host; a person must if this cannot."""

@@ -84,9 +84,12 @@ class Fleet:
             self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
-            self._assembly.start_robots()
+            self._supervisor.start(self._robots())
             self._stack = stack.pop_all()
         return self
+
+    def _robots(self) -> list[table.Process]:
+        return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
         self._stack.close()
