@@ -1,7 +1,7 @@
 """A floor with real bases, in virtual time: nothing on it knows of this project's models of them.
 
-Wheels are integrated in small steps: they follow what they are told with a lag, within their acceleration, and
-slip; a base that hears nothing for its timeout brakes. Everything that is sent takes a random time.
+Wheels are integrated in small steps: they follow what they are told with a lag, within their acceleration,
+and slip; a base that hears nothing for its timeout brakes. Everything that is sent takes a random time.
 """
 
 from __future__ import annotations
