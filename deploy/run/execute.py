@@ -20,8 +20,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
-from protocol.log import LOG
 from protocol.errors import UsageError
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
 
