@@ -320,9 +320,10 @@ class RobotNode:
     # -- time
 
     def wake(self, now: float) -> None:
-        if self._base is not None and now >= self._base.due:
-            self._move(self._base, now)
-        if now >= self._due:
+        base = self._base
+        if base is not None and now >= base.due:
+            self._move(base, now)
+        if base is None or now >= self._due:
             self._look(now)
 
     def _move(self, base: Base, now: float) -> None:
