@@ -36,6 +36,7 @@ def run(
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
+    rotate: options.Rotate = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg, .pdf, .gif or .mp4.")] = None,
     json_file: options.Json = None,
     web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
@@ -62,8 +63,13 @@ def run(
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
+    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
+    if record is None:
+        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
+    if transport == "local":
+        options.refuse({"--rotate": rotate}, "one process for all records into one file")
     if mode == "realtime":
         options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
     if hosts is None:
@@ -76,7 +82,7 @@ def run(
         transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart)
     )
     silent = quiet or is_standard_output(json_file)
-    result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent)
+    result = execute(loaded, how, Extras(record, rotation(rotate or []), plot, web, json_file), quiet=silent)
     if not silent:
         from rich.console import Console
 

@@ -13,6 +13,7 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
+from deploy.recording.rotation import ONE_FILE, Rotation
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.live_page import live_page
@@ -28,6 +29,7 @@ class Extras:
     """What `disknav run` does besides running."""
 
     record: Path | None = None
+    rotation: Rotation = ONE_FILE
     plot: Path | None = None
     web: bool = False
     json: Path | None = None
@@ -46,7 +48,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:
             began = time.monotonic()
             try:
-                fleet = _fleet(scenario, options, recording, progress)
+                fleet = _fleet(scenario, options, recording, extras.rotation, progress)
                 running.enter_context(fleet)
             except KeyboardInterrupt:
                 with undisturbed():
@@ -62,7 +64,8 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
         if extras.plot is not None:
-            draw(Path(recordings[-1]), extras.plot)
+            first = 0 if extras.rotation != ONE_FILE else -1  # others follow, or it began anew
+            draw(Path(recordings[first]), extras.plot)
         if page is not None and sys.stdin.isatty():
             page.linger()
     return result
@@ -85,7 +88,7 @@ def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
 
 
 def _fleet(
-    scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
+    scenario: Scenario, options: RunOptions, recording: Path | None, rotation: Rotation, bar: RunProgress
 ) -> Fleet | LocalFleet:
     if options.transport == "local":
         return LocalFleet(
@@ -96,4 +99,4 @@ def _fleet(
             watch=bar.watch,
             record=recording,
         )
-    return Fleet([scenario], options, watch=bar.watch, record=recording)
+    return Fleet([scenario], options, watch=bar.watch, record=recording, rotation=rotation)

@@ -21,6 +21,7 @@ from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.row import Exit, Usage
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
+from deploy.recording.rotation import ONE_FILE, Rotation
 from deploy.recording.writer_process import Writer
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.options import RunOptions
@@ -59,7 +60,10 @@ class Fleet:
         options: transport, clock, names.
         watch: is told every Clock that is heard.
         record: file to record to.
+        rotation: when the recording goes on in another.
         on_report: is told every report as soon as its run has ended.
+        digest: what is kept of each report; all of it unless given.
+        lead: alters how processes are linked, once there is a router.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -75,14 +79,18 @@ class Fleet:
         *,
         watch: Watcher | None = None,
         record: Path | None = None,
+        rotation: Rotation = ONE_FILE,
         on_report: Callable[[Report], None] | None = None,
+        digest: Callable[[Report], Report] = lambda report: report,
+        lead: Callable[[Topology], Topology] = lambda topology: topology,
     ) -> None:
         self._scenarios, self._options = scenarios, options
-        self._watch, self._record = watch, record
+        self._watch, self._record, self._rotation = watch, record, rotation
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report)
+        self._reports = Reports(on_report, digest)
+        self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
         self._stack = ExitStack()
@@ -93,7 +101,7 @@ class Fleet:
             self._hosts = self._host_spawners()
             self._supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=self._options.run)))
             self._writer = self._start_writer(stack)
-            self.topology = self._begin(stack)
+            self.topology = self._lead(self._begin(stack))
             self._start_world(self._journal(stack))
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
@@ -130,7 +138,7 @@ class Fleet:
         if self._record is None:
             return None
         address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
-        self._supervisor.start([table.writer(self._record, address, self._options.restarts)])
+        self._supervisor.start([table.writer(self._record, address, self._options.restarts, self._rotation)])
         self._supervisor.report(table.WRITER, _START)
         return address
 
@@ -234,7 +242,7 @@ class Fleet:
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: more than one if who wrote it ended and was started again."""
+        """The files of the recording: several if it rotates, or who wrote it ended and was started again."""
         return [] if self._writer is None else self._supervisor.heard(table.WRITER)
 
     def record(self, result: Mapping[str, Any]) -> None:
