@@ -12,8 +12,6 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import msgspec
-
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
@@ -21,15 +19,11 @@ from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.requests import joining
-from protocol.requests.fleet import FleetReply, decode_change
-from protocol.requests.form import encode_reply
-from protocol.requests.goals import GoalReply, decode_order
-from protocol.requests.halt import Halted, decode_halt
-from protocol.requests.steering import decode_steer
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
 from world.shell.journal import Began
+from world.shell.operations import Operations
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
@@ -52,6 +46,7 @@ class WorldNode:
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
         say: takes what a person should know.
+        note: takes what is worth a line in a log.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat.
         tell: is told every report.
@@ -73,6 +68,7 @@ class WorldNode:
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
         say: Callable[[str], None] = lambda _: None,
+        note: Callable[[str], None] = lambda _: None,
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
@@ -81,12 +77,21 @@ class WorldNode:
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
-        self._tell = tell
+        self._tell, self._note = tell, note
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
-        self._bus, self._name, self._several = bus, run, len(scenarios) > 1
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         self._publishers = Publishers(bus, run, ids)
+        self._operations = Operations(
+            bus,
+            run,
+            len(scenarios) > 1,
+            self._admissions,
+            self._publishers,
+            self._pacing,
+            say=say,
+            note=note,
+        )
         self._failures = FailureDetector(
             self._admissions,
             self._pacing,
@@ -104,7 +109,7 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario", "halt", "fleet"):
+        for stream in ("steering", "scenario", "halt", "fleet", "things"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))
@@ -116,8 +121,8 @@ class WorldNode:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, session in past.sessions.items():
-            life = past.run.world.incarnations[robot]
-            if past.run.world.goes_on(robot, life):
+            life = past.run.world.coordinator.incarnations[robot]
+            if past.run.world.coordinator.goes_on(robot, life):
                 self._admissions.resume(robot, session, life)
 
     def _begin(self, run: Run) -> None:
@@ -155,7 +160,7 @@ class WorldNode:
             run.rejected[error.reason] += 1
             return
         run.received += 1
-        if isinstance(message, Command) and run.world.accept(message) and run.world.complete:
+        if isinstance(message, Command) and run.world.accept(message) and run.world.coordinator.complete:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -184,14 +189,8 @@ class WorldNode:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             address = parse(request.key)
-            if address.stream == "steering":
-                return self._steer(request.payload)
-            if address.stream == "fleet":
-                return self._change(request.payload)
-            if address.stream == "halt":
-                return self._halt(request.payload)
-            if address.stream == "goal" and address.robot is not None:
-                return self._order(address.robot, request.payload)
+            if self._operations.answers(address):
+                return self._operations.reply(address, request.payload, self._run)
             return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
@@ -200,66 +199,13 @@ class WorldNode:
         self._run.rejected[reason] += 1
         return joining.encode_reply(joining.Refusal(text))
 
-    def _order(self, robot: int, payload: bytes) -> bytes:
-        """An order of where to go, or the question how things stand."""
-        world = self._run.world
-        try:
-            order = decode_order(payload)
-        except MessageError as error:
-            self._run.rejected[error.reason] += 1
-            return encode_reply(GoalReply(False, text=str(error)), payload)
-        status = world.goal_status(robot)
-        if order is None:
-            known = GoalReply(status is not None, text="" if status else f"no robot {robot}", status=status)
-            return encode_reply(known, payload)
-        if self._run.phase is not Phase.RUNNING:
-            return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
-        reply = world.order(robot, order)
-        self._publishers.goals(world.goal_news())
-        return encode_reply(reply, payload)
-
-    def _change(self, payload: bytes) -> bytes:
-        """A robot is to come or to go, or the question who is there."""
-        world, text = self._run.world, ""
-        change = decode_change(payload)
-        if change is not None and self._several:
-            text = "this world judges several scenarios one after another: each says who is in it"
-        elif change is not None and change.add is not None:
-            text = world.add(change.add) or self._welcome(change.add.id)
-        elif change is not None and change.remove is not None:
-            text = world.remove(change.remove)
-        return encode_reply(FleetReply(not text, world.roster, text), payload)
-
-    def _welcome(self, robot: int) -> str:
-        """Have what is needed to hear and tell another robot."""
-        if robot not in self._admissions.slots:
-            self._bus.subscribe(robot_key(self._name, robot, "command"))
-        self._admissions.add(robot)
-        self._publishers.add(robot)
-        return ""
-
-    def _halt(self, payload: bytes) -> bytes:
-        """The emergency stop, its release, or the question whether it is in force."""
-        world = self._run.world
-        asked = decode_halt(payload)
-        if asked is not None:
-            world.halt(asked.halt)
-            self._inform(due=True)
-        return encode_reply(Halted(world.halted, world.tick), payload)
-
-    def _steer(self, payload: bytes) -> bytes:
-        steer = decode_steer(payload)
-        if self._lockstep:
-            self._pacing.steering.apply(steer)
-        return msgspec.msgpack.encode(self._pacing.steering)
-
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":
             return self._admissions.overview(self._run)
         if asked.robot is None or asked.stream != "join":
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
-        if self._run.world.dismiss(join.robot):
+        if self._run.world.coordinator.dismiss(join.robot):
             return joining.Finished("removed")
         refusal = self._admissions.refusal(join, self._run)
         if refusal is not None:
@@ -291,7 +237,7 @@ class WorldNode:
         while self._run.phase is Phase.RUNNING:
             if not self._run.opened and not self._open():
                 return
-            if not (self._run.world.complete and self._lockstep):
+            if not (self._run.world.coordinator.complete and self._lockstep):
                 return
             self._close()
         self._conclude_in_time()
@@ -310,6 +256,7 @@ class WorldNode:
         run.opened = True
         if run.world.tick == 0:
             run.began = self._pacing.now()
+            self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(run.world.tick, run.scenario.time.step)
@@ -360,6 +307,7 @@ class WorldNode:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
         self.report = report
+        self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
         following = next(self._scenarios, None)
@@ -371,8 +319,10 @@ class WorldNode:
     def _next(self, scenario: Scenario) -> Run:
         """The run after this one."""
         number, world = self._run.number + 1, self._run.world
-        run = Run(number, scenario, world.incarnations, world.version)
+        run = Run(number, scenario, world.coordinator.incarnations, world.coordinator.version)
         if self._journal is not None:
-            self._journal.begin(number, world.incarnations, world.version, self._failures.expected)
-            run.world.note = self._journal.note
+            self._journal.begin(
+                number, world.coordinator.incarnations, world.coordinator.version, self._failures.expected
+            )
+            run.world.coordinator.note = self._journal.note
         return run

@@ -14,6 +14,7 @@ from deploy.run.options import RunOptions, restarts
 from deploy.run.result import table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
+from protocol.log import LAUNCHER, begin
 
 _RESTARTS = "on-failure:1000"
 
@@ -48,6 +49,7 @@ def serve(
             metavar="POLICY", help="A process that fails is started again: never, or on-failure[:N]."
         ),
     ] = _RESTARTS,
+    log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Keep a fleet up until Ctrl-C; robots go where [b]disknav goal[/b] sends them.
@@ -78,14 +80,17 @@ def serve(
         secure=secure,
         speed=0.0 if mode == "realtime" else 1.0 if speed is None else speed,
         restarts=restarts(restart),
+        log=log,
+        rotation=rotation(rotate or []),
     )
+    begin(LAUNCHER, run, log)
     silent = quiet or is_standard_output(json_file)
     if not silent:
         typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)
     result = execute(
         loaded,
         how,
-        Extras(record=record, rotation=rotation(rotate or []), web=web, json=json_file),
+        Extras(record=record, web=web, json=json_file),
         quiet=silent,
     )
     if not silent:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -11,6 +10,7 @@ from pathlib import Path
 from deploy.recording.rotation import ONE_FILE, Rotation
 from deploy.recording.writer import RecordingFile
 from protocol.errors import RecordingError, UsageError
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
 
@@ -80,15 +80,11 @@ class Parts:
             what(self._file)
         except (RecordingError, UsageError) as error:
             file, self._file = self._file, None
-            _say(f"{error}; it ends there, and the run goes on without it")
+            LOG.error(f"{error}; it ends there, and the run goes on without it")
             try:
                 file.abandon(str(error), result)
             except RecordingError as worse:
-                _say(f"it is not closed properly either, and can be read as far as it goes: {worse}")
-
-
-def _say(text: str) -> None:
-    print(f"recording: {text}", file=sys.stderr, flush=True)
+                LOG.error(f"it is not closed properly either, and can be read as far as it goes: {worse}")
 
 
 def next_free(path: Path) -> Path:

@@ -147,10 +147,11 @@ def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], N
     os.nice(_NICENESS)
     pipes: list[Pipe] = []
     with stop_on_signal(), socket.socket(socket.AF_UNIX) as door:
-        file = Parts(next_free(path) if address.exists() else path, rotation, ready)
+        path = next_free(path) if address.exists() else path
         address.unlink(missing_ok=True)
         door.bind(str(address))
         door.listen()
+        file = Parts(path, rotation, ready)
         try:
             _serve(file, pipes, door)
         except Stop:

@@ -13,7 +13,7 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
-from deploy.recording.rotation import ONE_FILE, Rotation
+from deploy.recording.rotation import ONE_FILE
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.live_page import live_page
@@ -21,6 +21,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
 
@@ -29,7 +30,6 @@ class Extras:
     """What `disknav run` does besides running."""
 
     record: Path | None = None
-    rotation: Rotation = ONE_FILE
     plot: Path | None = None
     web: bool = False
     json: Path | None = None
@@ -48,7 +48,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:
             began = time.monotonic()
             try:
-                fleet = _fleet(scenario, options, recording, extras.rotation, progress)
+                fleet = _fleet(scenario, options, recording, progress)
                 running.enter_context(fleet)
             except KeyboardInterrupt:
                 with undisturbed():
@@ -56,15 +56,17 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                     result = complete(report, options, [])
                     json_output.write_json(result, extras.json)
                 return result
+            LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports = fleet.execute()
             with undisturbed():
                 processes, recordings = fleet.processes(), fleet.recordings()
                 result = complete(reports[0], options, processes, recordings if extras.record else [])
+                LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
         if extras.plot is not None:
-            first = 0 if extras.rotation != ONE_FILE else -1  # others follow, or it began anew
+            first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
             draw(Path(recordings[first]), extras.plot)
         if page is not None and sys.stdin.isatty():
             page.linger()
@@ -88,7 +90,7 @@ def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
 
 
 def _fleet(
-    scenario: Scenario, options: RunOptions, recording: Path | None, rotation: Rotation, bar: RunProgress
+    scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
 ) -> Fleet | LocalFleet:
     if options.transport == "local":
         return LocalFleet(
@@ -99,4 +101,4 @@ def _fleet(
             watch=bar.watch,
             record=recording,
         )
-    return Fleet([scenario], options, watch=bar.watch, record=recording, rotation=rotation)
+    return Fleet([scenario], options, watch=bar.watch, record=recording)

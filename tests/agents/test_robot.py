@@ -22,7 +22,7 @@ orders = st.lists(st.permutations([OWN, *OTHERS]), min_size=TICKS, max_size=TICK
 
 def robots() -> tuple[World, dict[int, Robot]]:
     world = World(SCENARIO)
-    lives = {robot: world.join(robot) for robot in IDS}
+    lives = {robot: world.coordinator.join(robot) for robot in IDS}
     return world, {robot: Robot(SCENARIO, robot, life) for robot, life in lives.items()}
 
 

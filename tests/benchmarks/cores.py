@@ -45,7 +45,7 @@ class Fleet:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.world = scenario, World(scenario)
-        lives = {robot: self.world.join(robot) for robot in scenario.ids}
+        lives = {robot: self.world.coordinator.join(robot) for robot in scenario.ids}
         self.robots = {i: Robot(scenario, i, life) for i, life in lives.items()}
         self.states: dict[int, State] = {}
         self.radii = {spec.id: spec.radius for spec in scenario.robots}
@@ -84,7 +84,7 @@ class Fleet:
 
     def world_tick(self) -> Callable[[], object]:
         """A function that is the world's next tick, in which everybody stands still."""
-        world, lives = self.world, self.world.incarnations
+        world, lives = self.world, self.world.coordinator.incarnations
 
         def step() -> object:
             world.open_tick()

@@ -70,7 +70,7 @@ def added(robots: int, repeat: int = 60) -> float:
 def _drive(world: World, robots: Sequence[int]) -> float:
     """Time of a tick, s."""
     for robot in robots:
-        world.join(robot)
+        world.coordinator.join(robot)
     began = time.perf_counter()
     for _ in range(_TICKS):
         told = world.open_tick()

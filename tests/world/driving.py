@@ -30,20 +30,20 @@ def joined(setting: Scenario, robots: Iterable[int] | None = None) -> World:
     """A world that these robots, or all, have joined."""
     world = World(setting)
     for robot in setting.ids if robots is None else robots:
-        world.join(robot)
+        world.coordinator.join(robot)
     return world
 
 
 def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> None:
     """One tick in which every active robot commands, zero unless told otherwise."""
     told = world.open_tick()
-    assert not world.awaiting_join
-    for robot in world.active:
+    assert not world.coordinator.awaiting_join
+    for robot in world.coordinator.active:
         velocity = (velocities or {}).get(robot, (0.0, 0.0))
         roster = told[robot].roster
         kept = 0 if roster is None else roster.version
         assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity, kept))
-    assert not world.waiting
+    assert not world.coordinator.waiting
     world.close_tick()
 
 

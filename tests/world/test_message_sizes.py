@@ -166,12 +166,12 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
     world = run.world
     for robot in IDS:
-        world.join(robot)
+        world.coordinator.join(robot)
     told = world.open_tick()
-    assert len(world.active) == MOST
+    assert len(world.coordinator.active) == MOST
     assert_fits(told[IDS[0]], robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
-    while len(world.standing) < MOST:
+    while len(world.coordinator.standing) < MOST:
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
@@ -191,12 +191,12 @@ def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
     run = Run(0, validated(replace(crowd(), link=Link(partition=apart))), {})
     random, world = Random(1), run.world
-    world._record.contacts.all.extend(
+    world.referee.record.contacts.all.extend(
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
         for _ in range(100_000)
     )
-    world._lives.applied += [(n, ProcessFault(IDS[0], n / 7.0, "restart")) for n in range(100_000)]
-    world._lives.fenced += [(n, Standing(IDS[0], LIFE, POINT)) for n in range(100_000)]
+    world.coordinator.lives.applied += [(n, ProcessFault(IDS[0], n / 7.0, "restart")) for n in range(100_000)]
+    world.coordinator.lives.fenced += [(n, Standing(IDS[0], LIFE, POINT)) for n in range(100_000)]
     report = run.report([], 0, 0.0)
     assert report["collisions"] == 100_000
     assert_fits(Result(json.dumps(report)), world_key("r", "result"))

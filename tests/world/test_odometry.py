@@ -54,18 +54,18 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
     world = joined(setting(replace(BASE, hold=0.3)))
     for _ in range(8):
         advance(world, {1: (0.08, 0.0)})
-    world.lost(1)
+    world.coordinator.lost(1)
     moving, quiet = [], 0
-    while not world.standing:
+    while not world.coordinator.standing:
         before = world.truth.positions[0]
         advance(world)
         quiet += 1
         moving.append(world.truth.positions[0] != before)
         assert quiet < 40
-    silence = world._scenario.ticks(world._scenario.time.fence)
+    silence = world.scenario.ticks(world.scenario.time.fence)
     assert quiet > silence  # a point would have been fenced by then
     assert moving[silence]
-    (fenced,) = world.standing
+    (fenced,) = world.coordinator.standing
     place = world.truth.positions[0]
     for _ in range(5):
         advance(world)

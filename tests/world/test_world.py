@@ -36,21 +36,25 @@ FIELDS = {
 
 def test_robots_join_before_the_first_tick():
     world = World(two(), {2: 7})
-    assert world.awaiting_join == {1, 2}
+    assert world.coordinator.awaiting_join == {1, 2}
     assert world.open_tick() == {}
-    assert world.join(1) == 1
+    assert world.coordinator.join(1) == 1
     assert world.open_tick() == {}
-    assert world.join(2) == 8
+    assert world.coordinator.join(2) == 8
     assert world.open_tick().keys() == {1, 2}
-    assert (world.active, world.waiting, world.incarnations) == ((1, 2), {1, 2}, {1: 1, 2: 8})
+    assert (world.coordinator.active, world.coordinator.waiting, world.coordinator.incarnations) == (
+        (1, 2),
+        {1, 2},
+        {1: 1, 2: 8},
+    )
 
 
 def test_joining_twice_or_as_nobody_is_refused():
     world = joined(two())
     with pytest.raises(JoinError, match="robot 1 is already running; stop it or use another id"):
-        world.join(1)
+        world.coordinator.join(1)
     with pytest.raises(JoinError, match=r"no robot 3 in scenario 'scenario'; there are 1, 2"):
-        world.join(3)
+        world.coordinator.join(3)
 
 
 def test_a_tick_must_be_opened_before_it_is_closed():
@@ -83,7 +87,7 @@ def test_missing_commands_mean_standing_still_and_are_counted():
     world = joined(two())
     told = world.open_tick()
     world.accept(Command(2, told[2].incarnation, 0, (0.1, 0.0)))
-    assert world.waiting == {1}
+    assert world.coordinator.waiting == {1}
     world.close_tick()
     truth = world.truth
     assert truth.positions[0] == (-0.1, 0.1)
@@ -105,7 +109,7 @@ def test_commands_are_refused_by_reason():
     assert not any(world.accept(command) for command in refused)
     assert world.accept(Command(1, 1, 1, (0.0, 0.0)))
     assert not world.accept(Command(1, 1, 1, (0.1, 0.0)))
-    world.lost(2)
+    world.coordinator.lost(2)
     assert not world.accept(Command(2, 1, 1, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions == ((-0.1, 0.1), (-0.1, -0.1))

@@ -24,20 +24,20 @@ class Joined(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="join")
 
 
 class Lost(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="lost"):
-    """See `World.lost`."""
+    """See `Coordinator.lost`."""
 
     robot: Id
     reason: str = ""
 
 
 class Expected(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="expect"):
-    """See `World.expect`."""
+    """See `Coordinator.expect`."""
 
     robot: Id
 
 
 class GivenUp(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="give up"):
-    """See `World.give_up_waiting`."""
+    """See `Coordinator.give_up_waiting`."""
 
     robot: Id
     reason: str = ""

@@ -62,19 +62,19 @@ class Membership:
         """The process of a robot is there."""
         self.newcomers -= {robot}
 
-    def turn_over(self, tick: int, places: Mapping[int, Vector]) -> frozenset[int] | None:
+    def turn_over(self, tick: int, places: Mapping[int, Vector]) -> bool:
         """Before `tick` begins: let disks appear that may, and take those away that leave.
 
         Args:
             places: of all disks, m.
 
         Returns:
-            Who has left; None if nobody came or left. `scenario` is another one otherwise.
+            Whether anybody came or left; `scenario` is another one then.
         """
         settled = self._lives.settle_robots(tick) if self._announced else []
         left, self._leaving = frozenset(self._leaving), set()
         if not settled and not left:
-            return None
+            return False
         for robot in sorted(left):
             self._lives.remove(tick, robot, places[robot])
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
@@ -83,7 +83,7 @@ class Membership:
         robots = (*stay, *new)
         k = grown(self._k, self._robots, len(robots))
         self.scenario = replace(self.scenario, robots=robots, control=replace(self.scenario.control, k=k))
-        return left
+        return True
 
     def _unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""

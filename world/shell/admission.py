@@ -90,20 +90,22 @@ class Admissions:
         robot, world, slot = join.robot, run.world, self.slots[join.robot]
         if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
-        if world.is_paused(robot):
+        if world.coordinator.is_paused(robot):
             return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
         if slot.session not in ("", join.session):
             if self._clock() < slot.since + RESERVATION:
                 return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
-            world.lost(robot, "showed no sign of life after it was admitted; another process came")
-        elif slot.session and world.goes_on(robot, slot.granted):
+            world.coordinator.lost(
+                robot, "showed no sign of life after it was admitted; another process came"
+            )
+        elif slot.session and world.coordinator.goes_on(robot, slot.granted):
             if _lived(join) < slot.granted:
                 return self._admission(slot, run)
-            world.lost(robot)  # as the process itself says
+            world.coordinator.lost(robot)  # as the process itself says
         if self._journal is not None:
             self._journal.note(Seated(robot, join.session))
         try:
-            slot.granted = world.join(robot)
+            slot.granted = world.coordinator.join(robot)
         except JoinError as error:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()

@@ -67,7 +67,7 @@ class FailureDetector:
 
     def miss(self, robot: int, run: Run) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
-        if self._grace and run.world.goes_on(robot, self._admissions.slots[robot].granted):
+        if self._grace and run.world.coordinator.goes_on(robot, self._admissions.slots[robot].granted):
             self._admissions.miss(robot)
         else:
             self._gone(robot, run)
@@ -98,18 +98,18 @@ class FailureDetector:
         """What robots are told when the next tick opens; None while it waits for somebody. Real time waits
         for nobody once it has begun; who comes later joins then."""
         world = run.world
-        if not world.founded and self._admissions.absent():
+        if not world.coordinator.founded and self._admissions.absent():
             return None
         ticks = world.open_tick()
         if not self._absent(run):
             return ticks
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario wants back must learn that it has to join again
-            awaited = world.awaiting_join
+            awaited = world.coordinator.awaiting_join
             self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
-        for robot in world.awaiting_join:
-            world.give_up_waiting(robot)
+        for robot in world.coordinator.awaiting_join:
+            world.coordinator.give_up_waiting(robot)
         return world.open_tick()
 
     def wait(self, now: float, run: Run) -> None:
@@ -127,11 +127,13 @@ class FailureDetector:
     def _absent(self, run: Run) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world, absent = run.world, self._admissions.absent()
-        return world.awaiting_join | (absent & frozenset(world.active) if world.founded else absent)
+        return world.coordinator.awaiting_join | (
+            absent & frozenset(world.coordinator.active) if world.coordinator.founded else absent
+        )
 
     def _lose_patience(self, run: Run) -> None:
         """Give up who is sick, and have patience with the others."""
-        blamed = run.world.blamed()
+        blamed = run.world.coordinator.blamed()
         for robot in blamed:
             self._admissions.blame(robot)
         self._pacing.begin_again()
@@ -145,24 +147,24 @@ class FailureDetector:
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
         reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
-            if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
+            if world.coordinator.give_up_waiting(robot, reason) or world.coordinator.lost(robot, reason):
                 self._tell_person(robot, reason, run)
 
     def _give_up(self, robots: Mapping[int, str], run: Run) -> None:
         """These do not take part any more, with the reasons; whoever waits for their states must know."""
         world, running = run.world, run.phase is Phase.RUNNING
         for robot, reason in robots.items():
-            if world.lost(robot, reason if running else "") and running:
+            if world.coordinator.lost(robot, reason if running else "") and running:
                 self._tell_person(robot, reason, run)
         if run.opened and self._pacing.lockstep:
-            waiting = world.waiting
+            waiting = world.coordinator.waiting
             self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
 
     def _expect(self, robot: int, run: Run) -> None:
         """Wait for the next life of a robot that is started again."""
         if run.phase is Phase.RUNNING and self.expected[robot] < self._restarts:
             self.expected[robot] += 1
-            run.world.expect(robot)
+            run.world.coordinator.expect(robot)
 
     def _tell_person(self, robot: int, reason: str, run: Run) -> None:
         self._say(f"tick {run.world.tick}: gives up robot {robot}, which {reason}")

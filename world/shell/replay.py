@@ -69,7 +69,7 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
         elif isinstance(entry, Joined):
             sessions[entry.robot] = seated.get(entry.robot, "")
     run.world.news()
-    run.world.note = journal.note
+    run.world.coordinator.note = journal.note
     return Resumed(journal, run, sessions, expected)
 
 
@@ -89,7 +89,7 @@ def _close(world: World, entry: Closed) -> bool:
 
 def _join(world: World, entry: Joined) -> bool:
     try:
-        return world.join(entry.robot) == entry.incarnation
+        return world.coordinator.join(entry.robot) == entry.incarnation
     except JoinError:
         return False
 
@@ -109,9 +109,9 @@ _FOLLOW: dict[type, Callable[[World, Any], bool]] = {
     Opened: _always(lambda world, _: world.open_tick()),
     Closed: _close,
     Joined: _join,
-    Lost: _always(lambda world, entry: world.lost(entry.robot, entry.reason)),
-    Expected: _always(lambda world, entry: world.expect(entry.robot)),
-    GivenUp: _always(lambda world, entry: world.give_up_waiting(entry.robot, entry.reason)),
+    Lost: _always(lambda world, entry: world.coordinator.lost(entry.robot, entry.reason)),
+    Expected: _always(lambda world, entry: world.coordinator.expect(entry.robot)),
+    GivenUp: _always(lambda world, entry: world.coordinator.give_up_waiting(entry.robot, entry.reason)),
     Ordered: lambda world, entry: world.order(entry.robot, entry.order).accepted,
     Placed: lambda world, entry: world.add_thing(entry.order).accepted,
     TakenAway: lambda world, entry: world.remove_thing(entry.number).accepted,

@@ -59,28 +59,28 @@ class Run:
         return Clock(
             world.tick,
             seconds,
-            world.active,
-            world.standing,
+            world.coordinator.active,
+            world.coordinator.standing,
             world.verdict,
             self.number,
             truth.clearance,
             truth.phi,
             world.reason,
-            world.founded,
-            world.halted,
-            world.missed,
+            world.coordinator.founded,
+            world.coordinator.halted,
+            world.coordinator.missed,
             dict(self.rejected),
-            world.things,
-            world.newcomers,
+            world.coordinator.things,
+            world.coordinator.newcomers,
         )
 
     def is_marked(self) -> bool:
         """Whether something is to happen at this tick that a launcher has to carry out."""
-        return self.world.tick in self._due or bool(self.world.newcomers)
+        return self.world.tick in self._due or bool(self.world.coordinator.newcomers)
 
     def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
         """What tells robots that the run is over."""
-        lives, tick = self.world.incarnations, self.world.tick
+        lives, tick = self.world.coordinator.incarnations, self.world.tick
         return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
     def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:

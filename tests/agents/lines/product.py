@@ -30,8 +30,8 @@ _ROBOT = [
     "agents.robot",
 ]
 _WORLD = [
-    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands")),
-    *("world.plants.integrator", "world.plants.choice", "world.world"),
+    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "coordinator")),
+    *("world.plants.integrator", "world.plants.choice", "world.simulation", "world.world"),
 ]
 
 

@@ -68,7 +68,7 @@ class Skirmish:
         self.things = self.scenario.shapes  # that stand in this tick
         for robot in self.scenario.ids:
             if rng.random() < 0.15:
-                self.world.give_up_waiting(robot)
+                self.world.coordinator.give_up_waiting(robot)
             else:
                 self._join(robot)
 
@@ -88,7 +88,7 @@ class Skirmish:
         for command in (*self.late, *self.late):
             world.accept(command)
         self.late = self.late[-20:]
-        self.things = dict(world._lives.things.standing)
+        self.things = dict(world.coordinator.lives.things.standing)
         world.close_tick()
         for process in self.processes.values():
             process.asleep -= 1
@@ -110,14 +110,14 @@ class Skirmish:
 
     def _operate(self, rng: Random) -> None:
         """Something comes or goes."""
-        book = self.world._lives.things
+        book = self.world.coordinator.lives.things
         here = [*book.standing, *book.appearing]
         if here and rng.random() < 0.3:
             self.world.remove_thing(rng.choice(here))
             return
         thing = _beside(rng, rng.choice(self.before))
-        if self.world.founded and rng.random() < 0.3:
-            self.world._lives.announce(
+        if self.world.coordinator.founded and rng.random() < 0.3:
+            self.world.coordinator.lives.announce(
                 thing.shape
             )  # the world refuses what is on a robot; the roster need not
         else:
@@ -170,7 +170,7 @@ class Skirmish:
 
     def _live(self, process: _Process, robot: int) -> None:
         """The process begins a new incarnation of its robot."""
-        core = self.product.Robot(self.scenario, robot, self.world.join(robot))
+        core = self.product.Robot(self.scenario, robot, self.world.coordinator.join(robot))
         core._law = _Attack(self.rng, self.world, robot)
         process.core = core
         self.processes[robot] = process
@@ -185,7 +185,7 @@ class Skirmish:
         if kind == "sleep":
             process.asleep = self.rng.randint(1, 12)
             return
-        self.world.lost(robot)
+        self.world.coordinator.lost(robot)
         if kind == "die":
             self.former.append(self.processes.pop(robot))
         else:
@@ -198,7 +198,10 @@ class Skirmish:
             tick = process.queue.popleft()
             core = process.core
             if core.has_ended(tick):
-                if self.processes.get(core.robot) is process and self.world._lives.of[core.robot].fenced:
+                if (
+                    self.processes.get(core.robot) is process
+                    and self.world.coordinator.lives.of[core.robot].fenced
+                ):
                     self._live(process, core.robot)
             elif tick.incarnation == core.incarnation and tick.tick > core.tick:
                 process.state = core.begin(tick)
@@ -258,7 +261,7 @@ class _Attack:
 
     def __init__(self, rng: Random, world: Any, robot: int) -> None:
         self._rng, self._world, self._robot = rng, world, robot
-        self._things = [(shape.around.x, shape.around.y) for shape in world._scenario.shapes.values()]
+        self._things = [(shape.around.x, shape.around.y) for shape in world.scenario.shapes.values()]
         self._targets = len(world.truth.robots) + len(self._things)
         self._target, self._turn = 0, 0.0
 

@@ -29,12 +29,12 @@ def place(world: World, robot: int) -> tuple[float, float]:
 def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
-    world.lost(2)
+    world.coordinator.lost(2)
     stood = place(world, 2)
     advance_to(world, 2 + FENCE)
-    assert (world.active, world.standing) == ((1,), ())
+    assert (world.coordinator.active, world.coordinator.standing) == ((1,), ())
     advance_to(world, 3 + FENCE)
-    assert world.standing == (Standing(2, 1, stood),)
+    assert world.coordinator.standing == (Standing(2, 1, stood),)
     told = world.open_tick()
     assert told[1].roster == told[2].roster  # it may still listen
     assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood, founding=1)
@@ -49,37 +49,37 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
 def test_a_lost_robot_that_is_started_again_is_waited_for():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
-    world.expect(2)  # nobody has lost it
-    assert world.awaiting_join == frozenset()
-    world.lost(2)
-    world.expect(2)
-    assert world.awaiting_join == {2}
+    world.coordinator.expect(2)  # nobody has lost it
+    assert world.coordinator.awaiting_join == frozenset()
+    world.coordinator.lost(2)
+    world.coordinator.expect(2)
+    assert world.coordinator.awaiting_join == {2}
     assert world.open_tick().keys() == {2}  # only to learn that it has to join again
-    assert world.join(2) == 2
+    assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
-    world.lost(1)
-    world.expect(1)
-    world.give_up_waiting(1)
+    world.coordinator.lost(1)
+    world.coordinator.expect(1)
+    world.coordinator.give_up_waiting(1)
     assert world.open_tick()[2].active == (2,)
 
 
 def test_whoever_the_scenario_kills_is_not_waited_for():
     world = faulty((2, 3, "kill"))
     advance_to(world, 4)
-    world.lost(2)
-    world.expect(2)
-    assert world.awaiting_join == frozenset()
+    world.coordinator.lost(2)
+    world.coordinator.expect(2)
+    assert world.coordinator.awaiting_join == frozenset()
 
 
 def test_losing_a_robot_in_an_open_tick_tells_the_others():
     world = joined(two(time=PATIENT))
     before = world.open_tick()
     world.accept(Command(2, 1, 0, (0.1, 0.0)))
-    world.lost(2)
+    world.coordinator.lost(2)
     after = world.open_tick()
     assert (before[1].active, after[1].active) == ((1, 2), (1,))
     assert after[1].sense == before[1].sense
-    assert world.waiting == {1}
+    assert world.coordinator.waiting == {1}
     world.close_tick()
     assert place(world, 2) == (-0.1, -0.1)
     assert world.report()["missed_commands"] == 2
@@ -91,7 +91,7 @@ def test_a_live_robot_that_sends_nothing_is_fenced_too():
         assert world.open_tick()[1].active == (1, 2)
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert [down.robot for down in world.standing] == [2]
+    assert [down.robot for down in world.coordinator.standing] == [2]
     assert world.open_tick()[1].active == (1,)
     assert world.report()["missed_commands"] == FENCE
 
@@ -104,16 +104,16 @@ def test_one_command_in_time_keeps_a_robot_from_being_fenced():
         if tick % FENCE == FENCE - 1:
             assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.standing == ()
+    assert world.coordinator.standing == ()
 
 
 def test_a_fenced_robot_joins_again_as_a_new_life():
     world = joined(two(time=PATIENT))
     advance_to(world, 2)
-    world.lost(2)
+    world.coordinator.lost(2)
     advance_to(world, 2 + FENCE)
-    assert world.join(2) == 2
-    assert world.standing == ()
+    assert world.coordinator.join(2) == 2
+    assert world.coordinator.standing == ()
     told = world.open_tick()
     assert (told[2].incarnation, told[1].active) == (2, (1, 2))
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
@@ -122,28 +122,28 @@ def test_a_fenced_robot_joins_again_as_a_new_life():
 
 def test_joining_in_an_open_tick_takes_part_from_the_next_one():
     world = joined(two(time=PATIENT))
-    world.lost(2)
+    world.coordinator.lost(2)
     world.open_tick()
-    assert world.join(2) == 2
-    assert (world.active, world.waiting) == ((1,), {1})
+    assert world.coordinator.join(2) == 2
+    assert (world.coordinator.active, world.coordinator.waiting) == ((1,), {1})
     assert not world.accept(Command(2, 2, 0, (0.1, 0.0)))
     world.accept(Command(1, 1, 0, (0.0, 0.0)))
     world.close_tick()
     assert world.open_tick().keys() == {1, 2}
-    assert world.active == (1, 2)
+    assert world.coordinator.active == (1, 2)
 
 
 def test_a_new_life_is_given_its_own_time_before_it_is_fenced():
     world = joined(two(time=PATIENT))
-    world.lost(2)
+    world.coordinator.lost(2)
     advance_to(world, 10)
-    world.join(2)
+    world.coordinator.join(2)
     for tick in range(10, 10 + FENCE):
-        assert world.standing == ()
+        assert world.coordinator.standing == ()
         world.open_tick()
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.standing == (Standing(2, 2, (-0.1, -0.1)),)
+    assert world.coordinator.standing == (Standing(2, 2, (-0.1, -0.1)),)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -151,13 +151,13 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     advance_to(world, 5)
     stood = place(world, 2)
     assert world.open_tick().keys() == {1}
-    assert world.active == (1,)
+    assert world.coordinator.active == (1,)
     advance_to(world, 15)
     assert place(world, 2) == stood
     assert world.open_tick().keys() == {1}
-    assert [down.robot for down in world.standing] == [2]
+    assert [down.robot for down in world.coordinator.standing] == [2]
     assert world.report()["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
-    assert world.join(2) == 2  # an operator may start it again
+    assert world.coordinator.join(2) == 2  # an operator may start it again
 
 
 def test_a_fault_between_two_ticks_happens_at_the_later_one():
@@ -173,23 +173,23 @@ def test_a_short_pause_ends_in_the_same_life():
     advance_to(world, 3)
     assert world.open_tick().keys() == {1}
     with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
-        world.join(2)
-    world.lost(2)  # its presence may go while it is stopped
+        world.coordinator.join(2)
+    world.coordinator.lost(2)  # its presence may go while it is stopped
     advance_to(world, 6)
     told = world.open_tick()
-    assert world.awaiting_join == frozenset()
-    assert (told[2].incarnation, told[2].active, world.standing) == (1, (1, 2), ())
+    assert world.coordinator.awaiting_join == frozenset()
+    assert (told[2].incarnation, told[2].active, world.coordinator.standing) == (1, (1, 2), ())
 
 
 def test_a_long_pause_ends_in_a_new_life():
     world = faulty((2, 3, "pause"), (2, 12, "resume"))
     advance_to(world, 12)
     told = world.open_tick()
-    assert world.awaiting_join == {2}
+    assert world.coordinator.awaiting_join == {2}
     assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
     assert told[2].roster.members[1].position == place(world, 2)
-    assert world.standing == (Standing(2, 1, place(world, 2)),)
-    assert world.join(2) == 2
+    assert world.coordinator.standing == (Standing(2, 1, place(world, 2)),)
+    assert world.coordinator.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
 
 
@@ -198,11 +198,11 @@ def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
     advance_to(world, 3)
     assert world.open_tick().keys() == {1}
     with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
-        world.join(2)
+        world.coordinator.join(2)
     advance_to(world, 6)
     world.open_tick()
-    assert world.awaiting_join == {2}
-    assert world.join(2) == 2
+    assert world.coordinator.awaiting_join == {2}
+    assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
 
 
@@ -211,10 +211,10 @@ def test_restart_waits_for_a_new_life():
     advance_to(world, 3)
     assert world.open_tick() == {}
     assert world.open_tick() == {}
-    assert world.awaiting_join == {2}
+    assert world.coordinator.awaiting_join == {2}
     with pytest.raises(RuntimeError, match="tick 3 is not open"):
         world.close_tick()
-    assert world.join(2) == 2
+    assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
     assert len(world.report()["faults"]["process"]) == 1
 
@@ -223,40 +223,40 @@ def test_waiting_may_be_given_up_and_the_robot_may_still_come():
     world = faulty((2, 3, "restart"))
     advance_to(world, 3)
     world.open_tick()
-    world.give_up_waiting(2)
+    world.coordinator.give_up_waiting(2)
     world.open_tick()
-    assert world.active == (1,)
+    assert world.coordinator.active == (1,)
     advance_to(world, 10)
-    assert [down.robot for down in world.standing] == [2]
-    assert world.join(2) == 2
+    assert [down.robot for down in world.coordinator.standing] == [2]
+    assert world.coordinator.join(2) == 2
     world.open_tick()
-    assert world.active == (1, 2)
+    assert world.coordinator.active == (1, 2)
 
 
 def test_a_robot_that_never_starts_is_a_disk_that_stands():
     world = joined(two(time=PATIENT), [1])
-    world.give_up_waiting(2)
+    world.coordinator.give_up_waiting(2)
     assert world.open_tick().keys() == {1}
     advance_to(world, FENCE)
-    assert world.standing == (Standing(2, 0, (-0.1, -0.1)),)
+    assert world.coordinator.standing == (Standing(2, 0, (-0.1, -0.1)),)
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])
 def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
     world = World(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
-    world.join(1)
+    world.coordinator.join(1)
     assert world.open_tick() == {}
-    assert (world.founded, world.awaiting_join) == (False, {2})
-    world.join(2)
+    assert (world.coordinator.founded, world.coordinator.awaiting_join) == (False, {2})
+    world.coordinator.join(2)
     told = world.open_tick()
-    assert world.founded
+    assert world.coordinator.founded
     if event == "restart":
-        assert (world.awaiting_join, told) == ({2}, {})
-        world.join(2)
+        assert (world.coordinator.awaiting_join, told) == ({2}, {})
+        world.coordinator.join(2)
         told = world.open_tick()
     founding = {member.robot: member.founding for member in told[1].roster.members}
     assert founding == {1: 1, 2: 1}  # the second life of a tick is none of those that begin it
-    assert world.active == ((1, 2) if event == "restart" else (1,))
+    assert world.coordinator.active == ((1, 2) if event == "restart" else (1,))
 
 
 def test_a_pause_from_the_start_ends_in_the_founding_life():
@@ -264,7 +264,7 @@ def test_a_pause_from_the_start_ends_in_the_founding_life():
     world = joined(two(process=faults, time=PATIENT))
     advance_to(world, 2)
     told = world.open_tick()
-    assert (world.active, world.incarnations) == ((1, 2), {1: 1, 2: 1})
+    assert (world.coordinator.active, world.coordinator.incarnations) == ((1, 2), {1: 1, 2: 1})
     assert told[2].roster.members[1].founding == 1
 
 
@@ -279,8 +279,8 @@ def test_scheduled_faults_give_the_same_trajectory_again():
         world = joined(setting)
         while not world.verdict:
             world.open_tick()
-            for robot in world.awaiting_join:
-                world.join(robot)
+            for robot in world.coordinator.awaiting_join:
+                world.coordinator.join(robot)
             advance(world, toward(world, setting))
         assert world.verdict == "arrived"
         return world.report()["trajectory_sha256"]

@@ -129,7 +129,7 @@ def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
     before = world.truth.positions
     world.open_tick()
     world.halt(True)  # in the middle of a tick, with commands on their way
-    for robot in world.active:
+    for robot in world.coordinator.active:
         world.accept(Command(robot, 1, 1, (0.1, 0.0)))
     world.close_tick()
     for _ in range(40):  # far longer than what counts as a deadlock

@@ -35,7 +35,7 @@ def world() -> World:
 
 
 def statuses(found: World) -> dict[int, str]:
-    return {each.number: each.status for each in found.things}
+    return {each.number: each.status for each in found.coordinator.things}
 
 
 def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
@@ -45,8 +45,8 @@ def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
     told = found.open_tick()
     assert statuses(found) == {2: "appearing"}
     assert [each.shape for each in told[1].roster.things] == [WALL.shape]
-    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.version))
-    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.version - 1))
+    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.coordinator.version))
+    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.coordinator.version - 1))
     found.close_tick()
     assert statuses(found) == {2: "appearing"}
     advance(found)
@@ -73,7 +73,7 @@ def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
         advance(found, {1: (0.1, 0.0)})
     assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
     found.remove_thing(number)
-    assert found.things == ()
+    assert found.coordinator.things == ()
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,12 @@ def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
 )
 def test_a_refusal_says_why_and_changes_nothing(order: ThingOrder, words: str) -> None:
     found = world()
-    version, noted = found.version, []
-    found.note = noted.append
+    version, noted = found.coordinator.version, []
+    found.coordinator.note = noted.append
     reply = found.add_thing(order)
     assert not reply.accepted
     assert words in reply.text
-    assert (found.version, found.things, noted) == (version, (), [])
+    assert (found.coordinator.version, found.coordinator.things, noted) == (version, (), [])
 
 
 def test_before_the_first_tick_nothing_is_added() -> None:
@@ -111,17 +111,17 @@ def test_a_thing_on_a_goal_is_accepted_with_a_warning() -> None:
 def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
     setting = replace(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.3, 0.3), (0.3, 0.3))), workspace=Workspace(0.6))
     found = World(setting)
-    robot = Robot(setting, 1, found.join(1))
-    found.give_up_waiting(2)
+    robot = Robot(setting, 1, found.coordinator.join(1))
+    found.coordinator.give_up_waiting(2)
     found.open_tick()
     found.close_tick()
-    found._lives.announce(ThingOrder(center=(0.02, 0.0), radius=0.02).shape)
+    found.coordinator.lives.announce(ThingOrder(center=(0.02, 0.0), radius=0.02).shape)
     kept = []
     for _ in range(20):
         robot.begin(found.open_tick()[1])
         command = robot.command()
         found.accept(command)
-        kept.append(command.roster == found.version)
+        kept.append(command.roster == found.coordinator.version)
         assert statuses(found)[1] == "appearing"
         if kept[-1]:
             break

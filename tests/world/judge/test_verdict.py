@@ -117,11 +117,11 @@ def test_not_aborted_while_a_restart_is_scheduled():
     faults = (ProcessFault(2, 0.5, "kill"), ProcessFault(2, 8.0, "restart"))
     setting = two(process=faults, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = joined(setting)
-    while not world.awaiting_join:
+    while not world.coordinator.awaiting_join:
         advance(world, toward(world, setting))
         world.open_tick()
     assert (world.tick, world.verdict) == (160, "")
-    assert world.join(2) == 2
+    assert world.coordinator.join(2) == 2
     while not world.verdict:
         advance(world, toward(world, setting))
     assert world.verdict == "arrived"
@@ -133,4 +133,4 @@ def test_a_robot_that_is_down_at_its_goal_has_arrived():
     while not world.verdict:
         advance(world, {1: (0.05, 0.0), 2: toward(world, setting)[2]})
     assert world.verdict == "arrived"
-    assert world.active == (1,)
+    assert world.coordinator.active == (1,)

@@ -68,7 +68,7 @@ def drive(setting: Setting, naive: bool = False) -> dict[str, Any]:
     """
     scenario, lost = setting.scenario, Random(setting.seed)
     world = World(scenario)
-    robots = {robot: Robot(scenario, robot, world.join(robot)) for robot in scenario.ids}
+    robots = {robot: Robot(scenario, robot, world.coordinator.join(robot)) for robot in scenario.ids}
     for robot in robots.values() if naive else ():
         robot._body = PointBody(scenario.control.speed, scenario.time.step, 0.0)
     while not world.verdict:

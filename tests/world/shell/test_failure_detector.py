@@ -60,7 +60,7 @@ class Watch:
 
     def command(self, robot: int) -> None:
         world = self.turn.world
-        assert world.accept(Command(robot, world.incarnations[robot], world.tick, (0.0, 0.0)))
+        assert world.accept(Command(robot, world.coordinator.incarnations[robot], world.tick, (0.0, 0.0)))
 
     def close(self) -> None:
         self.turn.world.close_tick()
@@ -97,7 +97,7 @@ def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     watch = Watch()
     watch.open()
     watch.failures.miss(2, watch.turn)
-    assert watch.turn.world.active == (1,)
+    assert watch.turn.world.coordinator.active == (1,)
     assert [set(told) for told in watch.told] == [{1}]  # who waits for its State hears of it
     assert watch.told[0][1].active == (1,)
     assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
@@ -124,7 +124,7 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     watch.failures.arrive(2, watch.turn)
     assert [set(told) for told in watch.told] == [{1, 2}]
     watch.go_by(GRACE)
-    assert watch.turn.world.active == (1, 2)
+    assert watch.turn.world.coordinator.active == (1, 2)
     assert watch.said == []
 
 
@@ -133,9 +133,9 @@ def test_after_the_grace_it_is_given_up() -> None:
     watch.open()
     watch.failures.miss(2, watch.turn)
     watch.go_by(0.9 * GRACE)
-    assert watch.turn.world.active == (1, 2)
+    assert watch.turn.world.coordinator.active == (1, 2)
     watch.go_by(0.2 * GRACE)
-    assert watch.turn.world.active == (1,)
+    assert watch.turn.world.coordinator.active == (1,)
 
 
 def test_a_life_that_has_not_joined_this_run_has_no_grace() -> None:
@@ -152,7 +152,7 @@ def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
     watch.failures.miss(2, watch.turn)
     for _ in range(20):
         watch.go_by(PATIENCE)
-    assert watch.turn.world.active == (1, 2)
+    assert watch.turn.world.coordinator.active == (1, 2)
 
 
 @pytest.mark.parametrize(("session", "active"), [("session 2", (1, 2)), ("another", (1,))])
@@ -160,10 +160,10 @@ def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, act
     watch = Watch(grace=GRACE)
     watch.open()
     watch.failures.supersede(Join(2, "another"), watch.turn)
-    assert watch.turn.world.active == (1, 2)  # its token is there
+    assert watch.turn.world.coordinator.active == (1, 2)  # its token is there
     watch.failures.miss(2, watch.turn)
     watch.failures.supersede(Join(2, session), watch.turn)
-    assert watch.turn.world.active == active
+    assert watch.turn.world.coordinator.active == active
 
 
 def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
@@ -172,9 +172,9 @@ def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
     watch.command(1)
     watch.go_by(2.0 * PATIENCE)
     assert [set(told) for told in watch.told] == [{1, 2}]
-    assert watch.turn.world.active == (1, 2)
+    assert watch.turn.world.coordinator.active == (1, 2)
     watch.go_by(0.1)
-    assert watch.turn.world.active == (1,)
+    assert watch.turn.world.coordinator.active == (1,)
     assert watch.admissions.slots[2].blamed == {"session 2": 1}
     assert watch.admissions.slots[2].present  # it hangs, though its session lives
     assert len(watch.said) == 1
@@ -188,7 +188,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.failures.miss(2, watch.turn)
         watch.close()
         awaited = life < lives
-        assert watch.turn.world.awaiting_join == ({2} if awaited else set())
+        assert watch.turn.world.coordinator.awaiting_join == ({2} if awaited else set())
         assert watch.failures.expected[2] == min(life + 1, lives)
         if awaited:
             assert watch.gathered() is None
@@ -205,9 +205,9 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
     watch.pacing.wait()
     watch.go_by(GATHERING + 0.1)
     assert not watch.turn.world.verdict
-    assert watch.turn.world.awaiting_join == set()
+    assert watch.turn.world.coordinator.awaiting_join == set()
     assert watch.gathered() is not None
-    assert watch.turn.world.active == (1,)
+    assert watch.turn.world.coordinator.active == (1,)
     assert watch.said[1:] == ["tick 1: gives up robot 2, which gave no sign within 20 s"]
 
 
@@ -219,7 +219,7 @@ def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
     assert watch.said == []
     watch.failures.miss(2, watch.turn)
     watch.go_by(0.9 * GATHERING)  # of the next life's time, which begins now
-    assert watch.turn.world.awaiting_join == {2}
+    assert watch.turn.world.coordinator.awaiting_join == {2}
 
 
 @pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])
@@ -230,5 +230,5 @@ def test_who_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> Non
     watch.turn.phase = phase
     watch.failures.miss(2, watch.turn)
     assert watch.said == []
-    assert watch.turn.world.awaiting_join == set()
+    assert watch.turn.world.coordinator.awaiting_join == set()
     assert watch.failures.expected == {}

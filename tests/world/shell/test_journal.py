@@ -187,7 +187,7 @@ def test_a_full_disk_is_said_once_and_leaves_no_old_checkpoint(
     said: list[str] = []
     journal = Journal(path, "yard", SCENARIOS, said.append)
     world = joined(two())
-    world.note = journal.note
+    world.coordinator.note = journal.note
     monkeypatch.setattr(records, "write", write)
     for _ in range(2):
         world.open_tick()

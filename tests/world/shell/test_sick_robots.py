@@ -258,8 +258,8 @@ def test_a_complaint_is_no_command() -> None:
     world = joined(two())
     world.open_tick()
     assert not world.accept(Command(1, 1, 0, (0.1, 0.0), 0, (2,)))
-    assert world.waiting == {1, 2}
-    assert world.blamed().keys() == {2}
+    assert world.coordinator.waiting == {1, 2}
+    assert world.coordinator.blamed().keys() == {2}
     assert world.accept(Command(1, 1, 0, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions[0][0] > -0.1

@@ -203,11 +203,11 @@ def test_a_replay_that_ends_up_in_another_place_is_refused(tmp_path: Path) -> No
     Journal.create(path, "yard", scenarios)
     journal = Journal(path, "yard", scenarios)
     world = resume(journal, scenarios).run.world
-    world.note = lambda entry: journal.note(
+    world.coordinator.note = lambda entry: journal.note(
         Closed(entry.checksum ^ 1) if isinstance(entry, Closed) else entry
     )
     for robot in (1, 2):
-        world.join(robot)
+        world.coordinator.join(robot)
     advance(world, {1: (0.02, 0.0)})
     journal.close()
     with pytest.raises(JournalError, match="in tick 1; was it written by another version"):

@@ -1,0 +1,259 @@
+"""The coordinator: who takes part in which tick, what everybody is told, and what was asked for.
+
+It knows no plant, no sensor and no truth; where disks are it is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+import msgspec
+
+from protocol.messages import Command, Roster, Sense, Standing, Thing, Tick, Vector
+from protocol.scenario.model import Scenario
+from world.coordinator.commands import Commands
+from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
+from world.coordinator.lives import Lives
+from world.coordinator.membership import Membership
+from world.coordinator.missions import Missions
+from world.coordinator.patience import blamed
+
+
+class Coordinator:
+    """Lives, commands, missions and membership of one run.
+
+    Args:
+        scenario: the run.
+        incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
+        version: last known version of the roster, of earlier runs.
+
+    Attributes:
+        tick: the tick that is open, or that is to be opened next.
+        active: ids that take part in the tick opened last.
+        halted: whether an emergency stop is in force.
+        told: what each robot that may listen is to be told of the open tick; None while none is open.
+        note: is told every input that the run has taken, in order, before the call that gave it returns.
+            The same inputs given to another world of the same scenario make it the same
+            (`world.shell.replay`).
+    """
+
+    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int) -> None:
+        self.tick = 0
+        self.active: tuple[int, ...] = ()
+        self.halted = False
+        self.told: dict[int, Tick] | None = None
+        self.note: Callable[[Input], None] | None = None
+        self.lives = Lives(scenario, incarnations, version)
+        self.commands = Commands(self.lives)
+        self.missions = Missions(scenario)
+        self.membership = Membership(scenario, self.lives, self.missions)
+
+    def noted(self, taken: Input) -> None:
+        """An input was taken."""
+        if self.note is not None:
+            self.note(taken)
+
+    # -- who is there
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with the robots that are there now."""
+        return self.membership.scenario
+
+    @property
+    def incarnations(self) -> dict[int, int]:
+        """Newest incarnation of every robot; a following run counts on from there."""
+        return self.lives.incarnations
+
+    @property
+    def version(self) -> int:
+        """Newest version of the roster; a following run counts on from there."""
+        return self.lives.version
+
+    @property
+    def founded(self) -> bool:
+        """Whether the first tick has begun, with all that were there."""
+        return self.lives.founded
+
+    @property
+    def roster(self) -> Roster:
+        """Who is there."""
+        return self.lives.roster
+
+    @property
+    def standing(self) -> tuple[Standing, ...]:
+        """Fenced lives: fixed disks until that robot joins again."""
+        return self.lives.standing
+
+    @property
+    def things(self) -> tuple[Thing, ...]:
+        """Things that came or went since the run began, as the roster has them."""
+        return self.lives.things.changes
+
+    @property
+    def newcomers(self) -> tuple[int, ...]:
+        """Robots that were added, whose disks are there, and whose processes have not joined yet."""
+        return tuple(sorted(self.membership.newcomers))
+
+    @property
+    def awaiting_join(self) -> frozenset[int]:
+        """Robots that must be up at this tick, by the scenario, and have not joined."""
+        return self.lives.awaited
+
+    def goes_on(self, robot: int, incarnation: int) -> bool:
+        """Whether this life of a robot has joined this run and nothing has ended it."""
+        return self.lives.goes_on(robot, incarnation)
+
+    def is_paused(self, robot: int) -> bool:
+        """Whether the scenario holds a robot's process still; it may join once it is resumed."""
+        return self.lives.is_paused(robot)
+
+    # -- who comes and goes
+
+    def join(self, robot: int) -> int:
+        """A process takes over a robot; it takes part from the next opening of a tick on.
+
+        Returns its incarnation.
+
+        Raises:
+            JoinError: unknown id, or an id that is running or held down by the scenario.
+        """
+        incarnation = self.lives.join(robot, heard=self.tick - 1 if self.told is None else self.tick)
+        self.membership.joined(robot)
+        self.noted(Joined(robot, incarnation))
+        return incarnation
+
+    def lost(self, robot: int, reason: str = "") -> bool:
+        """The robot's process is gone or given up on: it stands still and takes no part from now on.
+
+        In an open tick, `told` tells the others of it. False if it took no part anyway; else a `reason`
+        stands in the report.
+        """
+        took_part = self.lives.lose(robot)
+        if took_part and reason:
+            self._lament(robot, reason)
+        if robot in self.active:
+            self._leave_out(robot)
+        self.noted(Lost(robot, reason))
+        return took_part
+
+    def expect(self, robot: int) -> None:
+        """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
+        self.lives.expect(robot)
+        self.noted(Expected(robot))
+
+    def give_up_waiting(self, robot: int, reason: str = "") -> bool:
+        """Go on without a robot of `awaiting_join`; it may still join later. As `lost` otherwise."""
+        awaited = self.lives.give_up(robot)
+        if awaited and reason:
+            self._lament(robot, reason)
+        self.noted(GivenUp(robot, reason))
+        return awaited
+
+    def dismiss(self, robot: int) -> bool:
+        """Whether a robot was removed; its process, which asks, is told no more."""
+        gone = self.lives.status_of(robot) == "gone"
+        if gone and robot in self.lives.of:
+            self.lives.dismiss(robot)
+        return gone
+
+    def _lament(self, robot: int, reason: str) -> None:
+        self.lives.given_up.append((self.tick, robot, self.lives.of[robot].incarnation, reason))
+
+    def _leave_out(self, robot: int) -> None:
+        self.active = tuple(other for other in self.active if other != robot)
+        self.commands.drop(robot)
+        if self.told is not None:
+            replace = msgspec.structs.replace
+            self.told = {other: replace(told, active=self.active) for other, told in self.told.items()}
+
+    # -- a tick
+
+    @property
+    def waiting(self) -> frozenset[int]:
+        """Active robots whose command of the open tick is outstanding."""
+        return frozenset(self.commands.waiting)
+
+    @property
+    def complete(self) -> bool:
+        """Whether nobody is in `waiting`."""
+        return not self.commands.waiting
+
+    @property
+    def missed(self) -> int:
+        """Commands that never came, over all active robots and ticks."""
+        return self.commands.missed
+
+    def blamed(self) -> dict[int, str]:
+        """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
+        lacking, self.commands.lacking = self.commands.lacking, {}
+        return blamed(self.active, self.commands.waiting, lacking)
+
+    def opens(self, places: Mapping[int, Vector]) -> bool:
+        """Whether the tick begins: process faults of the scenario happen, and nobody is awaited.
+
+        Args:
+            places: of all disks, m.
+        """
+        if not self.founded and not self.awaiting_join:
+            self.lives.found(places)
+        if not self.founded:
+            return False
+        self.lives.apply_faults(self.tick)
+        return not self.awaiting_join
+
+    def tell_fenced(self) -> dict[int, Tick]:
+        """What those of the awaited are told who have to learn that they were fenced."""
+        awaited = self.awaiting_join if self.founded else frozenset()
+        return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in awaited}
+
+    def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
+        """Begin the tick, with what every robot senses: what is to be told."""
+        self.active = self.lives.up
+        self.commands.open(self.tick, self.active)
+        self.told = self._tell(self.active, sensed)
+        return self.told
+
+    def accept(self, command: Command) -> bool:
+        """Take a command if it is of the open tick, of an active life and the first; else count why not."""
+        taken = self.commands.accept(command)
+        if taken:
+            self.noted(command)
+        return taken
+
+    def close(self, resting: Mapping[int, Vector]) -> None:
+        """End the tick. Of those who have not commanded, whoever was silent for too long is fenced.
+
+        Args:
+            resting: robots that do not move until they hear another command, and where they are, m.
+        """
+        for robot, position in resting.items():
+            if robot not in self.commands.velocities:
+                self.lives.fence(self.tick, robot, position)
+        self.told = None
+        self.tick += 1
+
+    def is_alone(self) -> bool:
+        """Whether robots are missing that will not come back."""
+        missing = len(self.lives.up) < len(self.scenario.ids)
+        return missing and self.lives.gone_for_good(self.tick - 1)
+
+    def _tell(
+        self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
+    ) -> dict[int, Tick]:
+        """Ticks for all that may listen."""
+        roster_for, goal = self.lives.roster_for, self.missions.goal
+        return {
+            robot: Tick(
+                robot,
+                life.incarnation,
+                self.tick,
+                active,
+                sensed.get(robot),
+                roster_for(robot),
+                goal(robot),
+                self.halted,
+            )
+            for robot, life in self.lives.listeners()
+        }

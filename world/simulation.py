@@ -1,0 +1,85 @@
+"""Robots that are simulated: the plant that carries them, and the sensors and bases that tell them of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from protocol.messages import Sense, Vector
+from protocol.scenario.model import Scenario
+from world.plants.choice import plant_of
+from world.plants.integrator import STANDING
+from world.sensing.odometry import Odometer
+from world.sensing.position import Sensor
+
+
+class Simulation:
+    """Every robot's disk, where it really is, and what the robot is told of that.
+
+    Attributes:
+        plant: what moves the disks.
+        sensors: of position, by robot id.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.plant = plant_of(scenario)
+        self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
+        self._odometers = {robot: Odometer(scenario, robot, self.plant.slips) for robot in scenario.ids}
+        self._departed: dict[int, float] = {}  # path lengths of robots that left, m
+
+    @property
+    def places(self) -> dict[int, Vector]:
+        """Where every disk's centre is, m, by robot id."""
+        return dict(zip(self.plant.ids, self.plant.positions, strict=True))
+
+    def place(self, robot: int) -> Vector:
+        """Where one disk's centre is, m."""
+        return self.plant.positions[self.plant.ids.index(robot)]
+
+    @property
+    def lengths(self) -> dict[int, float]:
+        """Path length of every robot that is or was there, m."""
+        return dict(zip(self.plant.ids, self.plant.lengths, strict=True)) | self._departed
+
+    def sense(self, tick: int) -> dict[int, Sense]:
+        """What every robot is told of itself at the start of `tick`, those who do not listen included:
+        sensors keep running."""
+        sensed, plant = {}, self.plant
+        for index, (robot, place) in enumerate(zip(plant.ids, plant.positions, strict=True)):
+            sensor = self.sensors[robot]
+            position, stamp = sensor.measure(tick, place)
+            moved, bound, motion = self._odometers[robot].read(plant.report(index), tick)
+            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+        return sensed
+
+    def move(self, commands: Mapping[int, Vector], tick: int) -> None:
+        """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
+        obeyed = {robot: self._odometers[robot].obeyed(commands[robot], tick) for robot in commands}
+        self.plant.move(obeyed, tick)
+
+    def brake(self, tick: int) -> None:
+        """Go through a tick in which every base is told to stand."""
+        self.plant.move(dict.fromkeys(self.plant.ids, STANDING), tick)
+
+    def resting(self) -> dict[int, Vector]:
+        """Where robots are that do not move until they hear another command, m, by robot id."""
+        plant = self.plant
+        return {
+            robot: position
+            for index, (robot, position) in enumerate(zip(plant.ids, plant.positions, strict=True))
+            if plant.stands(index)
+        }
+
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went: a new one is at its start."""
+        plant = self.plant
+        self._departed |= {
+            robot: length
+            for robot, length in zip(plant.ids, plant.lengths, strict=True)
+            if robot not in scenario.ids
+        }
+        plant.recast(scenario)
+        self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
+        self._odometers = {
+            robot: self._odometers.get(robot) or Odometer(scenario, robot, plant.slips)
+            for robot in scenario.ids
+        }
