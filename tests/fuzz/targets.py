@@ -8,9 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from random import Random
-from tempfile import gettempdir
 from typing import Any
 
 import msgspec
@@ -45,7 +43,7 @@ from protocol.scenario.file import (
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from tests.fuzz.hosts import HOSTS
-from tests.fuzz.kept import KEPT
+from tests.fuzz.kept import KEPT, folder
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep
 from tests.fuzz.orders import ORDERS
 from tests.fuzz.target import Target
@@ -326,13 +324,8 @@ def _read_settings(settings: list[str]) -> bool:
     return _same_again(parse_document(apply_settings(_documents()[0], settings)))
 
 
-@cache
-def _scratch() -> Path:
-    return Path(gettempdir()) / f"disknav-fuzz-{Random().getrandbits(64):x}.toml"
-
-
 def _read_file(content: bytes) -> bool:
-    path = _scratch()
+    path = folder() / "scenario.toml"
     try:
         path.write_bytes(content)
         return _same_again(read_scenario(path))
