@@ -52,7 +52,7 @@ class WorldNode:
         tell: is told every report.
 
     Attributes:
-        reports: one a scenario that has ended, as far as this process saw it.
+        report: of the scenario that ended last, as far as this process saw it.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class WorldNode:
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
-        self.reports: list[dict[str, Any]] = []
+        self.report: dict[str, Any] | None = None
         self.finished = False
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
@@ -306,7 +306,7 @@ class WorldNode:
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
-        self.reports.append(report)
+        self.report = report
         self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)

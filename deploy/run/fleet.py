@@ -51,6 +51,8 @@ class Fleet:
         watch: is told every Clock that is heard.
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
+        digest: what is kept of each report; all of it unless given.
+        lead: alters how processes are linked, once there is a router.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -67,13 +69,16 @@ class Fleet:
         watch: Watcher | None = None,
         record: Path | None = None,
         on_report: Callable[[Report], None] | None = None,
+        digest: Callable[[Report], Report] = lambda report: report,
+        lead: Callable[[Topology], Topology] = lambda topology: topology,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record = watch, record
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report)
+        self._reports = Reports(on_report, digest)
+        self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
         self._stack = ExitStack()
@@ -81,7 +86,7 @@ class Fleet:
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
+            self._assembly = Assembly(self._scenarios, self._options, self._record, self._lead, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
@@ -141,7 +146,7 @@ class Fleet:
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: more than one if who wrote it ended and was started again."""
+        """The files of the recording: several if it rotates, or who wrote it ended and was started again."""
         return [] if self._assembly.writer is None else self._supervisor.heard(table.WRITER)
 
     def record(self, result: Mapping[str, Any]) -> None:
