@@ -77,6 +77,10 @@ Secure = Annotated[
         "--secure", metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."
     ),
 ]
+Log = Annotated[
+    Path | None,
+    typer.Option("--log", metavar="DIR", help="Log to files here: JSON lines, a file for each process."),
+]
 ModeOption = Annotated[Mode, typer.Option("--mode", help="Who sets the pace: the robots or the wall clock.")]
 
 

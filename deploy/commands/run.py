@@ -13,6 +13,7 @@ from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, 
 from deploy.run.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
+from protocol.log import LAUNCHER, begin
 
 
 def run(
@@ -52,6 +53,7 @@ def run(
             help=f"A process that fails is started again: never, or on-failure[:N] ({RESTARTS} times each).",
         ),
     ] = "never",
+    log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Run a scenario: a router, a world and one process per robot; prints what came of it.
@@ -73,8 +75,9 @@ def run(
     pace = speed if speed is not None else 1.0 if web else 0.0
     hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
     how = RunOptions(
-        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart)
+        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart), log
     )
+    begin(LAUNCHER, run_name, log)
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

@@ -14,6 +14,7 @@ from deploy.run.options import RunOptions, restarts
 from deploy.run.result import table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
+from protocol.log import LAUNCHER, begin
 
 _RESTARTS = "on-failure:1000"
 
@@ -47,6 +48,7 @@ def serve(
             metavar="POLICY", help="A process that fails is started again: never, or on-failure[:N]."
         ),
     ] = _RESTARTS,
+    log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Keep a fleet up until Ctrl-C; robots go where [b]disknav goal[/b] sends them.
@@ -74,7 +76,9 @@ def serve(
         secure=secure,
         speed=0.0 if mode == "realtime" else 1.0 if speed is None else speed,
         restarts=restarts(restart),
+        log=log,
     )
+    begin(LAUNCHER, run, log)
     silent = quiet or is_standard_output(json_file)
     if not silent:
         typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)

@@ -20,6 +20,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
 
@@ -54,11 +55,13 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                     result = complete(report, options, [])
                     json_output.write_json(result, extras.json)
                 return result
+            LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports = fleet.execute()
             with undisturbed():
                 processes, recordings = fleet.processes(), fleet.recordings()
                 result = complete(reports[0], options, processes, recordings if extras.record else [])
+                LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
         if extras.plot is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +26,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
+from protocol.log import LOG
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
 
@@ -84,9 +84,12 @@ class Fleet:
             self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
-            self._assembly.start_robots()
+            self._supervisor.start(self._robots())
             self._stack = stack.pop_all()
         return self
+
+    def _robots(self) -> list[table.Process]:
+        return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
         self._stack.close()
@@ -200,14 +203,15 @@ class Fleet:
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
+            LOG.info(str(exit_))
             if exit_.again and not exit_.expected:
-                print(f"disknav: {exit_}; it is started again", file=sys.stderr, flush=True)
+                LOG.warning(f"{exit_}; it is started again")
             if exit_.again:
                 continue
             if exit_.process.vital:
                 self._listen_on()
             if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
-                print(f"disknav: {exit_}; the recording ends there", file=sys.stderr, flush=True)
+                LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
@@ -229,6 +233,7 @@ class Fleet:
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
         run does not wait for it, the launcher does."""
+        LOG.info(f"{verdict}: {reason}")
         with suppress(KeyboardInterrupt):
             self._await_last_words()
         reports = self._reports.all

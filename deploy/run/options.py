@@ -50,6 +50,7 @@ class RunOptions:
     open: bool = False  # hosts that others can reach may be without keys
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a process that fails is started again: robot, world or router
+    log: Path | None = None  # folder for a file of log lines a process
     listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
 
     def __post_init__(self) -> None:
