@@ -124,7 +124,7 @@ def _said(rows: Sequence[Row]) -> Iterator[str]:
     yield f"{runs(rows)} of every law in every scenario, from the same starts"
     scanned = [row for row in rows if len(row["scan"]) > 1]
     if scanned:
-        names = dict.fromkeys(NAMES.get(row["law"], row["law"]) for row in scanned)
+        names = dict.fromkeys(NAMES.get(row["law"], str(row["law"])) for row in scanned)
         tried = sorted({len(row["scan"]) for row in scanned})
         yield (
             f"{' and '.join(names)}: the best setting of each scenario,"

@@ -82,5 +82,5 @@ def contest(place: Place, control: Mapping[str, Any], seed: int) -> Scenario:
     """The scenario of `seed` with these fields of its control table; k and speed stay."""
     scenario = place.build(seed)
     time = scenario.time if place.foreign else replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK)
-    control = replace(scenario.control, **control)
-    return resolved(replace(scenario, control=control, link=Link(delay=place.delay), time=time))
+    changed = replace(scenario.control, **control)
+    return resolved(replace(scenario, control=changed, link=Link(delay=place.delay), time=time))
