@@ -85,6 +85,7 @@ class Fleet:
         self._reports = Reports(on_report)
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
+        self._frozen: set[int] = set()  # robots whose processes are paused
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
@@ -279,8 +280,10 @@ class Fleet:
         """Start a process for each robot that was added, on this host."""
         for robot in newcomers:
             name = table.robot_name(robot)
-            if name in self._supervisor.running() or robot in self._started:
+            leaves = name not in self._supervisor.running() or robot in self._frozen
+            if not leaves or robot in self._started:
                 continue
+            self._frozen.discard(robot)
             self._started.add(robot)
             if name in self._supervisor.names:
                 self._supervisor.restart(name)
@@ -307,6 +310,9 @@ class Fleet:
             "resume": self._supervisor.resume,
             "restart": self._supervisor.restart,
         }
+        if name not in self._supervisor.names:
+            return  # it has not come yet
+        (self._frozen.add if fault.event == "pause" else self._frozen.discard)(fault.robot)
         actions[fault.event](name)
 
     def _check(self, exits: Sequence[Exit]) -> None:

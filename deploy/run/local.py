@@ -175,23 +175,37 @@ class FaultInjector:
             for fault in self._schedule.due(message):
                 self._carry_out(fault)
             for robot in message.newcomers:
-                if robot not in self._started:
-                    self._fleet.start(robot).wake(time.monotonic())
-            self._started = set(message.newcomers)
+                self._welcome(robot)
+            self._started &= set(message.newcomers)
             if self._watch is not None:
                 self._watch(message)
 
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""
 
+    def _welcome(self, robot: int) -> None:
+        """Start a node for a robot that was added, once that of an earlier one with its id has left."""
+        if robot in self._started:
+            return
+        bus = self._fleet.robots.get(robot)
+        frozen = self._paused.pop(robot, None)
+        if frozen is not None or (bus is not None and bus.node is not None and bus.node.finished):
+            self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
+        elif bus is None or bus.node is None:
+            self._started.add(robot)
+            self._fleet.start(robot).wake(time.monotonic())
+
     def _carry_out(self, fault: ProcessFault) -> None:
         fleet, robot = self._fleet, fault.robot
+        if robot not in fleet.robots:
+            return  # it has not come yet
         bus = fleet.robots[robot]
         if fault.event == "kill":
             fleet.kill(robot)
         elif fault.event == "restart":
             fleet.kill(robot)
             fleet.start(robot)
+            self._started.add(robot)
         elif fault.event == "pause" and isinstance(bus.node, RobotNode):
             self._paused[robot] = bus.node
             bus.node = None

@@ -34,14 +34,21 @@ class Membership:
         self._lives, self._missions = lives, missions
         self._k, self._robots = scenario.k, len(scenario.robots)
         self._announced: dict[int, RobotSpec] = {}  # whose disks have not appeared yet
+        self._awaited: set[int] = set()  # of them, who must join as soon as they have
         self._leaving: set[int] = set()
 
-    def add(self, spec: RobotSpec) -> str:
-        """Announce a disk; returns why that cannot be, "" if it is done."""
+    @property
+    def pending(self) -> bool:
+        """Whether disks are still to appear."""
+        return bool(self._announced)
+
+    def add(self, spec: RobotSpec, *, awaited: bool) -> str:
+        """Announce a disk, whose process is waited for or not; returns why that cannot be, "" if it is done."""
         reason = self._unfit(spec)
         if not reason:
             self._lives.announce_robot(spec)
             self._announced[spec.id] = spec
+            (self._awaited.add if awaited else self._awaited.discard)(spec.id)
         return reason
 
     def remove(self, robot: int) -> str:
@@ -71,7 +78,7 @@ class Membership:
         Returns:
             Whether anybody came or left; `scenario` is another one then.
         """
-        settled = self._lives.settle_robots(tick) if self._announced else []
+        settled = self._lives.settle_robots(tick, self._awaited) if self._announced else []
         left, self._leaving = frozenset(self._leaving), set()
         if not settled and not left:
             return False
