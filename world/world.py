@@ -203,8 +203,9 @@ class World:
         Returns why that cannot be; "" if it is under way.
         """
         membership, plant = self.coordinator.membership, self.simulation.plant
-        reason = self._fixed or plant.refusal(spec) or membership.add(spec, awaited=awaited)
+        reason = self._fixed or membership.unfit(spec) or plant.refusal(spec)
         if not reason:
+            membership.add(spec, awaited=awaited)
             self.coordinator.noted(Added(spec))
         return reason
 

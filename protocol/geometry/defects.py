@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from protocol.geometry.polygon import Point, signed_area
 
+_SHORT = 1e-9  # m, the least length of a side: its direction must be more than rounding
 _STRAIGHT = 1e-9  # sine of a turn below which a corner is taken for a point of a straight side
 _THIN = 1e-6  # of its length, that a polygon must be wide: it has two faces
 
@@ -17,9 +18,9 @@ def defect(points: Sequence[Point]) -> str:
     if count < 3:
         return "needs three points at least"
     edges = [_difference(points[(n + 1) % count], points[n]) for n in range(count)]
-    for n, (ux, uy) in enumerate(edges):
-        if ux == uy == 0.0:
-            return f"points {n} and {(n + 1) % count} are the same"
+    for n, edge in enumerate(edges):
+        if math.hypot(*edge) < _SHORT:
+            return f"points {n} and {(n + 1) % count} are the same, or nearly"
     if crossing := _crossing(points):
         return f"crosses itself: the side from point {crossing[0]} meets the side from point {crossing[1]}"
     longest = max(math.hypot(*edge) for edge in edges)

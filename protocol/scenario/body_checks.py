@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from protocol.scenario.body import PRESETS
-from protocol.scenario.shape import Document, Finding, Steps
+from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.model import RobotSpec
+from protocol.scenario.shape import Document, Finding, Steps, written
 from protocol.scenario.sound import Sound
 
 
@@ -49,6 +50,14 @@ def body_findings(sound: Sound) -> Iterator[Finding]:
         yield from _hull((*robot, "radius"), body, sound.get(*robot, "radius"))
         if physics and body and body.get("kind") != "differential-drive":
             yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
+
+
+def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
+    """What is wrong with a robot's body, the default unless it has one of its own."""
+    own = default if spec.body is None else spec.body
+    body = asdict(PRESETS[own] if isinstance(own, str) else own)
+    for steps, text in (*_wheels(("body",), body), *_hull(("radius",), body, spec.radius)):
+        yield f"{written(steps)}: {text}"
 
 
 def robots_of(sound: Sound) -> list[Steps]:

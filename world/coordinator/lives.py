@@ -204,6 +204,11 @@ class Lives:
         return self._roster.status(robot)
 
     @property
+    def ids(self) -> int:
+        """How many ids ever were in this run."""
+        return self._roster.ids
+
+    @property
     def roster(self) -> messages.Roster:
         """The present version."""
         return self._roster.message
