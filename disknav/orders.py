@@ -1,4 +1,5 @@
-"""Orders to robots while they drive: of a fleet that runs elsewhere, or of a simulation."""
+"""Orders while robots drive, to them and about what stands in their way: of a fleet that runs elsewhere, or
+of a simulation."""
 
 from __future__ import annotations
 
@@ -13,14 +14,16 @@ from deploy.run.operator import Operator, operating
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
+from protocol.geometry import Shape
 from protocol.messages import GoalStatus, Vector
 from protocol.requests.goals import GoalOrder
+from protocol.requests.things import ThingOrder, ThingReply
 
 _LONGEST = 1e6  # s
 
 
 class Orders:
-    """Sends robots of one run elsewhere."""
+    """Sends robots of one run elsewhere, and says what comes into their way and goes."""
 
     def __init__(self, operator: Operator) -> None:
         self._operator = operator
@@ -61,6 +64,41 @@ class Orders:
         """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
         return self._operator.status(robot).status
 
+    def place(self, *points: Vector, radius: float | None = None) -> int:
+        """Have a disk of `radius` (m) around a point appear, or the convex polygon of several, once every
+        robot keeps clear of its place. Its number.
+
+        Raises:
+            UsageError: it is no such thing, or the world refuses it; says why.
+            BusError: no world of this run answers.
+        """
+        corners = tuple((float(x), float(y)) for x, y in points)
+        if radius is None:
+            thing = ThingOrder(points=corners)
+        elif len(corners) == 1:
+            thing = ThingOrder(center=corners[0], radius=float(radius))
+        else:
+            raise UsageError("a disk has one point, its centre; leave out the others, or the radius")
+        if problem := thing.defect():
+            raise UsageError(f"that is no thing: it {problem}")
+        return _accepted(self._operator.place(thing))
+
+    def take(self, number: int) -> None:
+        """Say that a thing is not there any more; raises as `place` does."""
+        _accepted(self._operator.take(number))
+
+    def things(self) -> dict[int, Shape]:
+        """What stands, by number; what is yet to appear is not among it."""
+        return {
+            each.number: each.shape for each in self._operator.things().things if each.status == "standing"
+        }
+
+
+def _accepted(reply: ThingReply) -> int:
+    if not reply.accepted:
+        raise UsageError(f"refused: {reply.text}")
+    return reply.number
+
 
 class FleetOrders(Orders):
     """Orders to a fleet that drives by itself, so that their end can be waited for."""
@@ -72,6 +110,14 @@ class FleetOrders(Orders):
             BusError: it has not.
         """
         return self._operator.outcome(robot, number, min(within, _LONGEST))
+
+    def stands(self, number: int, within: float = inf) -> None:
+        """Wait until a thing stands in its place, at most `within` s.
+
+        Raises:
+            BusError: it does not.
+        """
+        self._operator.stands(number, min(within, _LONGEST))
 
 
 @contextmanager

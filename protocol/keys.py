@@ -8,9 +8,10 @@ Grammar::
     id     = decimal integer >= 1, no leading zero    a robot writes under its own id only
     robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
     world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "halt"
-                   | "fleet" | "alive"
+                   | "fleet" | "things" | "alive"
 
-`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering`, `halt` and `fleet` are queryables,
+`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering`, `halt`, `fleet` and `things` are
+queryables,
 all others are published streams (declared with types and rates in `protocol.streams`).
 """
 
@@ -23,7 +24,7 @@ from typing import NamedTuple
 from protocol.errors import KeyGrammarError
 
 ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join", "alive")
-WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "fleet", "alive")
+WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "fleet", "things", "alive")
 
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(

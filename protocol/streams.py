@@ -76,4 +76,5 @@ QUESTIONS = (
     Question("steering", "monitor"),
     Question("halt", "operator"),
     Question("fleet", "operator"),
+    Question("things", "operator"),
 )

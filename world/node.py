@@ -12,8 +12,6 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import msgspec
-
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
@@ -21,15 +19,11 @@ from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command
 from protocol.requests import joining
-from protocol.requests.fleet import FleetReply, decode_change
-from protocol.requests.form import encode_reply
-from protocol.requests.goals import GoalReply, decode_order
-from protocol.requests.halt import Halted, decode_halt
-from protocol.requests.steering import decode_steer
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
 from world.shell.journal import Began
+from world.shell.operations import Operations
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
@@ -84,10 +78,12 @@ class WorldNode:
         self._tell = tell
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
-        self._bus, self._name, self._several = bus, run, len(scenarios) > 1
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
+        self._operations = Operations(
+            bus, run, len(scenarios) > 1, self._admissions, self._publishers, self._pacing
+        )
         self._failures = FailureDetector(
             self._admissions,
             self._pacing,
@@ -105,7 +101,7 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(every_robot(run, "alive"))
-        for stream in ("steering", "scenario", "halt", "fleet"):
+        for stream in ("steering", "scenario", "halt", "fleet", "things"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))
@@ -185,14 +181,8 @@ class WorldNode:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             address = parse(request.key)
-            if address.stream == "steering":
-                return self._steer(request.payload)
-            if address.stream == "fleet":
-                return self._change(request.payload)
-            if address.stream == "halt":
-                return self._halt(request.payload)
-            if address.stream == "goal" and address.robot is not None:
-                return self._order(address.robot, request.payload)
+            if self._operations.answers(address):
+                return self._operations.reply(address, request.payload, self._run)
             return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
@@ -200,59 +190,6 @@ class WorldNode:
             reason, text = error.reason, str(error)
         self._run.rejected[reason] += 1
         return joining.encode_reply(joining.Refusal(text))
-
-    def _order(self, robot: int, payload: bytes) -> bytes:
-        """An order of where to go, or the question how things stand."""
-        world = self._run.world
-        try:
-            order = decode_order(payload)
-        except MessageError as error:
-            self._run.rejected[error.reason] += 1
-            return encode_reply(GoalReply(False, text=str(error)), payload)
-        status = world.goal_status(robot)
-        if order is None:
-            known = GoalReply(status is not None, text="" if status else f"no robot {robot}", status=status)
-            return encode_reply(known, payload)
-        if self._run.phase is not Phase.RUNNING:
-            return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
-        reply = world.order(robot, order)
-        self._publishers.goals(world.goal_news())
-        return encode_reply(reply, payload)
-
-    def _change(self, payload: bytes) -> bytes:
-        """A robot is to come or to go, or the question who is there."""
-        world, text = self._run.world, ""
-        change = decode_change(payload)
-        if change is not None and self._several:
-            text = "this world judges several scenarios one after another: each says who is in it"
-        elif change is not None and change.add is not None:
-            text = world.add(change.add) or self._welcome(change.add.id)
-        elif change is not None and change.remove is not None:
-            text = world.remove(change.remove)
-        return encode_reply(FleetReply(not text, world.coordinator.roster, text), payload)
-
-    def _welcome(self, robot: int) -> str:
-        """Have what is needed to hear and tell another robot."""
-        if robot not in self._admissions.slots:
-            self._bus.subscribe(robot_key(self._name, robot, "command"))
-        self._admissions.add(robot)
-        self._publishers.add(robot)
-        return ""
-
-    def _halt(self, payload: bytes) -> bytes:
-        """The emergency stop, its release, or the question whether it is in force."""
-        world = self._run.world
-        asked = decode_halt(payload)
-        if asked is not None:
-            world.halt(asked.halt)
-            self._inform(due=True)
-        return encode_reply(Halted(world.coordinator.halted, world.tick), payload)
-
-    def _steer(self, payload: bytes) -> bytes:
-        steer = decode_steer(payload)
-        if self._lockstep:
-            self._pacing.steering.apply(steer)
-        return msgspec.msgpack.encode(self._pacing.steering)
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":

@@ -23,6 +23,7 @@ from deploy.commands.operate.membership import add, remove
 from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
 from deploy.commands.operate.stop import release, stop
+from deploy.commands.operate.things import place, take, things
 from deploy.commands.plot import plot
 from deploy.commands.replay import replay
 from deploy.commands.run import run
@@ -57,13 +58,17 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
     "Study": (study, certify, endure, flood),
-    "Operate": (add, remove, stop, release, router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
+    "Operate": (
+        *(add, remove, place, take, things, stop, release),
+        *(router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
+    ),
 }
 for _group, _commands in GROUPS.items():
     for _command in _commands:
         if isinstance(_command, typer.Typer):
             app.add_typer(_command, rich_help_panel=_group)
         else:
-            lenient = {"ignore_unknown_options": True} if _command in (goal, add) else {}  # -0.1 is no option
+            takes_points = _command in (goal, add, place)  # -0.1 is no option
+            lenient = {"ignore_unknown_options": True} if takes_points else {}
             app.command(rich_help_panel=_group, context_settings=lenient)(_command)
 app.command(hidden=True)(host)

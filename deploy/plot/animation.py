@@ -66,7 +66,11 @@ class _Film:
         self.figure = Figure(figsize=(4.4, 4.6), layout="constrained")
         self._recording = recording
         self._axes = self.figure.subplots()
-        frame(self._axes, recording)
+        self._things = frame(self._axes, recording)
+        for text in self._axes.texts:
+            text.remove()  # a film shows when they come and go
+        for patch, _ in self._things:
+            patch.set(fill=True, linestyle="-")
         self._title = self._axes.set_title("", loc="left", family="monospace")
         self._parts = [self._robot(index, robot) for index, robot in enumerate(recording.scenario.ids)]
         self.show(0)
@@ -95,6 +99,8 @@ class _Film:
             disk.set_center(path[-1])
             trail.set_data(*path.T)
             label.set_position(path[-1])
-        seconds = truths.ticks[step] * scenario.time.step
+        seconds = float(truths.ticks[step]) * scenario.time.step
+        for patch, stay in self._things:
+            patch.set_visible(stay.since <= seconds < stay.until)
         gap = 1000.0 * float(truths.clearance[step])
         self._title.set_text(f"{scenario.name}  t = {seconds:4.1f} s  clearance {gap:5.1f} mm")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 
 from deploy.plot.style import FAINT, INK, colour, dash
+from deploy.plot.things import Stay, draw_things, patch_of
 from deploy.recording.reader import Recording
-from protocol.geometry import Disk, Shape
 
 _MOMENTS = 5  # disks drawn between start and end, at most
 MANY = 20  # robots from which on ids would hide the disks
@@ -33,12 +33,14 @@ def draw_workspace(axes: Axes, recording: Recording) -> None:
                 _label(axes, path[0], str(robot), faint=True)
 
 
-def frame(axes: Axes, recording: Recording) -> None:
-    """The empty workspace: its boundary, what stands in it, equal scales, axes in metres."""
+def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
+    """The empty workspace: its boundary, what stands in it, equal scales, axes in metres.
+
+    Returns what was drawn of all that ever stood there.
+    """
     room = recording.scenario.workspace.shape
-    for shape in recording.scenario.shapes.values():
-        axes.add_patch(_patch(shape, facecolor=FAINT, edgecolor=INK, alpha=0.35, linewidth=0.8, zorder=3))
-    axes.add_patch(_patch(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
+    things = draw_things(axes, recording)
+    axes.add_patch(patch_of(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
     (left, low), (right, high) = room.box
     margin = 0.02 * max(right - left, high - low)
     axes.set(
@@ -50,12 +52,7 @@ def frame(axes: Axes, recording: Recording) -> None:
         ylabel="y, m",
     )
     axes.grid(visible=False)
-
-
-def _patch(shape: Shape, **look: object) -> Patch:
-    if isinstance(shape, Disk):
-        return Circle((shape.x, shape.y), shape.radius, **look)
-    return Polygon(shape.points, closed=True, **look)
+    return things
 
 
 def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:

@@ -9,37 +9,28 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from deploy.processes import table
-from deploy.processes.hosts.protection import check_fit
-from deploy.processes.hosts.spawners import HostSpawners
-from deploy.processes.hosts.topology import MultiHost, places
+from deploy.processes.hosts.topology import places
 from deploy.processes.row import Exit, Usage
-from deploy.processes.spawn import Spawner
-from deploy.processes.supervisor import Supervisor
 from deploy.recording.writer_process import Writer
+from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
-from deploy.run.topology import Mesh, Routed, Topology
+from deploy.run.topology import Topology
 from deploy.run.unjudged import INTERRUPTED, unjudged
-from deploy.security.membership import Membership
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import DisknavError, MessageError
+from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
-from world.shell.admission import AWAY
-from world.shell.journal import Journal
 
 Watcher = Callable[[Clock], None]
-_START = 30.0  # s for a process to say that it is ready
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _ECHO = 0.5  # s for messages of a process that has ended
@@ -91,107 +82,20 @@ class Fleet:
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._hosts = self._host_spawners()
-            self._supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=self._options.run)))
-            self._writer = self._start_writer(stack)
-            self.topology = self._begin(stack)
-            self._start_world(self._journal(stack))
+            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
+            self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
-            self._supervisor.start(self._robots())
+            self._assembly.start_robots()
             self._stack = stack.pop_all()
         return self
 
     def __exit__(self, *details: object) -> None:
         self._stack.close()
 
-    def _begin(self, stack: ExitStack) -> Topology:
-        options = self._options
-        if options.transport == "mesh":
-            folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
-            return Mesh(Path(folder), self._scenarios[0].ids)
-        membership = Membership(options.secure)
-        membership.run(options.run)  # or the router would turn everybody away
-        if options.router is not None:
-            return Routed(options.router, membership)
-        if options.hosts is not None and self._hosts is not None:
-            return self._link(MultiHost(options.hosts, membership, self._hosts))
-        record = None if self._writer is None or options.restarts else (options.run, self._writer)
-        router = table.router(
-            membership.router(() if options.listen is None else (options.listen,)), record, options.restarts
-        )
-        self._supervisor.start([router])
-        endpoint = self._supervisor.report(table.ROUTER, _START)
-        connection, *others = router.arguments  # whoever comes after it is to be found where it was
-        again = (replace(connection, listen=(endpoint,)), *others)
-        self._supervisor.amend(replace(router, arguments=again))
-        return Routed(endpoint, membership)
-
-    def _start_writer(self, stack: ExitStack) -> Path | None:
-        """Whoever writes the recording, at this address, before anybody who hears."""
-        if self._record is None:
-            return None
-        address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
-        self._supervisor.start([table.writer(self._record, address, self._options.restarts)])
-        self._supervisor.report(table.WRITER, _START)
-        return address
-
-    def _host_spawners(self) -> HostSpawners | None:
-        hosts = self._options.hosts
-        if hosts is None:
-            return None
-        if (roster := Membership(self._options.secure).roster()) is not None:
-            check_fit(roster, hosts)
-        return HostSpawners(hosts, places(hosts), self._options.run)
-
-    def _link(self, multi_host: MultiHost) -> MultiHost:
-        """A router on every host, each linked with all before it: no message can be lost on a detour."""
-        multi_host.spawners.greet()
-        for host in multi_host.hosts.hosts:
-            connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
-            restarts = self._options.restarts
-            self._supervisor.start([table.linked_router(connection, host.name, restarts, vital=vital)])
-            self._supervisor.report(table.router_name(host.name), _START)
-        return multi_host
-
-    def _journal(self, stack: ExitStack) -> Path | None:
-        """Where the world is to keep its journal, if it is to be started again: made here, so that a world
-        that finds none does not begin anew what another one began."""
-        if not self._options.restarts:
-            return None
-        journal = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "journal"
-        Journal.create(journal, self._options.run, self._scenarios)
-        hosts, spawners = self._options.hosts, self._hosts
-        folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
-        if hosts is None or spawners is None or folder is None:
-            return journal
-        spawners.store(hosts.world_host.name, journal)
-        return Path(folder) / journal.name
-
-    def _start_world(self, journal: Path | None) -> None:
-        """The world, and before anything can happen the recorder, unless the router is it."""
-        run, topology = self._options.run, self.topology
-        options, scenarios = self._options, self._scenarios
-        world = table.world(
-            topology.world(),
-            run,
-            scenarios,
-            options.lockstep,
-            speed=options.speed,
-            restarts=options.restarts,
-            journal=journal,
-        )
-        self._supervisor.start([world])
-        own_router = options.transport == "routed" and options.router is None and options.hosts is None
-        # A recording in a router would end with it.
-        if self._writer is not None and (options.restarts or not own_router):
-            away = AWAY if options.restarts else 0.0
-            recorder = table.recorder(topology.observer(), run, self._writer, away, options.restarts)
-            self._supervisor.start([recorder])
-            self._supervisor.report(table.RECORDER, _START)
-
-    def _robots(self) -> list[table.Process]:
-        run, restarts, topology = self._options.run, self._options.restarts, self.topology
-        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in self._scenarios[0].ids]
+    @property
+    def topology(self) -> Topology:
+        """Who reaches whom how."""
+        return self._assembly.topology
 
     def _listen(self, stack: ExitStack) -> None:
         self._bus = ZenohBus(self.topology.observer())
@@ -236,7 +140,7 @@ class Fleet:
 
     def recordings(self) -> list[str]:
         """The files of the recording: more than one if who wrote it ended and was started again."""
-        return [] if self._writer is None else self._supervisor.heard(table.WRITER)
+        return [] if self._assembly.writer is None else self._supervisor.heard(table.WRITER)
 
     def record(self, result: Mapping[str, Any]) -> None:
         """Finish the recording, if there is one, with the complete result of the run.
@@ -244,8 +148,8 @@ class Fleet:
         Raises:
             RecordingError: it could not be written to its end.
         """
-        if self._writer is not None:
-            Writer.at(self._writer, self._record).finish(json.dumps(result))
+        if self._assembly.writer is not None:
+            Writer.at(self._assembly.writer, self._record).finish(json.dumps(result))
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -279,28 +183,12 @@ class Fleet:
     def _welcome(self, newcomers: Sequence[int]) -> None:
         """Start a process for each robot that was added, on this host."""
         for robot in newcomers:
-            name = table.robot_name(robot)
-            leaves = name not in self._supervisor.running() or robot in self._frozen
-            if not leaves or robot in self._started:
-                continue
-            self._frozen.discard(robot)
-            self._started.add(robot)
-            if name in self._supervisor.names:
-                self._supervisor.restart(name)
-            else:
-                self._start(robot)
+            leaves = table.robot_name(robot) not in self._supervisor.running() or robot in self._frozen
+            if leaves and robot not in self._started:
+                self._frozen.discard(robot)
+                self._started.add(robot)
+                self._assembly.start_newcomer(robot)
         self._started &= set(newcomers)
-
-    def _start(self, robot: int) -> None:
-        """Start the process of a robot that was not in the table; a person must if this cannot."""
-        options, topology = self._options, self.topology
-        if isinstance(topology, Mesh):
-            topology = self.topology = topology.joined(robot)
-        try:
-            self._supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
-        except DisknavError as error:
-            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
-            print(text, file=sys.stderr, flush=True)
 
     def _carry_out(self, fault: ProcessFault) -> None:
         name = table.robot_name(fault.robot)

@@ -15,11 +15,12 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
 from protocol.keys import checked_run, robot_key, world_key
-from protocol.messages import GoalStatus, Member
+from protocol.messages import GoalStatus, Member, Thing
 from protocol.requests.fleet import FleetReply
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
+from protocol.requests.things import ThingOrder, ThingReply
 from protocol.scenario.model import RobotSpec
 
 ANSWER = 5.0  # s within which a world answers
@@ -73,6 +74,37 @@ class Operator:
                     f"robot {robot} has not appeared within {within:g} s: somebody is in its place"
                 )
             self._bus.receive(_LOOK)
+
+    def place(self, thing: ThingOrder) -> ThingReply:
+        """Have a thing appear; raises as `order` does."""
+        return self._surround(msgspec.msgpack.encode({"place": thing}))
+
+    def take(self, number: int) -> ThingReply:
+        """A thing was taken away; raises as `order` does."""
+        return self._surround(msgspec.msgpack.encode({"take": number}))
+
+    def things(self) -> ThingReply:
+        """What stands and is no robot; raises as `order` does."""
+        return self._surround(b"")
+
+    def stands(self, number: int, within: float) -> Thing:
+        """Wait until a thing that was accepted stands in its place.
+
+        Raises:
+            BusError: it does not, `within` s later: somebody cannot get out of its way.
+        """
+        deadline = time.monotonic() + within
+        while True:
+            thing = next((each for each in self.things().things if each.number == number), None)
+            if thing is not None and thing.status == "standing":
+                return thing
+            if thing is None or time.monotonic() >= deadline:
+                why = "was taken away" if thing is None else "has not appeared: somebody is in its place"
+                raise BusError(f"thing {number} {why}")
+            self._bus.receive(_LOOK)
+
+    def _surround(self, request: bytes) -> ThingReply:
+        return read_reply(self._answer(world_key(self._run, "things"), request), ThingReply, "things")
 
     def _change(self, change: dict[str, object]) -> FleetReply:
         return read_reply(

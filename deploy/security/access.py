@@ -100,7 +100,7 @@ def _world(run: str) -> Iterator[Rule]:
 
 def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
     """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
-    operator may also send robots elsewhere."""
+    operator may also send robots elsewhere, and say who and what comes and goes."""
     yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
     yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])
     yield _rule(role, "watch", _WATCH, [everything(run)])

@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 
 from protocol import keys, messages
-from protocol.requests import joining, steering
+from protocol.requests import fleet, goals, halt, joining, steering, things
 from protocol.streams import STREAMS, Stream
 
 PAGE = Path(__file__).parents[2] / "docs" / "streams.md"
@@ -78,6 +78,7 @@ _INNER = (
     messages.BaseMotion,
     messages.Roster,
     messages.Member,
+    messages.Thing,
     messages.Standing,
 )
 
@@ -205,7 +206,15 @@ def _comments() -> dict[tuple[str, str], str]:
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
     parts = ["## Requests", ""]
-    for name, module in (("robot/<id>/join", joining), ("world/steering", steering)):
+    asked = {
+        "robot/<id>/join": joining,
+        "robot/<id>/goal": goals,
+        "world/fleet": fleet,
+        "world/things": things,
+        "world/halt": halt,
+        "world/steering": steering,
+    }
+    for name, module in asked.items():
         parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]
     return "\n".join(parts)
 

@@ -1,4 +1,9 @@
-"""Things that come and go while a fleet runs: what an operator asks for, and what is answered."""
+"""Things that come and go while a fleet runs: a request under `world/things`, which the world answers.
+
+`{"place": {"center": [x, y], "radius": r}}` or `{"place": {"points": [[x, y], ...]}}` has a disk or a convex
+polygon appear once every robot keeps clear of its place; `{"take": 3}` says that thing 3 was taken away. An
+empty request asks what is there. Maps in msgpack, or JSON text; the reply comes in the form of the request.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +13,13 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from protocol.errors import MessageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
-from protocol.messages import Count, Vector
+from protocol.messages import Count, Id, Thing, Vector
+from protocol.requests.form import read_request
 
+LIMIT = 16 * 1024  # bytes of a request
 MOST_CORNERS = 64
 _LARGEST = 1e6  # m
 
@@ -47,17 +55,40 @@ class ThingOrder(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return Disk(self.center[0], self.center[1], self.radius)
 
 
+class ThingChange(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is asked: one of both."""
+
+    place: ThingOrder | None = None
+    take: Id | None = None
+
+
 class ThingReply(msgspec.Struct, frozen=True):
     """Whether a thing was accepted, or taken away.
 
     Attributes:
         number: of the thing; 0 if it was refused.
         text: why it was refused, or what to beware of.
+        things: all that stand or are to appear.
     """
 
     accepted: bool
     number: Count = 0
     text: str = ""
+    things: tuple[Thing, ...] = ()
+
+
+def decode_thing_change(payload: bytes) -> ThingChange | None:
+    """Read a request; None if it only asks.
+
+    Raises:
+        MessageError: it is none, or asks for both or neither.
+    """
+    if not payload:
+        return None
+    change = read_request(payload, ThingChange, "things", LIMIT)
+    if (change.place is None) == (change.take is None):
+        raise MessageError("shape", "things request: give either `place` or `take`")
+    return change
 
 
 def _is_finite(*numbers: float) -> bool:

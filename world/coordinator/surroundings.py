@@ -3,7 +3,7 @@ fleet runs. It comes as a robot's disk does, by the roster's second rule, and go
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from protocol.geometry import Disk, Shape
 from protocol.messages import Presence, Thing, Vector
@@ -90,6 +90,13 @@ class Surroundings:
         for number in free:
             self.standing[number] = self.appearing.pop(number)
         return bool(free)
+
+
+def present(listed: Mapping[int, Shape], changes: Iterable[Thing]) -> tuple[Thing, ...]:
+    """All that stands or is to appear, if a scenario lists these shapes and a roster says these changes."""
+    things = {number: _thing(number, "standing", shape) for number, shape in listed.items()}
+    things |= {change.number: change for change in changes}
+    return tuple(things[number] for number in sorted(things) if things[number].status != "gone")
 
 
 def _thing(number: int, status: Presence, shape: Shape) -> Thing:

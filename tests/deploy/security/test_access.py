@@ -58,7 +58,7 @@ def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
         answers = role == "world" and key.endswith(
-            ("/scenario", "/steering", "/join", "/goal", "/halt", "/fleet")
+            ("/scenario", "/steering", "/join", "/goal", "/halt", "/fleet", "/things")
         )
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 

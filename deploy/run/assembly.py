@@ -1,0 +1,161 @@
+"""Assembling a fleet: which processes there are, in which order they start, and how each is reached."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from deploy.processes import table
+from deploy.processes.hosts.protection import check_fit
+from deploy.processes.hosts.spawners import HostSpawners
+from deploy.processes.hosts.topology import MultiHost, places
+from deploy.processes.spawn import Spawner
+from deploy.processes.supervisor import Supervisor
+from deploy.run.options import RunOptions
+from deploy.run.topology import Mesh, Routed, Topology
+from deploy.security.membership import Membership
+from protocol.errors import DisknavError
+from protocol.scenario.model import Scenario
+from world.shell.admission import AWAY
+from world.shell.journal import Journal
+
+_START = 30.0  # s for a process to say that it is ready
+
+
+class Assembly:
+    """Starts what a fleet consists of, from the router to the robots.
+
+    Args:
+        scenarios: k already numbers; all with the same robot ids.
+        options: transport, clock, names.
+        record: file to record to.
+        stack: whatever has to be undone at the end is put there, also if something does not start.
+
+    Attributes:
+        supervisor: of all processes.
+        topology: who reaches whom how.
+        writer: address of the recording's writer, if there is one.
+
+    Raises:
+        ProcessError, BusError: a process did not start, or an endpoint is taken.
+    """
+
+    def __init__(
+        self, scenarios: Sequence[Scenario], options: RunOptions, record: Path | None, stack: ExitStack
+    ) -> None:
+        self._scenarios, self._options = scenarios, options
+        self._hosts = self._host_spawners()
+        self.supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=options.run)))
+        self.writer = self._start_writer(record, stack)
+        self.topology = self._begin(stack)
+        self._start_world(self._journal(stack))
+
+    def start_robots(self) -> None:
+        """All of them at once."""
+        run, restarts, topology = self._options.run, self._options.restarts, self.topology
+        ids = self._scenarios[0].ids
+        self.supervisor.start([table.robot(topology.robot(robot), run, robot, restarts) for robot in ids])
+
+    def start_newcomer(self, robot: int) -> None:
+        """The process of a robot that was added, on this host; a person must if this cannot."""
+        name = table.robot_name(robot)
+        if name in self.supervisor.names:
+            self.supervisor.restart(name)
+            return
+        options, topology = self._options, self.topology
+        if isinstance(topology, Mesh):
+            topology = self.topology = topology.joined(robot)
+        try:
+            self.supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
+        except DisknavError as error:
+            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
+            print(text, file=sys.stderr, flush=True)
+
+    def _host_spawners(self) -> HostSpawners | None:
+        hosts = self._options.hosts
+        if hosts is None:
+            return None
+        if (roster := Membership(self._options.secure).roster()) is not None:
+            check_fit(roster, hosts)
+        return HostSpawners(hosts, places(hosts), self._options.run)
+
+    def _start_writer(self, record: Path | None, stack: ExitStack) -> Path | None:
+        """Whoever writes the recording, at this address, before anybody who hears."""
+        if record is None:
+            return None
+        address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
+        self.supervisor.start([table.writer(record, address, self._options.restarts)])
+        self.supervisor.report(table.WRITER, _START)
+        return address
+
+    def _begin(self, stack: ExitStack) -> Topology:
+        options = self._options
+        if options.transport == "mesh":
+            folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
+            return Mesh(Path(folder), self._scenarios[0].ids)
+        membership = Membership(options.secure)
+        membership.run(options.run)  # or the router would turn everybody away
+        if options.router is not None:
+            return Routed(options.router, membership)
+        if options.hosts is not None and self._hosts is not None:
+            return self._link(MultiHost(options.hosts, membership, self._hosts))
+        record = None if self.writer is None or options.restarts else (options.run, self.writer)
+        router = table.router(
+            membership.router(() if options.listen is None else (options.listen,)), record, options.restarts
+        )
+        self.supervisor.start([router])
+        endpoint = self.supervisor.report(table.ROUTER, _START)
+        connection, *others = router.arguments  # whoever comes after it is to be found where it was
+        again = (replace(connection, listen=(endpoint,)), *others)
+        self.supervisor.amend(replace(router, arguments=again))
+        return Routed(endpoint, membership)
+
+    def _link(self, multi_host: MultiHost) -> MultiHost:
+        """A router on every host, each linked with all before it: no message can be lost on a detour."""
+        multi_host.spawners.greet()
+        for host in multi_host.hosts.hosts:
+            connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
+            restarts = self._options.restarts
+            self.supervisor.start([table.linked_router(connection, host.name, restarts, vital=vital)])
+            self.supervisor.report(table.router_name(host.name), _START)
+        return multi_host
+
+    def _journal(self, stack: ExitStack) -> Path | None:
+        """Where the world is to keep its journal, if it is to be started again: made here, so that a world
+        that finds none does not begin anew what another one began."""
+        if not self._options.restarts:
+            return None
+        journal = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "journal"
+        Journal.create(journal, self._options.run, self._scenarios)
+        hosts, spawners = self._options.hosts, self._hosts
+        folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
+        if hosts is None or spawners is None or folder is None:
+            return journal
+        spawners.store(hosts.world_host.name, journal)
+        return Path(folder) / journal.name
+
+    def _start_world(self, journal: Path | None) -> None:
+        """The world, and before anything can happen the recorder, unless the router is it."""
+        run, topology = self._options.run, self.topology
+        options, scenarios = self._options, self._scenarios
+        world = table.world(
+            topology.world(),
+            run,
+            scenarios,
+            options.lockstep,
+            speed=options.speed,
+            restarts=options.restarts,
+            journal=journal,
+        )
+        self.supervisor.start([world])
+        own_router = options.transport == "routed" and options.router is None and options.hosts is None
+        # A recording in a router would end with it.
+        if self.writer is not None and (options.restarts or not own_router):
+            away = AWAY if options.restarts else 0.0
+            recorder = table.recorder(topology.observer(), run, self.writer, away, options.restarts)
+            self.supervisor.start([recorder])
+            self.supervisor.report(table.RECORDER, _START)

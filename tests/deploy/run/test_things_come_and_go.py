@@ -1,0 +1,176 @@
+"""Things that come and go while a fleet runs: acknowledged, refused by reason, journaled, drawn."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+import disknav
+from deploy.library.load import load
+from deploy.plot.things import stays
+from deploy.recording.reader import read
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from protocol.bus.events import Request
+from protocol.errors import MessageError
+from protocol.keys import world_key
+from protocol.messages import Clock
+from protocol.requests.things import decode_thing_change
+from protocol.scenario.model import Thing
+from world.shell.journal import Journal
+
+SWAP = load("swap-4")
+LISTED = replace(SWAP, things=(Thing(center=(0.2, 0.2), radius=0.02),))
+BAR = {"place": {"points": [[-0.02, -0.01], [0.02, -0.01], [0.02, 0.01], [-0.02, 0.01]]}}
+
+
+def asked(fleet: LocalFleet, change: object = None) -> dict[str, Any]:
+    """What the world answers to a change in JSON, or to the question what is there."""
+    replies: list[bytes] = []
+    payload = b"" if change is None else json.dumps(change).encode()
+    fleet.world.handle(Request(world_key(fleet.run, "things"), payload, replies.append))
+    read_as = json.loads if payload else msgspec.msgpack.decode
+    told: dict[str, Any] = read_as(replies[0])
+    return told
+
+
+def step(fleet: LocalFleet, ticks: int) -> None:
+    for _ in range(ticks):
+        assert fleet.step()
+
+
+def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
+    fleet = LocalFleet([LISTED])
+    step(fleet, 5)
+    reply = asked(fleet, BAR)
+    assert (reply["accepted"], reply["number"]) == (True, 2)
+    assert [(thing[0], thing[1]) for thing in reply["things"]] == [(1, "standing"), (2, "appearing")]
+    step(fleet, 3)
+    assert [thing[1] for thing in asked(fleet)["things"]] == ["standing", "standing"]
+    assert asked(fleet, {"take": 1})["accepted"]
+    assert [thing[0] for thing in asked(fleet)["things"]] == [2]
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"place": {"center": SWAP.robots[1].start, "radius": 0.02}}, "overlaps robot 2"),
+        ({"place": {"points": [[0, 0], [0.1, 0], [0.05, 0.02], [0.05, 0.1]]}}, "not convex"),
+        ({"place": {"points": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}, "crosses itself"),
+        ({"place": {"center": [0, 0], "radius": 1e9}}, "reasonable size"),
+        ({"place": {"center": [9, 0], "radius": 0.02}}, "outside of the workspace"),
+        ({"take": 7}, "no thing 7"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_changes_nothing(change: object, reason: str) -> None:
+    fleet = LocalFleet([LISTED])
+    step(fleet, 1)
+    before = fleet.world.world.coordinator.roster.version
+    reply = asked(fleet, change)
+    assert not reply["accepted"]
+    assert reason in reply["text"]
+    assert fleet.world.world.coordinator.roster.version == before
+
+
+@pytest.mark.parametrize(
+    "payload", [b"{}", b'{"place": 3}', b'{"take": 1, "place": {}}', b"\xc1", b"{" * 20_000]
+)
+def test_requests_that_are_none(payload: bytes) -> None:
+    with pytest.raises(MessageError, match="things request"):
+        decode_thing_change(payload)
+
+
+def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
+    Journal.create(tmp_path / "journal", "local", [LISTED])
+    fleet = LocalFleet([LISTED], journal=tmp_path / "journal")
+    step(fleet, 10)
+    assert asked(fleet, BAR)["accepted"]
+    step(fleet, 3)
+    assert asked(fleet, {"take": 1})["accepted"]
+    before = asked(fleet)["things"]
+    fleet.kill_world()
+    fleet.start_world()
+    assert asked(fleet)["things"] == before
+    assert [thing[:2] for thing in before] == [[2, "standing"]]
+
+
+def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
+    with LocalFleet([LISTED], record=tmp_path / "run.mcap", speed=20.0) as fleet:
+        for tick in range(60):
+            assert fleet.step()
+            if tick == 10:
+                assert asked(fleet, BAR)["accepted"]
+            if tick == 40:
+                assert asked(fleet, {"take": 1})["accepted"]
+        fleet.world.interrupt("interrupted", "enough")
+        fleet.execute()
+    first, second = stays(read(tmp_path / "run.mcap"))
+    assert (first.since, second.until) == (0.0, math.inf)
+    assert 0.5 < second.since < 1.5 < first.until < 3.0
+    assert second.words == f"from {second.since:.1f} s"
+
+
+def test_from_python() -> None:
+    simulation = disknav.Simulation(SWAP)
+    simulation.step()
+    number = simulation.orders.place((0.0, 0.0), radius=0.02)
+    assert simulation.orders.things() == {}
+    for _ in range(3):
+        simulation.step()
+    assert list(simulation.orders.things()) == [number]
+    with pytest.raises(disknav.UsageError, match="overlaps robot"):
+        simulation.orders.place(tuple(simulation.positions[0]), radius=0.1)
+    with pytest.raises(disknav.UsageError, match="three points"):
+        simulation.orders.place((0.0, 0.0), (0.1, 0.0))
+    simulation.orders.take(number)
+    assert simulation.orders.things() == {}
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+def test_from_the_command_line() -> None:
+    said: list[tuple[int, str]] = []
+
+    def disknav_(*words: str) -> None:
+        done = subprocess.run(
+            [sys.executable, "-m", "deploy.cli", *words],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        said.append((done.returncode, done.stdout + done.stderr))
+
+    scenario = replace(LISTED, time=replace(SWAP.time, endless=True))
+    clocks = list[Clock]()
+    with Fleet([scenario], RunOptions(speed=1.0), watch=clocks.append) as fleet:
+
+        def enough() -> bool:
+            if clocks and clocks[-1].founded and not said:
+                (endpoint,) = fleet.topology.observer().connect
+                run, router = fleet._options.run, ("--router", endpoint)
+                disknav_("place", run, "-0.01", "0.0", "--radius", "0.02", *router)
+                disknav_("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
+                disknav_("take", run, "1", *router)
+                disknav_("take", run, "1", *router)
+                disknav_("things", run, "--json", *router)
+            return bool(said)
+
+        fleet.execute(enough)
+    codes = [code for code, _ in said]
+    assert codes == [0, 2, 0, 1, 0], said
+    assert "thing 2 stands" in said[0][1]
+    assert "crosses itself" in said[1][1]
+    assert "no thing 1" in said[3][1]
+    assert [thing["number"] for thing in json.loads(said[4][1])] == [2]
