@@ -177,6 +177,7 @@ class FaultInjector:
             for robot in message.newcomers:
                 self._welcome(robot)
             self._started &= set(message.newcomers)
+            self._let_go()
             if self._watch is not None:
                 self._watch(message)
 
@@ -188,12 +189,17 @@ class FaultInjector:
         if robot in self._started:
             return
         bus = self._fleet.robots.get(robot)
-        frozen = self._paused.pop(robot, None)
-        if frozen is not None or (bus is not None and bus.node is not None and bus.node.finished):
+        if self._paused.pop(robot, None) is not None:
             self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
         elif bus is None or bus.node is None:
             self._started.add(robot)
             self._fleet.start(robot).wake(time.monotonic())
+
+    def _let_go(self) -> None:
+        """A process ends once it knows that its robot was removed; so does a node."""
+        for robot, bus in self._fleet.robots.items():
+            if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
+                self._fleet.kill(robot)
 
     def _carry_out(self, fault: ProcessFault) -> None:
         fleet, robot = self._fleet, fault.robot

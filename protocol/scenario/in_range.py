@@ -11,7 +11,7 @@ from annotated_types import Ge, Le, Len
 
 
 def out_of_range(value: object, name: str = "") -> Iterator[str]:
-    """What of a dataclass is not within its range, nor within that of a table in it: `body.hold: must be ...`.
+    """What of a dataclass, and of those in it, is not within its range: `body.hold: must be at least 0`.
 
     Types are taken for right; a number that is none is in no range.
     """

@@ -13,7 +13,7 @@ ACTIONS = ("goal", "add", "remove", "place", "take", "halt")
 
 
 def named_robots(sound: Sound, ids: Collection[int] | None) -> set[int] | None:
-    """Ids of robots that are there at some time, None while one is malformed; `ids` are there at the start."""
+    """Ids that are there at some time, None while one is malformed; `ids` are there at the start."""
     orders = [("orders", index) for index in range(sound.size("orders"))]
     added = [sound.get(*order, "add", "id") for order in orders if sound.get(*order, "add", default="") != ""]
     return None if ids is None or None in added else {*ids, *added}

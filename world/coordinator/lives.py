@@ -170,9 +170,7 @@ class Lives:
         for robot in settled:
             known = self.of.get(robot)
             incarnation = known.incarnation if known else 0
-            self.of[robot] = Life(
-                incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True
-            )
+            self.of[robot] = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
         self.of = dict(sorted(self.of.items()))
         return settled
 

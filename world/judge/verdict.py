@@ -17,7 +17,8 @@ class Judge:
     arrived: all robots at once within the tolerance of their goals.
     aborted: all robots that are up have arrived, and the others are down for good.
     deadlock: for the stated time no robot got further than the tolerance from where it was,
-        and nothing that the scenario has scheduled (process faults, partitions, orders) is still to change that.
+        and nothing that the scenario has scheduled (process faults, partitions, orders) is still to change
+        that.
     timeout: the limit is reached.
     """
 

@@ -78,10 +78,10 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
 def test_who_is_removed_ends_and_may_come_back() -> None:
     fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
     step(fleet, 20)
+    node = fleet.robots[2].node
     assert asked(fleet, {"remove": 2}).accepted
     step(fleet, 5)
     assert (status(fleet, 2), fleet.world.world.truth.robots) == ("gone", (1, 3, 4))
-    node = fleet.robots[2].node
     assert (node.finished, node.verdict) == (True, "removed")
     assert asked(fleet, {"add": RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))}).accepted
     to_be(fleet, 2, "live")
@@ -101,7 +101,10 @@ def test_who_is_removed_ends_and_may_come_back() -> None:
         ({"add": replace(GUEST, start=(math.nan, 0.0))}, "start[0]: must be at least"),
         ({"add": replace(GUEST, heading=math.nan)}, "heading: must be at least"),
         ({"add": replace(GUEST, body=Body("omnidirectional", acceleration=-1.0))}, "body.acceleration: must"),
-        ({"add": replace(GUEST, body=Body("differential-drive", offset=0.01))}, "body.track: must be above 0"),
+        (
+            {"add": replace(GUEST, body=Body("differential-drive", offset=0.01))},
+            "body.track: must be above 0",
+        ),
         ({"add": replace(GUEST, body=Body(radius=0.05))}, "radius: must be at least 0.05"),
         ({"add": replace(GUEST, body=Body(error=0.1))}, "points only"),
         ({"remove": 9}, "no robot 9 in the fleet; there are 1, 2, 3, 4"),

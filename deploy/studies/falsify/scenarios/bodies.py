@@ -1,4 +1,4 @@
-"""What carries the robots: points in half of the scenarios, else presets, or bodies in the units of the run."""
+"""What carries the robots: points in half of the scenarios, else presets, or bodies in units of the run."""
 
 from __future__ import annotations
 

@@ -7,12 +7,11 @@ protocol is an order of events, and that takes no more ticks than there are even
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import count
 from typing import Literal
-
-import math
-from dataclasses import replace
 
 from deploy.library.load import resolved
 from deploy.studies.falsify.scenarios.bodies import bodies
@@ -121,7 +120,8 @@ def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
 
 
 def _radii(dice: Dice, many: int, workspace: float) -> list[float]:
-    """Equal or unequal, up to five to one, or now and then a thousand, m; together they fill 1 to 40 % of the workspace."""
+    """Equal or unequal, up to five to one, or now and then a thousand, m; together they fill 1 to 40 % of the
+    workspace."""
     ratio = 1000.0 if dice.chance(0.03) else dice.pick((1.0, 1.0, 2.0, 5.0))
     parts = [dice.log_uniform(1.0, ratio) if ratio > 1.0 else 1.0 for _ in range(many)]
     density = dice.pick((*_DENSITIES, dice.log_uniform(0.01, 0.4)))

@@ -11,10 +11,8 @@ from deploy.studies.falsify.scenarios.places import anywhere, beside
 from deploy.studies.falsify.scenarios.surroundings import one_thing
 from protocol.scenario.model import Journey, Order, Point, ProcessFault, RobotSpec, Thing
 
-_KINDS = (
-    *("goal", "goal", "guest", "guest", "guest", "leaves", "comes back", "comes back"),
-    *("thing", "thing", "thing and away", "taken", "halt", "meets"),
-)
+_ROBOTS = ("goal", "goal", "guest", "guest", "guest", "leaves", "comes back", "comes back", "meets")
+_KINDS = (*_ROBOTS, "thing", "thing", "thing and away", "taken", "halt")
 _GAPS = (1e-9, 1e-6, 1e-3, 0.3)  # of the radius, between a guest and whom it begins beside
 _SOON = (0, 1, 1, 2, 3, 5, 10)  # ticks
 
@@ -42,19 +40,19 @@ def orders(
         return ()
     asked: list[Order] = []
     for _ in range(dice.pick((1, 1, 2, 3, 4, 6))):
-        ticks = [round(event.at / scale.step) for event in (*events, *asked)]
+        times = [event.at for event in events] + [order.at for order in asked]
+        ticks = [round(at / scale.step) for at in times]
         begin = dice.whole(0, max(1, (3 * scale.ticks) // 4))
         if ticks and dice.chance(0.5):
             begin = max(0, dice.pick(ticks) + dice.whole(-2, 3))
-        told = _told(dice, dice.pick(_KINDS), fleet, tuple(asked))
+        kind = dice.pick(_KINDS)
+        told = (_of_robots if kind in _ROBOTS else _of_others)(dice, kind, fleet, tuple(asked))
         asked += [replace(order, at=(begin + after) * scale.step) for after, order in told]
     return tuple(sorted(asked, key=lambda order: order.at))
 
 
-def _told(
-    dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]
-) -> Iterator[tuple[int, Order]]:
-    """Ticks since it began, and what is asked for then."""
+def _of_robots(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -> Iterator[tuple[int, Order]]:
+    """Ticks since it began, and what is asked of robots then."""
     known = [*fleet.robots, *(order.add for order in before if order.add is not None)]
     robot, later = dice.pick(known), dice.pick(_SOON)
     match kind:
@@ -73,10 +71,16 @@ def _told(
         case "comes back":
             yield 0, Order(0.0, remove=robot.id)
             yield later, Order(0.0, add=_guest(dice, fleet, robot, robot.id))
+
+
+def _of_others(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -> Iterator[tuple[int, Order]]:
+    """Ticks since it began, and what is asked of things, or of all, then."""
+    later = dice.pick(_SOON)
+    number = len(fleet.things) + 1 + sum(order.place is not None for order in before)
+    match kind:
         case "thing":
             yield 0, Order(0.0, place=one_thing(dice, fleet.robots, fleet.reach, fleet.centre))
         case "thing and away":
-            number = len(fleet.things) + 1 + sum(order.place is not None for order in before)
             yield 0, Order(0.0, place=one_thing(dice, fleet.robots, fleet.reach, fleet.centre))
             yield later, Order(0.0, take=dice.pick((number, dice.whole(1, number))))
         case "taken" if fleet.things:
@@ -94,7 +98,7 @@ def _journey(dice: Dice, fleet: Fleet, robot: RobotSpec) -> Journey:
 
 
 def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
-    """A robot that is like another one but for where it begins and where it is to be, and at times its size."""
+    """A robot that is like another one but for where it begins and is to be, and at times its size."""
     start, radius = _somewhere(dice, fleet), like.radius * dice.pick((1.0, 1.0, 0.5, 1.5))
     if dice.chance(0.4):
         start = beside(like.start, like.radius, start, radius, dice.pick(_GAPS) * radius)

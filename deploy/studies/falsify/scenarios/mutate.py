@@ -111,8 +111,8 @@ def _shift_order(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
         return _more_orders(dice, scenario, scenario)
     asked, step = list(scenario.orders), scenario.time.step
     place = dice.whole(0, len(asked) - 1)
-    near = dice.pick((asked[place], *scenario.process, *asked)).at
-    at = max(0, round(near / step) + dice.whole(-3, 3)) * step
+    times = [asked[place].at, *(fault.at for fault in scenario.process), *(order.at for order in asked)]
+    at = max(0, round(dice.pick(times) / step) + dice.whole(-3, 3)) * step
     asked[place] = replace(asked[place], at=at)
     return replace(scenario, orders=tuple(sorted(asked, key=lambda order: order.at)))
 

@@ -22,7 +22,11 @@ def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Wor
     walls = _walls(dice)
     gap = workspace.disk_radius * dice.pick(_WALL_GAPS)
     sides = [
-        (nx, ny, max(nx * x + ny * y + robot.radius for robot in robots for x, y in (robot.start, robot.goal)))
+        (
+            nx,
+            ny,
+            max(nx * x + ny * y + robot.radius for robot in robots for x, y in (robot.start, robot.goal)),
+        )
         for nx, ny in walls
     ]
     corners = _enclosed([(nx, ny, offset + gap) for nx, ny, offset in sides], 4.0 * workspace.disk_radius)
