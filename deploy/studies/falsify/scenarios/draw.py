@@ -61,14 +61,14 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
     scale = _scale(dice, robots)
     control = _control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k)
     body, robots = bodies(dice, scale, control.speed, robots)
-    standing = things(dice, robots, workspace.disk_radius)
+    room = around(dice, workspace, robots)
+    standing = things(dice, robots, workspace.disk_radius, room.shape)
     faults = stories(dice, scale.robots, scale.ticks, scale.step)
-    fleet = Fleet(robots, standing, workspace.disk_radius)
     scenario = Scenario(
         robots,
         name=name,
         seed=dice.whole(0, 2**31),
-        workspace=around(dice, workspace, robots),
+        workspace=room,
         time=_time(dice, scale),
         control=control,
         sensing=sensing(dice, scale),
@@ -77,7 +77,7 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
         actuation=actuation(dice),
         body=body,
         things=standing,
-        orders=orders(dice, scale, fleet, faults),
+        orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
     )
     try:
         return validated(_elsewhere(dice, _with_guests_failing(dice, scenario, scale)))

@@ -9,6 +9,7 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import Scale
 from deploy.studies.falsify.scenarios.places import anywhere, beside
 from deploy.studies.falsify.scenarios.surroundings import one_thing
+from protocol.geometry import Shape
 from protocol.scenario.model import Journey, Order, Point, ProcessFault, RobotSpec, Thing
 
 _ROBOTS = ("goal", "goal", "guest", "guest", "guest", "leaves", "comes back", "comes back", "meets")
@@ -19,12 +20,21 @@ _SOON = (0, 1, 1, 2, 3, 5, 10)  # ticks
 
 @dataclass(frozen=True)
 class Fleet:
-    """What orders are about: who is there, what stands, and in which disk that is, m."""
+    """What orders are about: who is there, what stands, and in which room that is."""
 
     robots: tuple[RobotSpec, ...]
     things: tuple[Thing, ...]
-    reach: float
-    centre: Point = (0.0, 0.0)
+    room: Shape
+
+    @property
+    def reach(self) -> float:
+        """Radius of a disk around the room, m."""
+        return self.room.around.radius
+
+    @property
+    def centre(self) -> Point:
+        """Of that disk, m."""
+        return self.room.around.x, self.room.around.y
 
 
 def orders(
@@ -47,8 +57,22 @@ def orders(
             begin = max(0, dice.pick(ticks) + dice.whole(-2, 3))
         kind = dice.pick(_KINDS)
         told = (_of_robots if kind in _ROBOTS else _of_others)(dice, kind, fleet, tuple(asked))
-        asked += [replace(order, at=(begin + after) * scale.step) for after, order in told]
+        possible = ((after, order) for after, order in told if _is_inside(order, fleet.room))
+        asked += [replace(order, at=(begin + after) * scale.step) for after, order in possible]
+    things = len(fleet.things) + sum(order.place is not None for order in asked)
+    asked = [order for order in asked if order.take is None or order.take <= things]
     return tuple(sorted(asked, key=lambda order: order.at))
+
+
+def _is_inside(order: Order, room: Shape) -> bool:
+    """Whether all that an order names is in the room."""
+    points, radius = () if order.goal is None else order.goal.points, 0.0
+    if order.add is not None:
+        points, radius = (order.add.start, order.add.goal), order.add.radius
+    if order.place is not None:
+        around = order.place.shape.around
+        points = ((around.x, around.y),)
+    return all(room.distance(*point) + radius < 0.0 for point in points)
 
 
 def _of_robots(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -> Iterator[tuple[int, Order]]:
@@ -99,7 +123,7 @@ def _journey(dice: Dice, fleet: Fleet, robot: RobotSpec) -> Journey:
 
 def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
     """A robot that is like another one but for where it begins and is to be, and at times its size."""
-    start, radius = _somewhere(dice, fleet), like.radius * dice.pick((1.0, 1.0, 0.5, 1.5))
+    start, radius = _somewhere(dice, fleet), like.radius * dice.pick((1.0, 1.0, 1.5))
     if dice.chance(0.4):
         start = beside(like.start, like.radius, start, radius, dice.pick(_GAPS) * radius)
     return replace(like, id=number, radius=radius, start=start, goal=_somewhere(dice, fleet))

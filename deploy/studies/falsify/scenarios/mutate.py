@@ -95,14 +95,13 @@ def _fewer_faults(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
 
 
 def _more_orders(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
-    disk = scenario.workspace.shape.around
-    fleet = Fleet(scenario.robots, scenario.things, disk.radius, (disk.x, disk.y))
+    fleet = Fleet(scenario.robots, scenario.things, scenario.workspace.shape)
     more = orders(dice, scale_of(scenario), fleet, scenario.process, 1.0)
     return replace(scenario, orders=tuple(sorted((*scenario.orders, *more), key=lambda order: order.at)))
 
 
 def _fewer_orders(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
-    return replace(scenario, orders=tuple(order for order in scenario.orders if dice.chance(0.7)))
+    return replace(scenario, orders=tuple(order for order in scenario.orders if dice.chance(0.5)))
 
 
 def _shift_order(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:

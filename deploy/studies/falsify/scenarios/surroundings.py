@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from deploy.studies.falsify.scenarios.dice import Dice
+from protocol.geometry import Shape
 from protocol.scenario.model import Point, RobotSpec, Thing, Workspace
 
 _TRIES = 30
@@ -66,7 +67,7 @@ def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[
     return tuple(corners)
 
 
-def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float) -> tuple[Thing, ...]:
+def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Thing, ...]:
     """None in most scenarios; else a few disks and polygons on which nobody begins or is to be.
 
     Half of them stand right beside a robot. `workspace` is its radius, m.
@@ -77,7 +78,7 @@ def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float) -> tuple[T
     clear = [
         thing
         for thing in drawn
-        if math.hypot(thing.shape.around.x, thing.shape.around.y) < workspace
+        if room.distance(thing.shape.around.x, thing.shape.around.y) < 0.0
         and all(
             thing.shape.distance(*point) > robot.radius
             for robot in robots
