@@ -15,11 +15,18 @@ from annotated_types import Ge, Le, Len, Predicate
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive
+from protocol.scenario.ranges import (
+    STRICT,
+    Angle,
+    Coordinate,
+    HalfTurn,
+    Length,
+    NonNegative,
+    Positive,
+)
 
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
-Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
 Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
@@ -36,7 +43,7 @@ class Workspace:
     convex polygon (`points`, m)."""
 
     __pydantic_config__ = STRICT
-    radius: Positive | None = None
+    radius: Length | None = None
     points: Corners | None = None
 
     def __post_init__(self) -> None:
@@ -69,7 +76,7 @@ class Thing:
 
     __pydantic_config__ = STRICT
     center: Point | None = None
-    radius: Positive | None = None
+    radius: Length | None = None
     points: Corners | None = None
 
     @property
@@ -192,7 +199,7 @@ class RobotSpec:
 
     __pydantic_config__ = STRICT
     id: RobotId  # unlike all others
-    radius: Positive  # m
+    radius: Length  # m
     start: Point  # m
     goal: Point  # m
     heading: Angle = 0.0  # rad, at the start

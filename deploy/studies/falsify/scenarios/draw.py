@@ -34,7 +34,7 @@ LAWS: tuple[Literal["gradient", "reciprocal", "orca", "barrier"], ...] = (
 )
 _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
-_FAR = (10.0, 1000.0, 5000.0)  # m, from the origin to a room
+_FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
 _DENSITIES = (0.4, 0.35, 0.25, 0.12)
 _STREAM = 1
 
