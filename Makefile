@@ -25,7 +25,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix deploy/recording/,channel.py writer.py)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile inner site demo test fast check golden bench fuzz figures engines clean
+.PHONY: help setup compile inner site demo test fast check golden bench fuzz figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -93,6 +93,9 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 
 site: $(READY)  ## build the documentation as a site in out/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+
+diagrams: $(READY)  ## draw docs/diagrams again where one has changed (npm, Chromium)
+	$(BIN)/python -m docs.diagrams.render
 
 engines: $(READY)  ## images for the tests that start containers (podman, mmdebstrap, as root); some minutes
 	$(BIN)/python -m tests.deploy.manifests.engine

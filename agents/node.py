@@ -44,6 +44,7 @@ class RobotNode:
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
         say: takes what a person should know.
+        note: takes what is worth a line in a log.
 
     Raises:
         JoinError: the world refuses this id.
@@ -59,12 +60,13 @@ class RobotNode:
         patience: float = PATIENCE,
         wait: float = PATIENCE,
         say: Callable[[str], None] = lambda _: None,
+        note: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._patience, self._wait, self._say = patience, wait, say
+        self._patience, self._wait, self._say, self._note = patience, wait, say, note
         self._alone_since = inf  # s, monotonic: since when the world's token is missing
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
@@ -95,6 +97,7 @@ class RobotNode:
             self.deadline = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
+            self._note(f"the run is over: {reply.verdict}")
         elif isinstance(reply, joining.Admission):
             self._begin(reply)
         elif isinstance(reply, joining.Refusal):
@@ -138,6 +141,7 @@ class RobotNode:
         self._rejected.clear()
         self._commanded = True
         self._ended = self._over = self._noted = False
+        self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self.deadline = time.monotonic() + REPORT_PERIOD
         self._listen(self._peers)
         if not self._declared:

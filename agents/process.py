@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
 from pathlib import Path
 
 from agents.node import PATIENCE, RobotNode
+from protocol import log
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal
@@ -14,6 +14,7 @@ from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
+from protocol.log import LOG
 from protocol.title import entitle
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
@@ -32,27 +33,23 @@ def main(
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            drive(
-                RobotNode(bus, checked_run(run), robot, wait=wait, say=partial(_say, robot)), bus, beat=beat
-            )
+            node = RobotNode(bus, checked_run(run), robot, wait=wait, say=LOG.warning, note=LOG.info)
+            drive(node, bus, beat=beat)
     except Stop:
         return SUCCESS
     except JoinError as error:
-        _say(robot, error)
+        LOG.error(error)
         return REFUSED
     except DisknavError as error:
-        _say(robot, error)
+        LOG.error(error)
         return FAULT
     return SUCCESS
 
 
-def _say(robot: int, what: object) -> None:
-    print(f"robot {robot}: {what}", file=sys.stderr, flush=True)
-
-
 if __name__ == "__main__":
-    endpoint, run_name, identity, waits, keys, alive = sys.argv[1:]
+    endpoint, run_name, identity, waits, keys, alive, logs = sys.argv[1:]
     entitle(f"robot {identity}", run_name)
+    log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)

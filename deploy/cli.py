@@ -10,12 +10,14 @@ from deploy.software import compiled
 from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
 from protocol.installation import is_checkout
+from protocol.log import LAUNCHER, LOG, begin
 
 _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 
 
 def main() -> None:
     """Entry point of the `disknav` command. SIGTERM and a closed terminal end it as Ctrl-C does."""
+    begin(LAUNCHER)
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell's script has its `command &` ignore the first
         signal.signal(number, signal.default_int_handler)
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # as `nohup` asks
@@ -38,7 +40,7 @@ def main() -> None:
 
 
 def _fail(error: DisknavError, status: int) -> None:
-    print(f"disknav: {error}", file=sys.stderr)
+    LOG.error(error)
     sys.exit(status)
 
 

@@ -14,6 +14,7 @@ import disknav
 from deploy.commands.application import GROUPS
 from deploy.run.options import RunOptions
 from deploy.run.result import complete
+from docs.diagrams import render
 from docs.reference import commands, python, result, scenario
 from protocol.scenario.file import json_schema
 
@@ -53,6 +54,15 @@ def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
     assert found == set()
     for sheet in site.rglob("*.css"):
         assert not re.search(r"url\(\s*[\"']?(?:https?:)?//", sheet.read_text())
+
+
+def test_every_diagram_is_drawn_as_its_source_says_and_shown(site: Path) -> None:
+    sources = sorted(render.FOLDER.glob("*.mmd"))
+    assert sources
+    assert [each.name for each in sources if not render.is_drawn(each)] == [], "make diagrams"
+    pages = "".join(page.read_text() for page in site.glob("*.html"))
+    assert [each.stem for each in sources if f"diagrams/{each.stem}.svg" not in pages] == []
+    assert "```mermaid" not in "".join(page.read_text() for page in (ROOT / "docs").rglob("*.md"))
 
 
 def test_every_command_is_in_the_reference() -> None:

@@ -46,12 +46,13 @@ class WorldNode:
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
         say: takes what a person should know.
+        note: takes what is worth a line in a log.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat.
         tell: is told every report.
 
     Attributes:
-        reports: one a scenario that has ended, as far as this process saw it.
+        report: of the scenario that ended last, as far as this process saw it.
     """
 
     def __init__(
@@ -67,22 +68,30 @@ class WorldNode:
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
         say: Callable[[str], None] = lambda _: None,
+        note: Callable[[str], None] = lambda _: None,
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
-        self.reports: list[dict[str, Any]] = []
+        self.report: dict[str, Any] | None = None
         self.finished = False
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
-        self._tell = tell
+        self._tell, self._note = tell, note
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
         self._operations = Operations(
-            bus, run, len(scenarios) > 1, self._admissions, self._publishers, self._pacing
+            bus,
+            run,
+            len(scenarios) > 1,
+            self._admissions,
+            self._publishers,
+            self._pacing,
+            say=say,
+            note=note,
         )
         self._failures = FailureDetector(
             self._admissions,
@@ -250,6 +259,7 @@ class WorldNode:
         run.opened = True
         if run.world.tick == 0:
             run.began = self._pacing.now()
+            self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(run.world.tick, run.scenario.time.step)
@@ -299,7 +309,8 @@ class WorldNode:
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
-        self.reports.append(report)
+        self.report = report
+        self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
         following = next(self._scenarios, None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 from world.node import WorldNode
 from world.shell.failure_detector import GATHERING
@@ -50,7 +50,7 @@ def main(
     try:
         with stop_on_signal():
             if journal is not None:
-                past = resume(Journal(journal, checked_run(run), scenarios, _say), scenarios)
+                past = resume(Journal(journal, checked_run(run), scenarios, LOG.warning), scenarios)
                 _say_where(past)
             bus = ZenohBus(connection)
             node = WorldNode(
@@ -61,7 +61,8 @@ def main(
                 gathering=gathering,
                 speed=speed,
                 restarts=restarts,
-                say=_say,
+                say=LOG.warning,
+                note=LOG.info,
                 past=past,
                 tell=tell,
             )
@@ -70,7 +71,7 @@ def main(
     except Stop:
         pass
     except DisknavError as error:
-        _say(error)
+        LOG.error(error)
         return FAULT
     if past is not None:
         past.journal.remove()
@@ -85,8 +86,4 @@ def supervised(*arguments: Any) -> int:
 
 def _say_where(past: Resumed) -> None:
     if past.journal.past or past.run.number:
-        _say(f"goes on at tick {past.run.world.tick} of {past.run.scenario.name!r}")
-
-
-def _say(what: object) -> None:
-    print(f"world: {what}", file=sys.stderr, flush=True)
+        LOG.warning(f"goes on at tick {past.run.world.tick} of {past.run.scenario.name!r}")

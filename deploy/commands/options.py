@@ -43,6 +43,14 @@ Json = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it, and nothing else."),
 ]
+Rotate = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rotate",
+        metavar="LIMIT",
+        help="Record into another file from this size or age on: 500MB, 1h; repeat it for both.",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
 RunName = Annotated[
     str | None,
@@ -76,6 +84,10 @@ Secure = Annotated[
     typer.Option(
         "--secure", metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."
     ),
+]
+Log = Annotated[
+    Path | None,
+    typer.Option("--log", metavar="DIR", help="Log to files here: JSON lines, a file for each process."),
 ]
 ModeOption = Annotated[Mode, typer.Option("--mode", help="Who sets the pace: the robots or the wall clock.")]
 

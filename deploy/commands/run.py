@@ -13,6 +13,7 @@ from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, 
 from deploy.run.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
+from protocol.log import LAUNCHER, begin
 
 
 def run(
@@ -36,6 +37,7 @@ def run(
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
+    rotate: options.Rotate = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg, .pdf, .gif or .mp4.")] = None,
     json_file: options.Json = None,
     web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
@@ -52,6 +54,7 @@ def run(
             help=f"A process that fails is started again: never, or on-failure[:N] ({RESTARTS} times each).",
         ),
     ] = "never",
+    log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Run a scenario: a router, a world and one process per robot; prints what came of it.
@@ -62,8 +65,11 @@ def run(
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
+    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
+    if record is None:
+        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
     if mode == "realtime":
         options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
     if hosts is None:
@@ -73,8 +79,19 @@ def run(
     pace = speed if speed is not None else 1.0 if web else 0.0
     hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
     how = RunOptions(
-        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart)
+        transport,
+        mode,
+        router,
+        run_name,
+        secure,
+        hosts_table,
+        open_to_all,
+        pace,
+        restarts(restart),
+        log,
+        rotation(rotate or []),
     )
+    begin(LAUNCHER, run_name, log)
     silent = quiet or is_standard_output(json_file)
     result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent)
     if not silent:

@@ -25,7 +25,7 @@ try:
 except ModuleNotFoundError as error:
     raise missing_library("serving metrics", "prometheus-client", "metrics") from error
 
-PHASES = ("searching", "gathering", "running", "paused", "ended", "lost")
+PHASES = ("searching", "gathering", "running", "paused", "halted", "ended", "lost")
 HOST = "127.0.0.1"
 
 

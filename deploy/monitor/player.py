@@ -53,6 +53,12 @@ class Player(SharedView):
         answer.set_result(GoalReply(False, text="this is a recording: its robots go where they went"))
         return answer
 
+    def halt(self, halt: bool) -> Future[str]:  # noqa: ARG002
+        """See `Source.halt`: there is nobody to stop."""
+        answer: Future[str] = Future()
+        answer.set_result("this is a recording: its robots have stood still since")
+        return answer
+
     def close(self) -> None:
         """Stop playing; may be called twice."""
         self._closed = True

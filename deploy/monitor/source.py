@@ -29,6 +29,9 @@ class Source(Protocol):
     def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
         """Send a robot elsewhere; what is accepted shows in a later snapshot."""
 
+    def halt(self, halt: bool) -> Future[str]:
+        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
+
 
 class SharedView:
     """A view with a lock: one thread writes, others look. They never wait for each other's network."""

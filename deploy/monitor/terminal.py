@@ -19,9 +19,11 @@ _PHASES = {
     "gathering": "waiting for robots",
     "running": "running",
     "paused": "paused",
+    "halted": "emergency stop",
     "lost": "the world is gone",
 }
-_STYLES = {"arrived": "bold green", "collision": "bold red", "aborted": "bold red", "lost": "bold red"}
+_ALARMS = ("collision", "aborted", "halted", "lost")
+_STYLES = {"arrived": "bold green", **dict.fromkeys(_ALARMS, "bold red")}
 
 
 def show(source: Source, console: Console | None = None) -> str:

@@ -21,8 +21,10 @@ from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage, Message
+from protocol.reader import DAMAGED
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.halt import Halt, Halted
 from protocol.requests.joining import Overview, decode_reply
 from protocol.requests.steering import Steer, Steering
 from protocol.scenario.model import Scenario
@@ -32,6 +34,7 @@ RETRY = 0.5  # s between attempts to learn the scenario
 _ASK_TIMEOUT = 2.0
 _UNANSWERED = "nobody answered: the world has gone, or the keys of this page are not an operator's"
 _NO_RUN = "there is no run yet to send a robot in"
+_NOBODY = "there is no run yet to stop"
 
 
 class Listener(Protocol):
@@ -88,6 +91,15 @@ class Watcher(SharedView):
             self._wishes.put(lambda: answer.set_result(self._send(robot, order)))
         else:
             answer.set_result(GoalReply(False, text=_NO_RUN))
+        return answer
+
+    def halt(self, halt: bool) -> Future[str]:
+        """Wait for the owning thread to pass it on; see `Source.halt`."""
+        answer: Future[str] = Future()
+        if self._known:
+            self._wishes.put(lambda: answer.set_result(self._hold_everybody(halt)))
+        else:
+            answer.set_result(_NOBODY)
         return answer
 
     # -- on the thread that owns the bus
@@ -178,6 +190,14 @@ class Watcher(SharedView):
             self.change(lambda view, now: view.on_message(status, now))
         return reply
 
+    def _hold_everybody(self, halt: bool) -> str:
+        try:
+            key, request = world_key(self._run, "halt"), msgspec.msgpack.encode(Halt(halt))
+            read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), Halted, "halt")
+        except (BusError, MessageError):
+            return _UNANSWERED
+        return ""
+
     def _ask_for(self, steer: Steer) -> None:
         request: dict[str, Any] = {
             name: value for name, value in msgspec.structs.asdict(steer).items() if value is not None
@@ -187,7 +207,7 @@ class Watcher(SharedView):
                 world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
             )
             steering = msgspec.msgpack.decode(reply, type=Steering)
-        except (BusError, msgspec.DecodeError):
+        except (BusError, *DAMAGED):
             return  # the world has gone, or is of another version: its controls stay as they are shown
         self.change(lambda view, _: setattr(view, "steering", steering))
 

@@ -16,9 +16,11 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from math import inf
 from multiprocessing.connection import Connection as Channel
 from multiprocessing.connection import wait
+from pathlib import Path
 from typing import Any
 
 from deploy.processes.fork_messages import (
@@ -33,15 +35,20 @@ from deploy.processes.fork_messages import (
     encode_news,
 )
 from deploy.processes.forked import run_forked
+from protocol import log
 from protocol.title import entitle
 
 _ENDINGS = (signal.SIGTERM, signal.SIGHUP)
 
 
-def main(channel: int, modules: Sequence[str], run: str = "") -> None:
-    """Serve one supervisor, on a socket inherited from it, until the other end is closed."""
+def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") -> None:
+    """Serve one supervisor, on a socket inherited from it, until the other end is closed.
+
+    `logs` is the folder for the files of the processes' logs; empty for none.
+    """
     both: Channel[Any, Any] = Channel(channel)
-    serve(both, both, modules, run)
+    folder = Path(logs) if logs else None
+    serve(both, both, modules, run, begin_log=partial(log.begin, run=run, folder=folder))
 
 
 def serve(
@@ -50,6 +57,7 @@ def serve(
     modules: Sequence[str],
     run: str = "",
     *,
+    begin_log: Callable[[str], None],
     store: Callable[[Store], None] | None = None,
     patience: float = inf,
 ) -> None:
@@ -60,6 +68,7 @@ def serve(
         news: the way back; may be the same channel.
         modules: imported first.
         run: stands in the titles of this process and of those forked from it.
+        begin_log: gives a forked process its log, by its name.
         store: takes files.
         patience: s without a request after which the supervisor counts as gone.
     """
@@ -68,7 +77,7 @@ def serve(
         importlib.import_module(module)
     gc.collect()
     gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
-    server = _Server(requests, news, run, store, patience)
+    server = _Server(requests, news, run, begin_log, store, patience)
     try:
         with suppress(ConnectionError):  # nobody hears the news any more
             server.serve()
@@ -82,10 +91,12 @@ class _Server:
         requests: Channel[Any, Request],
         news: Channel[bytes, Any],
         run: str,
+        begin_log: Callable[[str], None],
         store: Callable[[Store], None] | None,
         patience: float,
     ) -> None:
         self._requests, self._news, self._run = requests, news, run
+        self._begin_log = begin_log
         self._store, self._patience = store, patience
         self._heard = time.monotonic()
         self._lives: dict[int, int] = {}  # pid -> life, of those not yet waited for
@@ -139,7 +150,7 @@ class _Server:
         signal.pthread_sigmask(signal.SIG_BLOCK, _ENDINGS)
         pid = os.fork()
         if pid == 0:
-            run_forked(start, self._run, writing, self._lifeline)
+            run_forked(start, self._run, writing, self._lifeline, self._begin_log)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDINGS)
         if reading is not None and writing is not None:
             os.close(writing)

@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection as Channel
@@ -17,6 +16,7 @@ from typing import NoReturn
 
 from deploy.processes.fork_messages import Start
 from protocol.errors import DisknavError
+from protocol.log import LOG
 from protocol.title import entitle
 
 FAULT = 3  # exit status of a process that an exception ended
@@ -25,13 +25,15 @@ _RESET = (signal.SIGTERM, signal.SIGHUP)  # blocked around the fork, since the f
 _LIBC = ctypes.CDLL(None)
 
 
-def run_forked(start: Start, run: str, report: int | None, lifeline: int) -> NoReturn:
+def run_forked(
+    start: Start, run: str, report: int | None, lifeline: int, begin_log: Callable[[str], None]
+) -> NoReturn:
     """Call what `start` names in this process, which exists for nothing else, and exit.
 
     Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
-    `lifeline` the reading end of one that ends with the fork server. The exit status is what the function
-    returns, 3 after an exception: one of this software's own says its message, any other prints its
-    traceback.
+    `lifeline` the reading end of one that ends with the fork server; `begin_log` begins its log, by its
+    name. The exit status is what the function returns, 3 after an exception: one of this software's own
+    says its message, any other logs its traceback.
     """
     code = FAULT
     try:
@@ -43,6 +45,8 @@ def run_forked(start: Start, run: str, report: int | None, lifeline: int) -> NoR
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
         _redirect(start.log)
+        begin_log(start.name)
+        LOG.info(f"process {os.getpid()} begins")
         module, _, function = start.entry.partition(":")
         arguments = start.arguments
         if report is not None:
@@ -51,11 +55,12 @@ def run_forked(start: Start, run: str, report: int | None, lifeline: int) -> NoR
     except SystemExit as ending:
         code = ending.code if isinstance(ending.code, int) else FAULT
     except DisknavError as error:
-        print(f"{start.name}: {error}", file=sys.stderr)
+        LOG.error(error)
     except BaseException:  # noqa: BLE001  nothing above this frame could report it
-        print(f"{start.name} failed:\n{traceback.format_exc()}", file=sys.stderr)
+        LOG.exception("failed:")
     finally:
         try:
+            LOG.info("ends with status %s", code)
             sys.stderr.flush()
             sys.stdout.flush()
         finally:  # whoever read them may be gone

@@ -62,21 +62,26 @@ class Spawner:
         ProcessError: the fork server is gone; its own words are on standard error.
     """
 
-    def __init__(self, modules: Sequence[str] = MODULES, run: str = "") -> None:
-        """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`."""
+    def __init__(self, modules: Sequence[str] = MODULES, run: str = "", logs: Path | None = None) -> None:
+        """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`.
+
+        Processes log to files in the folder `logs`.
+        """
         ours, theirs = socket.socketpair()
         with theirs:
-            self._server = self._serve(theirs, modules, run)
+            self._server = self._serve(theirs, modules, run, logs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
         self._lives = count(1)
         self.gone = False  # the fork server ended by itself, and this was said once
 
-    def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
+    def _serve(
+        self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
+    ) -> subprocess.Popen[bytes]:
         """Start the fork server at the other end of the channel."""
         code = (
             f"import sys; sys.path[:] = {sys.path!r}; "
             "from deploy.processes.fork_server import main; "
-            f"main({theirs.fileno()}, {tuple(modules)!r}, {run!r})"
+            f"main({theirs.fileno()}, {tuple(modules)!r}, {run!r}, {'' if logs is None else str(logs)!r})"
         )
         return subprocess.Popen(
             [sys.executable, "-c", code],

@@ -8,7 +8,6 @@ a second to the process that writes the file.
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ from protocol.bus.drive import Stop, drive, follow, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, everything, world_key
+from protocol.log import LOG
 
 SUCCESS, FAULT = 0, 3
 _NICENESS = 5
@@ -50,7 +50,7 @@ def main(
     except Stop:
         return SUCCESS
     except DisknavError as error:
-        _tell(error)
+        LOG.error(error)
         return FAULT
     return SUCCESS
 
@@ -70,7 +70,7 @@ class Aboard:
                 self._recorder.wind_up(_LAST_WORDS)
                 raise
         except DisknavError as error:
-            _tell(error)
+            LOG.error(error)
 
 
 def _recorder(
@@ -83,7 +83,3 @@ def _recorder(
     heard = bus.bursts(everything(run))  # one subscription, so that the order of arrival is kept
     bus.subscribe(world_key(run, "result"))
     return Recorder(bus, run, file, on_ready=on_ready, heard=heard, away=away)
-
-
-def _tell(error: DisknavError) -> None:
-    print(f"recorder: {error}", file=sys.stderr, flush=True)

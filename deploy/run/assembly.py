@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +18,7 @@ from deploy.run.options import RunOptions
 from deploy.run.topology import Mesh, Routed, Topology
 from deploy.security.membership import Membership
 from protocol.errors import DisknavError
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 from world.shell.admission import AWAY
 from world.shell.journal import Journal
@@ -33,6 +33,7 @@ class Assembly:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
         record: file to record to.
+        lead: alters how processes are linked, once there is a router.
         stack: whatever has to be undone at the end is put there, also if something does not start.
 
     Attributes:
@@ -45,20 +46,26 @@ class Assembly:
     """
 
     def __init__(
-        self, scenarios: Sequence[Scenario], options: RunOptions, record: Path | None, stack: ExitStack
+        self,
+        scenarios: Sequence[Scenario],
+        options: RunOptions,
+        record: Path | None,
+        lead: Callable[[Topology], Topology],
+        stack: ExitStack,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._hosts = self._host_spawners()
-        self.supervisor = stack.enter_context(Supervisor(self._hosts or Spawner(run=options.run)))
+        spawner = self._hosts or Spawner(run=options.run, logs=options.log)
+        self.supervisor = stack.enter_context(Supervisor(spawner))
         self.writer = self._start_writer(record, stack)
-        self.topology = self._begin(stack)
+        self.topology = lead(self._begin(stack))
         self._start_world(self._journal(stack))
 
-    def start_robots(self) -> None:
-        """All of them at once."""
+    def robots(self) -> list[table.Process]:
+        """The rows of all robots, which are not started yet."""
         run, restarts, topology = self._options.run, self._options.restarts, self.topology
         ids = self._scenarios[0].ids
-        self.supervisor.start([table.robot(topology.robot(robot), run, robot, restarts) for robot in ids])
+        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in ids]
 
     def start_newcomer(self, robot: int) -> None:
         """The process of a robot that was added, on this host; a person must if this cannot."""
@@ -72,8 +79,7 @@ class Assembly:
         try:
             self.supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
         except DisknavError as error:
-            text = f"disknav: the process of robot {robot} is to be started by hand: {error}"
-            print(text, file=sys.stderr, flush=True)
+            LOG.error(f"the process of robot {robot} is to be started by hand: {error}")
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
@@ -81,14 +87,14 @@ class Assembly:
             return None
         if (roster := Membership(self._options.secure).roster()) is not None:
             check_fit(roster, hosts)
-        return HostSpawners(hosts, places(hosts), self._options.run)
+        return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
 
     def _start_writer(self, record: Path | None, stack: ExitStack) -> Path | None:
         """Whoever writes the recording, at this address, before anybody who hears."""
         if record is None:
             return None
         address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
-        self.supervisor.start([table.writer(record, address, self._options.restarts)])
+        self.supervisor.start([table.writer(record, address, self._options.restarts, self._options.rotation)])
         self.supervisor.report(table.WRITER, _START)
         return address
 

@@ -13,6 +13,7 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
+from deploy.recording.rotation import ONE_FILE
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.live_page import live_page
@@ -20,6 +21,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
+from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
 
@@ -54,15 +56,18 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                     result = complete(report, options, [])
                     json_output.write_json(result, extras.json)
                 return result
+            LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
             page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports = fleet.execute()
             with undisturbed():
                 processes, recordings = fleet.processes(), fleet.recordings()
                 result = complete(reports[0], options, processes, recordings if extras.record else [])
+                LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
         if extras.plot is not None:
-            draw(Path(recordings[-1]), extras.plot)
+            first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
+            draw(Path(recordings[first]), extras.plot)
         if page is not None and sys.stdin.isatty():
             page.linger()
     return result

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +26,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
+from protocol.log import LOG
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
 
@@ -51,6 +51,8 @@ class Fleet:
         watch: is told every Clock that is heard.
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
+        digest: what is kept of each report; all of it unless given.
+        lead: alters how processes are linked, once there is a router.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -67,13 +69,16 @@ class Fleet:
         watch: Watcher | None = None,
         record: Path | None = None,
         on_report: Callable[[Report], None] | None = None,
+        digest: Callable[[Report], Report] = lambda report: report,
+        lead: Callable[[Topology], Topology] = lambda topology: topology,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record = watch, record
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report)
+        self._reports = Reports(on_report, digest)
+        self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
         self._frozen: set[int] = set()  # robots whose processes are paused
@@ -82,12 +87,15 @@ class Fleet:
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
+            self._assembly = Assembly(self._scenarios, self._options, self._record, self._lead, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
-            self._assembly.start_robots()
+            self._supervisor.start(self._robots())
             self._stack = stack.pop_all()
         return self
+
+    def _robots(self) -> list[table.Process]:
+        return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
         self._stack.close()
@@ -139,7 +147,7 @@ class Fleet:
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: more than one if who wrote it ended and was started again."""
+        """The files of the recording: several if it rotates, or who wrote it ended and was started again."""
         return [] if self._assembly.writer is None else self._supervisor.heard(table.WRITER)
 
     def record(self, result: Mapping[str, Any]) -> None:
@@ -206,14 +214,15 @@ class Fleet:
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
+            LOG.info(str(exit_))
             if exit_.again and not exit_.expected:
-                print(f"disknav: {exit_}; it is started again", file=sys.stderr, flush=True)
+                LOG.warning(f"{exit_}; it is started again")
             if exit_.again:
                 continue
             if exit_.process.vital:
                 self._listen_on()
             if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
-                print(f"disknav: {exit_}; the recording ends there", file=sys.stderr, flush=True)
+                LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
                 raise FleetLostError(str(exit_))
@@ -235,6 +244,7 @@ class Fleet:
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
         run does not wait for it, the launcher does."""
+        LOG.info(f"{verdict}: {reason}")
         with suppress(KeyboardInterrupt):
             self._await_last_words()
         reports = self._reports.all

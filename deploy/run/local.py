@@ -18,6 +18,7 @@ from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
 from protocol.keys import everything, world_key
+from protocol.log import LOG
 from protocol.messages import Clock
 from protocol.scenario.model import ProcessFault, Scenario
 from world.node import WorldNode
@@ -83,6 +84,8 @@ class LocalFleet:
             self._scenarios,
             self._lockstep,
             speed=self._speed,
+            say=LOG.info,
+            note=LOG.info,
             past=self._past,
             tell=self._reports.append,
         )

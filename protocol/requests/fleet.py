@@ -24,6 +24,9 @@ class Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     add: RobotSpec | None = None
     remove: Id | None = None
 
+    def __str__(self) -> str:
+        return f"robot {self.remove} goes" if self.add is None else f"robot {self.add.id} comes"
+
 
 class FleetReply(msgspec.Struct, frozen=True):
     """Whether a change was accepted, and who is there.

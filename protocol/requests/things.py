@@ -61,6 +61,9 @@ class ThingChange(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     place: ThingOrder | None = None
     take: Id | None = None
 
+    def __str__(self) -> str:
+        return f"thing {self.take} goes" if self.place is None else "a thing comes"
+
 
 class ThingReply(msgspec.Struct, frozen=True):
     """Whether a thing was accepted, or taken away.

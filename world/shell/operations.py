@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import msgspec
 
 from protocol.bus.bus import Bus
@@ -28,6 +30,8 @@ class Operations:
         run: its name.
         several: whether this world judges several scenarios, each of which says who is in it.
         admissions, publishers, pacing: of the world.
+        say: takes what a person should know.
+        note: takes what is worth a line in a log.
     """
 
     def __init__(
@@ -38,9 +42,13 @@ class Operations:
         admissions: Admissions,
         publishers: Publishers,
         pacing: Pacing,
+        *,
+        say: Callable[[str], None],
+        note: Callable[[str], None],
     ) -> None:
         self._bus, self._name, self._several = bus, run, several
         self._admissions, self._publishers, self._pacing = admissions, publishers, pacing
+        self._say, self._note = say, note
         self._handlers = {
             "goal": self._order,
             "fleet": self._change,
@@ -78,6 +86,7 @@ class Operations:
             return encode_reply(GoalReply(False, text="the run is over", status=status), payload)
         reply = run.world.order(robot, order)
         self._publishers.goals(run.world.goal_news())
+        self._log(run, f"robot {robot} is sent to {list(order.points)}", reply.text)
         return encode_reply(reply, payload)
 
     def _change(self, _: Address, payload: bytes, run: Run) -> bytes:
@@ -92,7 +101,13 @@ class Operations:
                 self._welcome(change.add.id)
         elif change is not None and change.remove is not None:
             text = world.remove(change.remove)
+        if change is not None:
+            self._log(run, str(change), text)
         return encode_reply(FleetReply(not text, world.coordinator.roster, text), payload)
+
+    def _log(self, run: Run, asked: str, refusal: str) -> None:
+        """Note what was asked for, and what came of it."""
+        self._note(f"tick {run.world.tick}: {asked}" + (f": refused, {refusal}" if refusal else ""))
 
     def _welcome(self, robot: int) -> None:
         """Have what is needed to hear and tell another robot."""
@@ -111,6 +126,8 @@ class Operations:
             reply = world.add_thing(change.place)
         elif change is not None and change.take is not None:
             reply = world.remove_thing(change.take)
+        if change is not None:
+            self._log(run, str(change), reply.text)
         things = present(world.scenario.shapes, world.coordinator.lives.things.changes)
         return encode_reply(msgspec.structs.replace(reply, things=things), payload)
 
@@ -118,6 +135,8 @@ class Operations:
         """The emergency stop, its release, or the question whether it is in force."""
         asked = decode_halt(payload)
         if asked is not None:
+            if asked.halt != run.world.coordinator.halted:
+                self._say(f"tick {run.world.tick}: {'emergency stop' if asked.halt else 'released'}")
             run.world.halt(asked.halt)
             self._publishers.watched(run.clock(), run.world.news())
         return encode_reply(Halted(run.world.coordinator.halted, run.world.tick), payload)

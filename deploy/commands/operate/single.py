@@ -17,6 +17,7 @@ from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import checked_run
+from protocol.log import LOG, begin
 from protocol.title import entitle
 
 Wait = Annotated[
@@ -36,6 +37,7 @@ def robot(
     secure: options.Secure = None,
     wait: Wait = _WAIT,
     alive: Alive = None,
+    log: options.Log = None,
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
@@ -46,7 +48,7 @@ def robot(
     membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.
-    files = ["" if file is None else str(file.absolute()) for file in (secure, alive)]
+    files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
     arguments = [endpoint, _run(membership, run), str(robot_id), str(wait), *files]
     os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
@@ -65,6 +67,7 @@ def world(
     ] = None,
     wait: Wait = _WAIT,
     alive: Alive = None,
+    log: options.Log = None,
 ) -> None:
     """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
 
@@ -83,6 +86,7 @@ def world(
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = _run(membership, run)
     entitle("world", run_name)
+    begin("world", run_name, log)
     if journal is not None and not journal.exists():
         Journal.create(journal, run_name, [loaded])
     lockstep = mode == "lockstep"
@@ -116,6 +120,7 @@ def router(
         bool,
         typer.Option("--admin", help="Tell who is connected, and declares what, in zenoh's admin space."),
     ] = False,
+    log: options.Log = None,
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
     ] = False,
@@ -135,14 +140,16 @@ def router(
     if print_config:
         sys.stdout.write(router_config(connection, membership.default_router))
         return
-    entitle("router", membership.run(None) or "")
+    run = membership.run(None) or ""
+    entitle("router", run)
+    begin("router", run, log)
     raise typer.Exit(main(connection, ready=_say))
 
 
 def _say(endpoint: str) -> None:
     from protocol.bus.heartbeat import heartbeat
 
-    print(f"router: listening on {endpoint}", file=sys.stderr, flush=True)
+    LOG.warning(f"listening on {endpoint}")
     if (beat := heartbeat(None)) is not None:
         beat(0.0)
 

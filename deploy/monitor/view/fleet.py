@@ -48,6 +48,7 @@ class View:
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
         self.missed, self.rejected = 0, dict[str, int]()
+        self.halted = False  # by an emergency stop
         self.smallest: float | None = None
         self.things: tuple[Thing, ...] = ()  # that came or went
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
@@ -104,7 +105,7 @@ class View:
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
         self.missed, self.rejected = clock.missed, clock.rejected
-        self.things = clock.things
+        self.things, self.halted = clock.things, clock.halted
         down = {each.robot for each in clock.standing}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in clock.active
@@ -152,13 +153,16 @@ class View:
 
     @property
     def phase(self) -> str:
-        """searching, gathering, running, paused, ended, or lost: the world went without a verdict."""
+        """searching, gathering, running, paused, halted: by an emergency stop, ended, or lost: the world
+        went without a verdict."""
         if self.scenario is None:
             return "searching"
         if self.verdict:
             return "ended"
         if self.world_alive is False:
             return "lost"
+        if self.halted:
+            return "halted"
         if self.steering.paused:
             return "paused"
         return "running" if self.recent or self.tick else "gathering"

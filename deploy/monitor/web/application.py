@@ -1,4 +1,4 @@
-"""The web application: a page of static files, and one websocket for frames, steering and goals."""
+"""The web application: a page of static files, and one websocket for frames and what viewers ask for."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
 from protocol.messages import Id
+from protocol.reader import DAMAGED
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer
 
@@ -36,7 +37,8 @@ _HEADERS = {
 
 _ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
 _ANSWER = 10.0  # s that the source may take over an order
-_UNANSWERED = GoalReply(False, text="no answer from the run; the order may yet reach it")
+_SILENCE = "no answer from the run; the order may yet reach it"
+_UNANSWERED = GoalReply(False, text=_SILENCE)
 
 
 class Directed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -47,9 +49,10 @@ class Directed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Asked(Steer, frozen=True):
-    """What a viewer may ask for: steering, and where one robot is to go."""
+    """What a viewer may ask for: steering, where one robot is to go, and an emergency stop or its release."""
 
     goal: Directed | None = None
+    halt: bool | None = None
 
 
 class FixedHeaders:
@@ -127,14 +130,26 @@ async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *
             asked = msgspec.json.decode(text, type=Asked)
             if not may_steer:
                 await _tell(socket, "refused", text=_ONLY_LOOKS)
+            elif asked.halt is not None:
+                tasks.create_task(_halt(socket, source, asked.halt))
             elif asked.goal is not None:
                 tasks.create_task(_order(socket, source, asked.goal))
             else:
                 source.steer(Steer(asked.pause, asked.step, asked.speed))
         except WebSocketDisconnect:
             return
-        except (msgspec.DecodeError, KeyError) as error:
+        except (*DAMAGED, KeyError) as error:
             await _tell(socket, "refused", text=str(error))
+
+
+async def _halt(socket: WebSocket, source: Source, halt: bool) -> None:
+    """Pass on an emergency stop or its release; frames tell that it is in force."""
+    try:
+        async with asyncio.timeout(_ANSWER):
+            refusal = await asyncio.wrap_future(source.halt(halt))
+    except TimeoutError:
+        refusal = _SILENCE
+    await _tell(socket, "halted", text=refusal)
 
 
 async def _order(socket: WebSocket, source: Source, directed: Directed) -> None:

@@ -1,8 +1,9 @@
 """What `disknav run --hosts` starts on each host: a fork server whose channel is an ssh connection.
 
 It says who it is in one line, then serves requests that come in on standard input, and tells news on
-standard output. It ends, and all its processes with it, when the connection does, or when nothing
-has come for so long that whoever is at the other end, or the way to it, must be gone.
+standard output; logs go to standard error, as lines. It ends, and all its processes with it, when the
+connection does, or when nothing has come for so long that whoever is at the other end, or the way to it,
+must be gone.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from deploy.processes.fork_messages import Store
 from deploy.processes.fork_server import serve
 from deploy.processes.spawn import MODULES
 from deploy.software.provenance import SOFTWARE, code_digest
+from protocol import log
 
 GREETING = "disknav-host"  # then a digest of the code, and the folder
 _PATIENCE = 30.0  # s; the launcher says something every second
@@ -36,7 +38,9 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
     folder = Path(mkdtemp(prefix="disknav-"))  # mode 0700
     try:
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
-        serve(requests, news, modules, run, store=partial(_store, folder), patience=patience)
+        begin_log = partial(log.begin, run=run, wired=True)
+        store = partial(_store, folder)
+        serve(requests, news, modules, run, begin_log=begin_log, store=store, patience=patience)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
@@ -17,6 +16,7 @@ from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
 from deploy.processes.spawn import Spawner
 from protocol.errors import ProcessError
+from protocol.log import LOG
 
 _GREETING = 30.0  # s for all hosts to answer
 
@@ -30,15 +30,18 @@ class HostSpawners:
         table: the hosts; those without ssh are this machine.
         places: name of a process -> name of its host; all others are started here.
         run: stands in the titles of all processes.
+        logs: folder for the files of logs, of this machine's processes and of every host; none unless given.
 
     Raises:
         ProcessError: a host cannot be reached.
     """
 
-    def __init__(self, table: HostsTable, places: Mapping[str, str], run: str) -> None:
+    def __init__(
+        self, table: HostsTable, places: Mapping[str, str], run: str, logs: Path | None = None
+    ) -> None:
         self._places = places
-        self._here = Spawner(run=run)
-        self._there = {host.name: SshSpawner(host, run) for host in table.hosts if host.ssh}
+        self._here = Spawner(run=run, logs=logs)
+        self._there = {host.name: SshSpawner(host, run, logs) for host in table.hosts if host.ssh}
         self._numbers = count(1)
         self._numbers_of: dict[tuple[Spawner, int], int] = {}  # a spawner's own number -> ours
         self._lives: dict[int, tuple[Spawner, int]] = {}  # the reverse, of those that have not ended
@@ -138,7 +141,7 @@ class HostSpawners:
         """All processes of a lost host have ended, as far as this launcher can know."""
         if spawner is self._here:
             raise error
-        print(f"disknav: {error}", file=sys.stderr)
+        LOG.error(error)
         spawner.gone = True
         spawner.hang_up()
         for number, (of, own) in list(self._lives.items()):

@@ -8,19 +8,19 @@ import shlex
 import socket
 import struct
 import subprocess
-import sys
 import time
 from collections.abc import Iterator, Sequence
-
-import msgspec
+from pathlib import Path
 
 from deploy.processes.fork_messages import MAX_NEWS, Beat, News, Request, Store, decode_news
 from deploy.processes.hosts.frames import Frames
+from deploy.processes.hosts.relay import Relay
 from deploy.processes.hosts.remote import GREETING
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import Spawner
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.errors import ProcessError
+from protocol.reader import DAMAGED
 
 BEAT = 1.0  # s between signs of life of this launcher
 _STALL = 5.0  # s that a host may take over a message, of its own or to it
@@ -50,11 +50,12 @@ class SshSpawner(Spawner):
         ProcessError: there is no ssh here; or from any method, the host is gone.
     """
 
-    def __init__(self, host: Host, run: str) -> None:
+    def __init__(self, host: Host, run: str, logs: Path | None = None) -> None:
+        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`."""
         self.host = host
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
-        super().__init__(run=run)
+        super().__init__(run=run, logs=logs)
         self._frames = Frames(self._channel.fileno(), MAX_NEWS, _STALL)
         with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # an option of both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
@@ -70,7 +71,7 @@ class SshSpawner(Spawner):
             line = self._line(deadline)
             words = line.split(maxsplit=2)
             if words[:1] != [GREETING]:
-                print(f"{self.host.name}: {line}", file=sys.stderr)  # what a shell says at login
+                self._relay.take(line.encode())  # what a shell says at login
             elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
                 raise ProcessError(
                     f"host {self.host.name}: {self.host.command} there is another version than this one; "
@@ -78,6 +79,11 @@ class SshSpawner(Spawner):
                 )
             else:
                 self.folder = words[2]
+
+    def close(self) -> None:
+        """As of any fork server; what the host said last is waited for."""
+        super().close()
+        self._relay.end()
 
     def store(self, name: str, content: bytes) -> None:
         """Put a file into the host's folder, for its owner's eyes only; once."""
@@ -94,7 +100,7 @@ class SshSpawner(Spawner):
                 yield decode_news(message)
         except (EOFError, ConnectionError):
             raise self._gone() from None
-        except (OSError, ValueError, msgspec.DecodeError) as error:
+        except (OSError, ValueError, *DAMAGED) as error:
             raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
 
     def _send(self, request: Request) -> None:
@@ -103,14 +109,22 @@ class SshSpawner(Spawner):
         except BlockingIOError:
             raise ProcessError(f"host {self.host.name} has not listened for {_STALL:g} s") from None
 
-    def _serve(self, theirs: socket.socket, modules: Sequence[str], run: str) -> subprocess.Popen[bytes]:
+    def _serve(
+        self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
+    ) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
+        self._relay = Relay(self.host.name, run, logs)
         command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}")
         end = theirs.fileno()
         try:
-            return subprocess.Popen(command, stdin=end, stdout=end, start_new_session=True)
+            ssh = subprocess.Popen(
+                command, stdin=end, stdout=end, stderr=subprocess.PIPE, start_new_session=True
+            )
         except FileNotFoundError:
             raise ProcessError("hosts are reached by OpenSSH, and there is no command ssh here") from None
+        assert ssh.stderr is not None
+        self._relay.follow(ssh.stderr)
+        return ssh
 
     def _line(self, deadline: float) -> str:
         """A line of text, byte by byte: what follows the greeting is not text."""
@@ -134,6 +148,7 @@ class SshSpawner(Spawner):
             status = self._server.wait(5.0)
         except subprocess.TimeoutExpired:
             return ProcessError(f"host {self.host.name} closed the connection")
+        self._relay.end()
         if status == _MISSING:
             return ProcessError(f"host {self.host.name}: the shell there finds no {self.host.command!r}")
         how = f"with status {status}; what it said stands above" if status >= 0 else f"by signal {-status}"

@@ -104,9 +104,27 @@ def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
 def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
     watcher = watch_local(LocalNetwork(), "r")
     watcher._known = True  # what it learnt once; the world has gone since
-    answer = watcher.order(1, GoalOrder(((0.0, 0.0),)))
+    answer, stop = watcher.order(1, GoalOrder(((0.0, 0.0),))), watcher.halt(True)
     watcher.wake(time.monotonic())
     assert "nobody answered" in answer.result(0.0).text
+    assert "nobody answered" in stop.result(0.0)
+
+
+def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    assert "no run yet" in watcher.halt(True).result(0.0)
+    with running(fleet):
+        until(lambda: watcher.snapshot()["tick"] >= 2)
+        assert watcher.halt(True).result(PATIENCE) == ""
+        until(lambda: watcher.snapshot()["phase"] == "halted")
+        stood = fleet.world.world.truth.positions
+        tick = fleet.world.world.tick
+        until(lambda: fleet.world.world.tick >= tick + 5)
+        assert fleet.world.world.truth.positions == stood
+        assert watcher.halt(False).result(PATIENCE) == ""
+        watcher.steer(Steer(speed=0.0))
+        until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
 def test_a_killed_robot_is_an_alarm_within_two_seconds() -> None:
@@ -135,6 +153,7 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
         assert player.snapshot()["tick"] <= held["tick"] + 1
         player.steer(Steer(pause=False, speed=0.0))
         assert "recording" in player.order(1, GoalOrder(())).result(0.0).text
+        assert "recording" in player.halt(True).result(0.0)
         assert player.join(PATIENCE)
         assert player.snapshot()["verdict"] == "arrived"
 

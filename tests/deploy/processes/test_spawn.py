@@ -74,7 +74,7 @@ def test_a_failure_leaves_its_traceback(spawner: Spawner, tmp_path: Path) -> Non
     log = tmp_path / "log"
     spawner.start("calculator", "tests.deploy.processes.children:divide_by_zero", log=log)
     assert exit_code(spawner) == FAULT
-    assert "calculator failed" in log.read_text()
+    assert "calculator: failed:\nTraceback" in log.read_text()
     assert "return 1 / 0" in log.read_text()
 
 

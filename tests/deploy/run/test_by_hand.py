@@ -67,13 +67,19 @@ def said(process: subprocess.Popen[str]) -> tuple[int, dict[str, Any]]:
 def test_robots_first_router_last(settings: Sequence[str], status: int, verdict: str, tmp_path: Path) -> None:
     alive = [tmp_path / robot for robot in ROBOTS]
     with by_hand() as it:
-        robots = [it.start("robot", r, "--alive", str(f)) for r, f in zip(ROBOTS, alive, strict=True)]
-        world = it.start("world", "figure-2", *settings)
-        it.start("router")
+        logs = ["--log", str(tmp_path / "logs")]
+        robots = [it.start("robot", r, "--alive", str(f), *logs) for r, f in zip(ROBOTS, alive, strict=True)]
+        world = it.start("world", "figure-2", *settings, *logs)
+        it.start("router", *logs)
         found, report = said(world)
         assert (found, report["verdict"]) == (status, verdict)
         assert [robot.wait(30.0) for robot in robots] == [0, 0, 0]
     assert all(file.exists() for file in alive)
+    said_by = {path.stem: path.read_text() for path in (tmp_path / "logs").iterdir()}
+    assert said_by.keys() == {"router", "world", *(f"robot-{robot}" for robot in ROBOTS)}
+    assert f"the run is over: {verdict}" in said_by["robot-1"]
+    assert f"ends: {verdict}" in said_by["world"]
+    assert it.endpoint in said_by["router"]
 
 
 def test_a_world_that_is_told_to_stop_says_so(tmp_path: Path) -> None:

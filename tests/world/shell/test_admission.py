@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
@@ -160,7 +161,8 @@ def test_a_lost_reply_costs_nothing() -> None:
 
 def test_a_reply_that_never_comes_ends_the_process() -> None:
     fleet = LocalFleet([SWAP])
-    fleet.robots[2].node._bus = Lossy(fleet.robots[2], 99)  # type: ignore[union-attr]
+    bus = fleet.robots[2]
+    bus.node = RobotNode(Lossy(bus, 99), fleet.run, 2, wait=0.3)  # type: ignore[arg-type]
     with pytest.raises(BusError, match="no world answers"):
         fleet.execute()
 

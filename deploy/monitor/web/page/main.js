@@ -1,6 +1,7 @@
 // Wires the page together: news from the fleet go into the model, the parts show what it holds.
 import { Controls } from "./panels/controls.js";
 import { showFigures } from "./panels/figures.js";
+import { Halt } from "./panels/halt.js";
 import { SelectedRobot } from "./panels/selected.js";
 import { RobotTable } from "./panels/table.js";
 import { Live } from "./live.js";
@@ -20,6 +21,7 @@ const table = new RobotTable(element("robots"), selection);
 const selected = new SelectedRobot(model, selection, (order) => live.send(order));
 const pointer = new Pointer(workspace, model, selection, selected);
 const controls = new Controls((order) => live.send(order), selection);
+const halt = new Halt((order) => live.send(order));
 const plots = [
   new Plot(element("clearance"), element("clearance-now"), model, {
     pick: (point) => point[1] * 1000, unit: " mm", digits: 1, floor: 0, zero: "contact",
@@ -30,7 +32,10 @@ const plots = [
 ];
 
 const live = new Live({
-  welcome: (welcome) => selected.allow(welcome.may_steer),
+  welcome(welcome) {
+    selected.allow(welcome.may_steer);
+    halt.allow(welcome.may_steer);
+  },
   overview(overview) {
     model.begin(overview);
     table.begin(model);
@@ -42,6 +47,7 @@ const live = new Live({
     model.take(frame, performance.now());
     table.show(model);
     controls.show(frame);
+    halt.show(frame);
     selected.show();
     pointer.show();
     showFigures(frame, model);
@@ -50,9 +56,11 @@ const live = new Live({
   lost() {
     controls.lost();
     selected.allow(false);
+    halt.allow(false);
     showFigures(null, model);
   },
   answer: (answer) => selected.answered(answer),
+  halted: (answer) => halt.answered(answer.text),
   refused: (refusal) => controls.refused(refusal.text),
 });
 

@@ -114,5 +114,6 @@ def _run(scenario: Scenario, joining: Sequence[int] | None, watch: Watch) -> dic
     fleet.network.run(lambda: fleet.world.finished or watch.enough())
     fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
     watch.hear_out()
-    (report,) = fleet.world.reports
+    report = fleet.world.report
+    assert report is not None
     return report

@@ -87,6 +87,9 @@ class Shown:
     def goal(self, robot: int) -> list[float]:
         return [round(part, 3) for part in self.watcher.snapshot()["robots"][robot - 1]["goal"]]
 
+    def phase(self) -> str:
+        return str(self.watcher.snapshot()["phase"])
+
     def picture(self) -> str:
         return str(self.page.evaluate("document.querySelector('#workspace').toDataURL()"))
 
@@ -253,6 +256,32 @@ def test_who_has_no_token_can_select_but_not_send(browser: playwright.Browser) -
         assert it.goal(2) == goal
 
 
+def test_all_are_stopped_by_a_key_and_released_by_the_button(browser: playwright.Browser) -> None:
+    with shown(browser, ring(6), speed=0.6) as it:
+        it.wait_for_tick(3)
+        looking = it.page.context.new_page()
+        looking.goto(it.server.address)
+        looking.wait_for_selector("#verdict:has-text('Running')")
+        assert looking.locator("#halt").is_hidden()
+        looking.keyboard.press("s")  # who only looks stops nobody
+        it.page.locator("#speed").focus()
+        assert it.phase() == "running"
+        it.page.keyboard.press("s")
+        it.page.wait_for_selector("#verdict:has-text('Emergency stop')")
+        looking.wait_for_selector("#verdict:has-text('Emergency stop')")
+        stood = it.fleet.world.world.truth.positions
+        it.wait_for_tick(it.watcher.snapshot()["tick"] + 5)
+        assert it.fleet.world.world.truth.positions == stood
+        it.page.keyboard.press("s")  # it only stops
+        it.wait_for_tick(it.watcher.snapshot()["tick"] + 2)
+        assert it.phase() == "halted"
+        it.page.get_by_role("button", name="Release all").click()
+        it.page.wait_for_selector("#verdict:has-text('Running')")
+        it.page.get_by_label("Speed").select_option("unlimited")
+        it.page.wait_for_selector("#verdict:has-text('Arrived')")
+        assert it.page.locator("#halt").is_disabled()
+
+
 def test_of_many_robots_alarms_and_the_selected_one_are_shown(browser: playwright.Browser) -> None:
     with shown(browser, ring(26, kill=7, at=0.1), speed=0.5) as it:
         shown_rows = it.page.locator("#robots tr:visible")
@@ -373,7 +402,7 @@ def test_everything_has_an_accessible_name(browser: playwright.Browser) -> None:
     with shown(browser, ring(6), speed=0.1) as it:
         it.page.wait_for_selector("#verdict:has-text('Running')")
         for role, names in {
-            "button": ("Pause", "Step", "Theme", "Robot 6"),
+            "button": ("Pause", "Step", "Stop all", "Theme", "Robot 6"),
             "alert": ("",),
             "checkbox": ("Trails", "Goals", "Velocity", "Separating lines"),
             "combobox": ("Speed",),

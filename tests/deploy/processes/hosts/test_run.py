@@ -135,8 +135,10 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     hosts, _ = table(server, tmp_path)
     made = disknav("keys", "new", keys, "-s", "figure-1", "--hosts", hosts, "--run", "yard")
     assert made.returncode == 0, made.stderr
-    done = disknav("run", "figure-1", "--hosts", hosts, "--secure", keys, "--record", record, "--json", "-")
+    options = ["--secure", keys, "--record", record, "--log", tmp_path / "logs", "--json", "-"]
+    done = disknav("run", "figure-1", "--hosts", hosts, *options)
     assert done.returncode == 0, done.stderr
+    assert_logged(tmp_path / "logs")
     found = json.loads(done.stdout)
     (alone,) = LocalFleet([SCENARIO]).execute()
     assert found["trajectory_sha256"] == alone["trajectory_sha256"]
@@ -153,6 +155,17 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     assert all(row["cpu_s"] > 0.0 for row in found["processes"])
     assert psutil.wait_procs(psutil.Process(server.pid).children(recursive=True), timeout=10.0)[1] == []
     assert record.stat().st_size > 0
+
+
+def assert_logged(folder: Path) -> None:
+    """Every host has a file here in which each of its processes began and ended."""
+    files = {path.stem: path.read_text().splitlines() for path in folder.iterdir()}
+    assert files.keys() == {"launcher", "recorder", "writer", *HOSTS}
+    for host, robots in HOSTS.items():
+        lines = [json.loads(line) for line in files[host]]
+        assert all((line["run"], line["host"]) == ("yard", host) for line in lines)
+        ended = {line["robot"] for line in lines if line["text"] == "ends with status 0"}
+        assert ended == {None, *robots}
 
 
 def test_scheduled_faults_reach_other_hosts(server: Server, tmp_path: Path) -> None:

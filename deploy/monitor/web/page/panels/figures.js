@@ -4,6 +4,7 @@ const PHASES = {
   gathering: ["Waiting for robots", "idle"],
   running: ["Running", "live"],
   paused: ["Paused", "warn"],
+  halted: ["Emergency stop", "bad"],
   lost: ["The world is gone", "bad"],
 };
 

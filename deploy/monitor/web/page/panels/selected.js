@@ -20,7 +20,7 @@ export class SelectedRobot {
   // Whether an order can be given at all now.
   get open() {
     const phase = this.model.frame?.phase;
-    return this.may && this.robot !== null && ["running", "paused", "gathering"].includes(phase);
+    return this.may && this.robot !== null && ["running", "paused", "halted", "gathering"].includes(phase);
   }
 
   get robot() {

@@ -1,0 +1,36 @@
+// The emergency stop: a button, and the key S wherever the focus is. Only the button releases.
+const DONE = ["ended", "lost", "searching"];
+
+export class Halt {
+  constructor(send) {
+    this.send = send;
+    this.may = this.open = this.halted = false;
+    this.button = document.getElementById("halt");
+    this.note = document.getElementById("halt-note");
+    this.button.addEventListener("click", () => this.send({ halt: !this.halted }));
+    document.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  allow(may) {
+    this.may = may;
+    this.button.hidden = !may;
+  }
+
+  show(frame) {
+    this.halted = frame.phase === "halted";
+    this.open = !DONE.includes(frame.phase);
+    this.button.disabled = !this.open;
+    this.button.textContent = this.halted ? "Release all" : "Stop all";
+    this.button.title = this.halted ? "The robots may move again" : "Emergency stop: every robot stands within one tick (key S)";
+    this.button.toggleAttribute("data-halted", this.halted);
+  }
+
+  answered(text) {
+    this.note.textContent = text && `Emergency stop: ${text}`;
+  }
+
+  key(event) {
+    if (event.key.toLowerCase() !== "s" || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (this.may && this.open) this.send({ halt: true });
+  }
+}

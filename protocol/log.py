@@ -1,0 +1,148 @@
+"""What processes say: as words on the terminal, and as lines of JSON in files where that is asked for.
+
+Whoever has something to say uses `LOG`: `warning` and `error` for people, `info` for the files alone.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from datetime import UTC, datetime
+from logging.handlers import WatchedFileHandler
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+
+from protocol.errors import UsageError
+
+LOG = logging.getLogger("disknav")
+LAUNCHER = "launcher"
+Level = Literal["info", "warning", "error"]
+Name = Annotated[str, msgspec.Meta(max_length=100, pattern=r"^[\w.-]*$")]
+
+
+class Speaker(msgspec.Struct, frozen=True):
+    """Whose words they are.
+
+    Attributes:
+        run: name of the run.
+        host: of a fleet on several hosts; empty on the launcher's.
+        role: `robot`, `world`, `router`, `recorder`, `writer` or `launcher`.
+        robot: its number, if it is a robot.
+    """
+
+    run: Name = ""
+    host: Name = ""
+    role: Name = ""
+    robot: int | None = None
+
+    @property
+    def label(self) -> str:
+        """What stands before its words on the terminal."""
+        role = "disknav" if self.role == LAUNCHER else self.role
+        named = role if self.robot is None else f"{role} {self.robot}"
+        return ": ".join(filter(None, (self.host, named)))
+
+
+class Line(Speaker, frozen=True, kw_only=True):
+    """One line of a file: who said what, and when by the clock of its host."""
+
+    time: datetime
+    level: Level
+    text: str
+
+    def record(self, host: str) -> logging.LogRecord:
+        """The record that this was made of, of a process on `host`."""
+        level = logging.getLevelNamesMapping()[self.level.upper()]
+        record = logging.LogRecord(LOG.name, level, "", 0, self.text, (), None)
+        record.created = self.time.timestamp()
+        record.speaker = Speaker(self.run, host, self.role, self.robot)
+        return record
+
+
+class _Words(logging.Formatter):
+    def __init__(self, speaker: Speaker) -> None:
+        super().__init__()
+        self._speaker = speaker
+
+    def format(self, record: logging.LogRecord) -> str:
+        speaker: Speaker = getattr(record, "speaker", self._speaker)
+        return f"{speaker.label}: {super().format(record)}"
+
+
+class _Lines(logging.Formatter):
+    def __init__(self, speaker: Speaker) -> None:
+        super().__init__()
+        self._speaker = speaker
+
+    def format(self, record: logging.LogRecord) -> str:
+        said = msgspec.structs.asdict(getattr(record, "speaker", self._speaker))
+        time, level = datetime.fromtimestamp(record.created, UTC), record.levelname.lower()
+        return msgspec.json.encode(
+            {"time": time, "level": level} | said | {"text": super().format(record)}
+        ).decode()
+
+
+class _File(WatchedFileHandler):
+    """Appends; begins anew what was moved away. What it cannot write it drops, and says so once."""
+
+    _said = False
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as logging calls it
+        if not self._said:
+            self._said = True
+            print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)
+
+
+def words(speaker: Speaker) -> logging.Handler:
+    """Writes warnings and errors to standard error, for people."""
+    handler = logging.StreamHandler()
+    handler.setLevel(logging.WARNING)
+    handler.setFormatter(_Words(speaker))
+    return handler
+
+
+def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
+    """Writes everything to `file`; without one to standard error, for a launcher on another host.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    try:
+        handler = logging.StreamHandler() if file is None else _file(file)
+    except OSError as error:
+        raise UsageError(f"--log: {error}") from error
+    handler.setFormatter(_Lines(speaker))
+    return handler
+
+
+def _file(path: Path) -> logging.Handler:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return _File(path, encoding="utf-8")
+
+
+def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool = False) -> None:
+    """Have `LOG` of this process speak as `name`; a second call replaces the first.
+
+    Args:
+        name: of the process, such as `robot-3`.
+        run: name of the run.
+        folder: where its file is, `robot-3.jsonl`; none unless given.
+        wired: whether a launcher on another host reads standard error.
+
+    Raises:
+        UsageError: nothing can be written to `folder`.
+    """
+    role, _, number = name.partition("-")
+    speaker = Speaker(run, "", role, int(number) if role == "robot" else None)
+    handlers = [lines(speaker, None) if wired else words(speaker)]
+    if folder is not None:
+        handlers.append(lines(speaker, folder / f"{name}.jsonl"))
+    for old in LOG.handlers[:]:
+        LOG.removeHandler(old)
+        old.close()
+    for handler in handlers:
+        LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    LOG.propagate = False
