@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -33,6 +33,7 @@ class Assembly:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
         record: file to record to.
+        lead: alters how processes are linked, once there is a router.
         stack: whatever has to be undone at the end is put there, also if something does not start.
 
     Attributes:
@@ -45,14 +46,19 @@ class Assembly:
     """
 
     def __init__(
-        self, scenarios: Sequence[Scenario], options: RunOptions, record: Path | None, stack: ExitStack
+        self,
+        scenarios: Sequence[Scenario],
+        options: RunOptions,
+        record: Path | None,
+        lead: Callable[[Topology], Topology],
+        stack: ExitStack,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._hosts = self._host_spawners()
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
         self.writer = self._start_writer(record, stack)
-        self.topology = self._begin(stack)
+        self.topology = lead(self._begin(stack))
         self._start_world(self._journal(stack))
 
     def robots(self) -> list[table.Process]:
@@ -88,7 +94,7 @@ class Assembly:
         if record is None:
             return None
         address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
-        self.supervisor.start([table.writer(record, address, self._options.restarts)])
+        self.supervisor.start([table.writer(record, address, self._options.restarts, self._options.rotation)])
         self.supervisor.report(table.WRITER, _START)
         return address
 

@@ -13,12 +13,12 @@ QUANTITIES = ("private_mb", "resident_mb", "handles", "threads")
 
 
 def _series() -> dict[str, array[float]]:
-    return {name: array("d") for name in ("time", *QUANTITIES)}
+    return {name: array("d") for name in ("time", "pid", *QUANTITIES)}
 
 
 @dataclass
 class Samples:
-    """Series by process name: s since the beginning, MB (2^20 bytes), counts.
+    """Series by process name: s since the beginning, process id, MB (2^20 bytes), counts.
 
     private_mb: memory that the process shares with nobody, which is what it would leak.
     """
@@ -38,6 +38,7 @@ class Samples:
         for name, pid in pids.items():
             try:
                 if pid not in self._known:
+                    self._forget(pids)
                     self._known[pid] = psutil.Process(pid)
                 self._sample(name, self._known[pid], now)
             except psutil.Error:
@@ -45,10 +46,16 @@ class Samples:
         done = time.monotonic()
         self._due = max(now + self.period, done + self.rest * (done - now))
 
+    def _forget(self, pids: Mapping[str, int]) -> None:
+        """Those that have ended."""
+        for pid in self._known.keys() - set(pids.values()):
+            del self._known[pid]
+
     def _sample(self, name: str, process: psutil.Process, now: float) -> None:
         memory = process.memory_full_info()
         values = (memory.uss / 2**20, memory.rss / 2**20, process.num_fds(), process.num_threads())
         series = self.of.setdefault(name, _series())
         series["time"].append(now - self._began)
+        series["pid"].append(process.pid)
         for quantity, value in zip(QUANTITIES, values, strict=True):
             series[quantity].append(value)

@@ -35,7 +35,11 @@ def samples(handles: list[float], megabytes: float = 0.0) -> Samples:
     """Ten samples of one process whose memory rises by `megabytes` from one to the next."""
     count = range(len(handles))
     series = {name: array("d", [7.0] * len(handles)) for name in ("resident_mb", "threads")}
-    series |= {"time": array("d", count), "handles": array("d", handles)}
+    series |= {
+        "time": array("d", count),
+        "pid": array("d", [1.0] * len(handles)),
+        "handles": array("d", handles),
+    }
     series["private_mb"] = array("d", [5.0 + megabytes * n for n in count])
     return Samples(1.0, {"robot-1": series})
 
