@@ -81,6 +81,7 @@ class WorldNode:
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
+        ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
         self._operations = Operations(
             bus,
@@ -247,6 +248,8 @@ class WorldNode:
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         run = self._run
+        for robot in run.world.coordinator.newcomers:
+            self._admissions.expect(robot)
         ticks = self._failures.gather(run)
         if ticks is None:
             return False

@@ -81,6 +81,7 @@ class Fleet:
         self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
+        self._frozen: set[int] = set()  # robots whose processes are paused
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
@@ -190,7 +191,9 @@ class Fleet:
     def _welcome(self, newcomers: Sequence[int]) -> None:
         """Start a process for each robot that was added, on this host."""
         for robot in newcomers:
-            if table.robot_name(robot) not in self._supervisor.running() and robot not in self._started:
+            leaves = table.robot_name(robot) not in self._supervisor.running() or robot in self._frozen
+            if leaves and robot not in self._started:
+                self._frozen.discard(robot)
                 self._started.add(robot)
                 self._assembly.start_newcomer(robot)
         self._started &= set(newcomers)
@@ -203,6 +206,9 @@ class Fleet:
             "resume": self._supervisor.resume,
             "restart": self._supervisor.restart,
         }
+        if name not in self._supervisor.names:
+            return  # it has not come yet
+        (self._frozen.add if fault.event == "pause" else self._frozen.discard)(fault.robot)
         actions[fault.event](name)
 
     def _check(self, exits: Sequence[Exit]) -> None:
