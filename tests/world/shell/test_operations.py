@@ -1,4 +1,4 @@
-"""What operators ask for is written down: who was sent where, who came and went, when everybody was stopped."""
+"""What operators ask for is written down: who was sent where, who came and went, every emergency stop."""
 
 from __future__ import annotations
 
