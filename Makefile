@@ -62,11 +62,11 @@ check: $(READY)  ## lint, formatting, types, import contracts
 	$(BIN)/lint-imports --no-cache
 
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minute
-	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser'
+	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
 
 test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
-	$(BIN)/python -m pytest -n 2 --durations=20 -m 'not process and not browser'
-	$(BIN)/python -m pytest --durations=20 -m 'process or browser'
+	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
+	$(BIN)/python -m pytest --durations=5 -m alone
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

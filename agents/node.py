@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf
 from typing import Final
 
@@ -31,7 +31,6 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Health, Roster, Sense, State, Tick
 from protocol.requests import joining
-from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
@@ -88,6 +87,7 @@ class RobotNode:
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
+        self._heard: set[str] = set()  # keys of States that are subscribed to
         self._said_state = self._said_command = b""  # newest, as they were sent
         self._published = self._received = 0
         self._heard_world = self._reported = time.monotonic()
@@ -161,8 +161,9 @@ class RobotNode:
         self._ended = self._over = self._noted = False
         self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self._due = time.monotonic() + REPORT_PERIOD
+        self._listen(self._peers)
         if not self._declared:
-            self._declare(admission.scenario)
+            self._declare()
 
     def _meet(self, roster: Roster) -> None:
         """Hear who has joined the fleet since this process was admitted."""
@@ -173,19 +174,25 @@ class RobotNode:
                 continue
             index = len(self._peers) if known is None else known.index
             self._peers[key] = PeerReader(self._robot, member.robot, member.radius, index=index)
-            if known is None:
-                self._bus.subscribe(key)
+            self._listen((key,))
 
-    def _declare(self, scenario: Scenario) -> None:
+    def _listen(self, keys: Iterable[str]) -> None:
+        """Subscribe to peers' States, once each: a later life may know of peers that the first did not."""
+        fresh = [key for key in keys if key not in self._heard]
+        if fresh:
+            self._bus.subscribe(*fresh)
+            self._heard.update(fresh)
+
+    def _declare(self) -> None:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
         bus.subscribe(robot_key(run, robot, "tick"))
-        bus.subscribe(*[robot_key(run, i, "state") for i in scenario.ids if i != robot])
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
-        self._base = base_of(scenario, robot, self._namespace)
+        assert self.core is not None
+        self._base = base_of(self.core.scenario, robot, self._namespace)
         if self._base is None:
             self._announce()
         else:

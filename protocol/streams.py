@@ -38,7 +38,7 @@ class Question(NamedTuple):
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
 _STREAMS = (
-    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 128 * 1024),
+    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 256 * 1024),
     Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
     Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 1024),
     Stream(
@@ -49,7 +49,7 @@ _STREAMS = (
         "at most every 0.05 s, at ticks with a process fault, every 0.1 s while the world waits",
         False,
         True,
-        64 * 1024,
+        256 * 1024,
     ),
     Stream(
         "truth", Truth, "world", (), "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024

@@ -52,7 +52,7 @@ class WorldNode:
         tell: is told every report.
 
     Attributes:
-        reports: one a scenario that has ended, as far as this process saw it.
+        report: of the scenario that ended last, as far as this process saw it.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class WorldNode:
         past: Resumed | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
-        self.reports: list[dict[str, Any]] = []
+        self.report: dict[str, Any] | None = None
         self.finished = False
         lockstep = lockstep and not any(scenario.is_external for scenario in scenarios)
         self._pacing = Pacing(lockstep, speed, clock)
@@ -82,6 +82,7 @@ class WorldNode:
         current = Run(0, scenarios[0], {}) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
+        ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
         self._operations = Operations(
             bus,
@@ -248,6 +249,8 @@ class WorldNode:
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
         run = self._run
+        for robot in run.world.coordinator.newcomers:
+            self._admissions.expect(robot)
         ticks = self._failures.gather(run)
         if ticks is None:
             return False
@@ -307,7 +310,7 @@ class WorldNode:
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
-        self.reports.append(report)
+        self.report = report
         self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)

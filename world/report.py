@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Order, Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.lives import Lives
 from world.judge.contacts import Contact
@@ -29,6 +29,7 @@ def report(
     commands: Commands,
     lives: Lives,
     sensors: Iterable[Sensor],
+    orders: Iterable[tuple[int, Order, str]],
     largest_bound: float | None = None,
 ) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
@@ -44,6 +45,7 @@ def report(
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
         lengths: path length of each robot that is or was there, m.
+        orders: those of the scenario that were due: tick, order, and why it was refused or "".
         largest_bound: by which a reported position may have been off, m; None where the truth is known.
     """
     step, truth = scenario.time.step, record.truth
@@ -76,6 +78,7 @@ def report(
         "missed_commands": commands.missed,
         "rejected_commands": dict(commands.refused),
         "down": [fenced.robot for fenced in lives.standing],
+        "orders": [_order(tick, order, refused) for tick, order, refused in orders],
         "faults": _faults(scenario, lives, list(sensors)),
         "phi": {"first": record.first_phi, "last": truth.phi, "increases": record.increases},
         "positions": {
@@ -92,6 +95,11 @@ def _contact(contact: Contact, step: float) -> dict[str, Any]:
         "until": contact.end * step,
         "deepest": contact.deepest,
     }
+
+
+def _order(tick: int, order: Order, refused: str) -> dict[str, Any]:
+    asked = {key: value for key, value in plain(order).items() if value is not None}
+    return {**asked, "tick": tick, "refused": refused}
 
 
 def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str, Any]:

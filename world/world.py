@@ -100,7 +100,8 @@ class World:
     def open_tick(self) -> dict[int, Tick]:
         """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
 
-        The scenario's process faults of this tick happen first, those of the first tick once all are there:
+        The scenario's orders and process faults of this tick happen first, those of the first tick once all
+        are there:
         whatever the order of joining, everybody begins the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
@@ -108,7 +109,7 @@ class World:
         if coordinator.told is not None:
             return coordinator.told
         coordinator.noted(Opened())
-        if not coordinator.opens(self.simulation.places):
+        if not coordinator.opens(self.simulation.places, self):
             return coordinator.tell_fenced()
         return coordinator.open(self.simulation.sense(self.tick))
 
@@ -158,7 +159,7 @@ class World:
         for robot in coordinator.missions.advance(self.tick, plant.ids, plant.positions):
             self._redirect(robot)
         if not self.verdict and not self.scenario.time.endless:
-            up, pending = coordinator.lives.up, coordinator.missions.pending
+            up, pending = coordinator.lives.up, coordinator.pending
             referee.decide(self.tick, plant.positions, up, coordinator.is_alone(), pending)
 
     def finish(self, verdict: str, reason: str) -> None:
@@ -199,13 +200,16 @@ class World:
         """What came of orders since this was last asked for."""
         return self.coordinator.missions.news()
 
-    def add(self, spec: RobotSpec) -> str:
-        """Have the disk of another robot appear at its start, once everybody keeps clear of that place.
+    def add(self, spec: RobotSpec, *, awaited: bool = False) -> str:
+        """Have the disk of another robot appear at its start, once everybody keeps clear of that place; then
+        the run goes on at once, or if its process is `awaited`, once that has joined.
 
         Returns why that cannot be; "" if it is under way.
         """
-        reason = self._fixed or self.simulation.plant.refusal(spec) or self.coordinator.membership.add(spec)
+        membership, plant = self.coordinator.membership, self.simulation.plant
+        reason = self._fixed or membership.unfit(spec) or plant.refusal(spec)
         if not reason:
+            membership.add(spec, awaited=awaited)
             self.coordinator.noted(Added(spec))
         return reason
 
@@ -272,6 +276,7 @@ class World:
             lengths=simulation.lengths,
             commands=coordinator.commands,
             lives=coordinator.lives,
+            orders=coordinator.schedule.done,
             sensors=simulation.sensors.values(),
             largest_bound=simulation.largest_bound,
         )

@@ -26,6 +26,7 @@ from protocol.messages import BaseMotion
 
 _TRIES: Final = 6  # programs that are solved in a tick
 _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
+_STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 
 Vector = tuple[float, float]
@@ -136,7 +137,7 @@ class InertialBody:
         for cut in cuts:
             limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))
         if miss.error > 0.0:
-            limits = [half for limit in limits for half in wedge(limit, miss.error)]
+            limits = [half for limit in limits for half in wedge(limit, min(miss.error, _STEEPEST))]
         ux, uy = base.velocity_for(motion, nearest(want, limits, self.reach))
         excess = max(1.0, math.hypot(ux, uy) / self._speed)
         return ux / excess, uy / excess

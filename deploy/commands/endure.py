@@ -18,38 +18,57 @@ from deploy.security.membership import Membership
 _Real = Annotated[
     Literal["routed", "mesh"], typer.Option("--transport", help="Through a router, or directly.")
 ]
+_MANY = 9999  # restarts of a process, more than a trial has
 
 
 def endure(
     minutes: Annotated[
-        float, typer.Option("--minutes", "-m", min=0.02, help="For how long; 30 is the whole proof.")
-    ] = 1.0,
+        float | None, typer.Option("--minutes", "-m", min=0.02, help="For how long; 1 unless given.")
+    ] = None,
+    hours: Annotated[float | None, typer.Option("--hours", min=0.001, help="The same, in hours.")] = None,
+    kill_every: Annotated[
+        float, typer.Option("--kill-every", metavar="SECONDS", min=0.0, help="Kill a process; 0 for never.")
+    ] = 0.0,
+    cut_every: Annotated[
+        float, typer.Option("--cut-every", metavar="SECONDS", min=0.0, help="Cut a link; 0 for never.")
+    ] = 0.0,
     robots: Annotated[int, options.robots(2)] = 16,
+    mode: options.ModeOption = "realtime",
     transport: _Real = "routed",
     secure: options.Secure = None,
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Keep a real-time fleet moving at 20 Hz, and watch memory, file handles and threads of every process.
+    """Keep a fleet moving at 20 Hz, and watch memory, file handles and threads of every process.
 
     Robots on a circle change places, and back, over and over. Judged: no command missed, real time kept,
     nothing touched, all arrived, handles and threads no more in the last quarter than in the second, and
-    memory flat: a line fitted to a process's private memory over the second half rises by no more than 0.5 MB
-    or 2 % of it, whichever is more.
+    memory flat: a line fitted to a process's memory that no file backs, over the second half of its life,
+    rises by no more than 0.5 MB or 2 % of it, whichever is more.
 
-    Example: disknav endure --minutes 30 --json endurance.json
+    With --kill-every robots are killed by lot, and with every tenth kill the router, with every tenth the
+    world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. Who was on its
+    way has to move again within 5 s; commands that are missed meanwhile are not judged.
+
+    Example: disknav endure --hours 8 --kill-every 60 --cut-every 300 --json endurance.json
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.studies.endurance.endure import Trial, table
     from deploy.studies.endurance.endure import endure as perform
 
+    if hours is not None:
+        options.refuse({"--minutes": minutes}, "--hours says how long already")
+        minutes = 60.0 * hours
+    if transport == "mesh":
+        options.refuse({"--cut-every": cut_every or None}, "links are cut on their way to a router")
     run = Membership(secure).run(None) or fresh_run_name()
-    how = RunOptions(transport, "realtime", run=run, secure=secure)
+    how = RunOptions(transport, mode, run=run, secure=secure, restarts=_MANY if kill_every else 0)
+    trial = Trial(robots, 1.0 if minutes is None else minutes, how, kill_every, cut_every)
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
     with bar("endure", silent=silent) as tell:
-        outcome = perform(Trial(robots, minutes, how), tell)
+        outcome = perform(trial, tell)
     _finish(outcome, table, json_file, silent)
 
 
@@ -61,15 +80,19 @@ def flood(
     unprotected: Annotated[
         bool, typer.Option("--open", help="Without certificates and access rules; its rate is not judged.")
     ] = False,
+    role: Annotated[
+        Literal["monitor", "operator", "robot"],
+        typer.Option("--as", help="Whose certificate the flooder has; a robot's rate is not judged."),
+    ] = "monitor",
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Flood a lock-step fleet with garbage, in turns with letting it alone, and see what that does to it.
 
-    The flooder is a client of the fleet's router with the certificate of a monitor. It sends random and
+    The flooder is a client of the fleet's router, with a certificate. It sends random and
     damaged payloads under the fleet's keys, foreign keys, and payloads that are too large. Judged: the rate
     of the flood, ticks at most 20 % slower, nothing touched, trajectories the same, and that nothing gets
-    past the router, or (--open) that receivers count what they reject.
+    past the router, or (--open, or what a robot's rules allow it) that receivers count what they reject.
 
     Example: disknav flood --json flood.json && disknav flood --open
 
@@ -81,7 +104,7 @@ def flood(
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
     with bar("flood", silent=silent) as tell:
-        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected), tell)
+        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected, role), tell)
     _finish(outcome, table, json_file, silent)
 
 

@@ -43,6 +43,14 @@ Json = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it, and nothing else."),
 ]
+Rotate = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rotate",
+        metavar="LIMIT",
+        help="Record into another file from this size or age on: 500MB, 1h; repeat it for both.",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
 RunName = Annotated[
     str | None,

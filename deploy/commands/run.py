@@ -37,6 +37,7 @@ def run(
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
+    rotate: options.Rotate = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg, .pdf, .gif or .mp4.")] = None,
     json_file: options.Json = None,
     web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
@@ -64,8 +65,11 @@ def run(
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
+    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
+    if record is None:
+        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
     if mode == "realtime":
         options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
     if hosts is None:
@@ -75,7 +79,17 @@ def run(
     pace = speed if speed is not None else 1.0 if web else 0.0
     hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
     how = RunOptions(
-        transport, mode, router, run_name, secure, hosts_table, open_to_all, pace, restarts(restart), log
+        transport,
+        mode,
+        router,
+        run_name,
+        secure,
+        hosts_table,
+        open_to_all,
+        pace,
+        restarts(restart),
+        log,
+        rotation(rotate or []),
     )
     begin(LAUNCHER, run_name, log)
     silent = quiet or is_standard_output(json_file)

@@ -40,6 +40,7 @@ def serve(
     record: Annotated[
         Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
     ] = None,
+    rotate: options.Rotate = None,
     json_file: options.Json = None,
     web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
     restart: Annotated[
@@ -58,8 +59,11 @@ def serve(
     Exit status: 0 stopped and nothing touched, 1 something touched, 2 invalid, 3 fault.
     """
     from deploy.library.load import load
+    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
+    if record is None:
+        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
     if mode == "realtime":
         options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
     if router is not None:
@@ -77,12 +81,18 @@ def serve(
         speed=0.0 if mode == "realtime" else 1.0 if speed is None else speed,
         restarts=restarts(restart),
         log=log,
+        rotation=rotation(rotate or []),
     )
     begin(LAUNCHER, run, log)
     silent = quiet or is_standard_output(json_file)
     if not silent:
         typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)
-    result = execute(loaded, how, Extras(record=record, web=web, json=json_file), quiet=silent)
+    result = execute(
+        loaded,
+        how,
+        Extras(record=record, web=web, json=json_file),
+        quiet=silent,
+    )
     if not silent:
         from rich.console import Console
 

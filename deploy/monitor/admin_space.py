@@ -10,6 +10,8 @@ from typing import Any
 
 import msgspec
 
+from protocol.reader import DAMAGED
+
 ROUTERS = "@/*/router"
 
 
@@ -45,5 +47,5 @@ def router(payload: bytes) -> Router | None:
     """Read a reply; None if it is of another form than zenoh 1.x gives."""
     try:
         return msgspec.json.decode(payload, type=Router)
-    except msgspec.DecodeError:
+    except DAMAGED:
         return None

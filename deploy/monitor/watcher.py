@@ -21,6 +21,7 @@ from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage, Message
+from protocol.reader import DAMAGED
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
@@ -206,7 +207,7 @@ class Watcher(SharedView):
                 world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
             )
             steering = msgspec.msgpack.decode(reply, type=Steering)
-        except (BusError, msgspec.DecodeError):
+        except (BusError, *DAMAGED):
             return  # the world has gone, or is of another version: its controls stay as they are shown
         self.change(lambda view, _: setattr(view, "steering", steering))
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import psutil
 
+from deploy.processes.backoff import Backoff
 from deploy.processes.table import Process
 
 
@@ -53,12 +54,20 @@ class Life:
     exit_code: int | None = None
     told_to_end: bool = False
     again: bool = False  # start it again as soon as it has ended
+    began: float = 0.0  # s, monotonic: when the latest was asked for
+    due: float | None = None  # s, monotonic: when the next is to be started; none waits otherwise
+    backoff: Backoff = field(default_factory=Backoff)
     restarts: int = 0
     failures: int = 0
     report: str | None = None  # the first of the latest process
     unheard: list[str] = field(default_factory=list)  # all reports that nobody has asked for
     cpu_s: float = 0.0  # of ended processes
     max_rss_mb: float = 0.0
+
+    @property
+    def over(self) -> bool:
+        """Whether its process has ended, and none follows by itself."""
+        return self.exit_code is not None and self.due is None
 
     def usage(self) -> Usage:
         """What this row cost so far; of a running process, as the system says now."""

@@ -61,9 +61,9 @@ class Supervisor:
             ProcessError: it ended without a word, or `timeout` s went by.
         """
         life = self._life(name)
-        self._advance(timeout, lambda: life.report is not None or life.exit_code is not None)
+        self._advance(timeout, lambda: life.report is not None or life.over)
         if life.report is None:
-            state = f"did not answer within {timeout:g} s" if life.exit_code is None else "ended at once"
+            state = "ended at once" if life.over else f"did not answer within {timeout:g} s"
             raise ProcessError(f"{name} {state}; what it said stands above")
         return life.report
 
@@ -90,7 +90,7 @@ class Supervisor:
     def kill(self, name: str) -> None:
         """SIGKILL, for ever: it is not started again by itself."""
         life = self._life(name)
-        life.told_to_end, life.again = True, False
+        life.told_to_end, life.again, life.due = True, False, None
         self.signal(name, signal.SIGKILL)
 
     def pause(self, name: str) -> None:
@@ -138,6 +138,8 @@ class Supervisor:
         for name in left():
             life = self._lives[name]
             life.told_to_end, life.again = True, False
+        for name, life in self._lives.items():
+            life.due = life.due if name in spare else None
         if self._spawner.gone:
             return
         self._signal(left(), signal.SIGTERM, signal.SIGCONT)
@@ -159,6 +161,7 @@ class Supervisor:
     def _spawn(self, life: Life) -> None:
         process = life.process
         life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
+        life.began, life.due = time.monotonic(), None
         life.number = self._spawner.start(
             process.name, process.entry, process.arguments, reports=process.reports, log=self._log
         )
@@ -179,8 +182,17 @@ class Supervisor:
             self._read(min(_POLL, remaining))
 
     def _read(self, timeout: float) -> None:
-        for news in self._spawner.news(timeout):
-            self._take(self._by_number[news.life], news)
+        for news in self._spawner.news(min([timeout, *self._waits()])):
+            if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
+                self._take(life, news)
+        for life in self._lives.values():
+            if life.due is not None and time.monotonic() >= life.due:
+                self._again(life)
+
+    def _waits(self) -> list[float]:
+        """How long each process that is to be started again still waits, s."""
+        now = time.monotonic()
+        return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 
     def _take(self, life: Life, news: News) -> None:
         if isinstance(news, Started):
@@ -189,6 +201,7 @@ class Supervisor:
             life.report = life.report or news.text
             life.unheard.append(news.text)
         elif isinstance(news, Exited):
+            del self._by_number[news.life]
             self._ended(life, news)
 
     def _ended(self, life: Life, exited: Exited) -> None:
@@ -199,5 +212,7 @@ class Supervisor:
         life.failures += failed
         again = life.again or (failed and life.failures <= life.process.restarts)
         self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
-        if again:
+        if life.again:
             self._again(life)
+        elif again:
+            life.due = time.monotonic() + life.backoff.wait(time.monotonic() - life.began)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from deploy.recording.rotation import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING
@@ -73,11 +74,10 @@ def robot(connection: Connection, run: str, identity: int, restarts: int = 0) ->
     return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
 
 
-def writer(path: Path, address: Path, restarts: int = 0) -> Process:
-    """Who writes what recorders hand over at `address`; it reports the name of its file."""
-    return Process(
-        WRITER, "deploy.recording.writer_process:main", (path, address), restarts=restarts, reports=True
-    )
+def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:
+    """Who writes what recorders hand over at `address`; it reports the name of each of its files."""
+    arguments = (path, address, rotation)
+    return Process(WRITER, "deploy.recording.writer_process:main", arguments, restarts=restarts, reports=True)
 
 
 def recorder(connection: Connection, run: str, address: Path, away: float, restarts: int) -> Process:

@@ -19,7 +19,8 @@ import msgspec
 import numpy as np
 
 from deploy.recording.form import from_object
-from deploy.recording.mcap.contents import Contents, contents
+from deploy.recording.mcap.contents import Contents
+from deploy.recording.mcap.series import Series, series
 from protocol.errors import KeyGrammarError, RecordingError
 from protocol.keys import parse
 from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
@@ -46,7 +47,7 @@ class Entries:
         RecordingError: (loops) a message lacks or has too much: another version wrote it.
     """
 
-    def __init__(self, found: Contents, keep: Callable[[Entry], bool] = lambda _: True) -> None:
+    def __init__(self, found: Contents | Series, keep: Callable[[Entry], bool] = lambda _: True) -> None:
         self._found, self._keep = found, keep
 
     def __iter__(self) -> Iterator[Entry]:
@@ -98,7 +99,7 @@ class Recording:
         result: what `disknav run --json` writes, or what the world knew of it; None when the recording
             ended before that.
         counts: messages by key.
-        cut: the file was cut short or is damaged; everything before is there.
+        cut: a file was cut short, is damaged or lacks its next, or the disk was full; the rest is there.
     """
 
     path: Path
@@ -149,20 +150,21 @@ class Recording:
 
 
 def read(path: Path | str, progress: Progress | None = None) -> Recording:
-    """Read a recording, whole or cut; `progress` is told how much is done, from 0 to 1.
+    """Read a recording, whole or cut, with the files that follow it; `progress` is told how much is done.
 
     Raises:
         UsageError: there is no such file.
         RecordingError: it is not a recording of a run.
     """
     path = Path(path)
-    found = contents(path)
+    found = series(path)
     scenario, run = _scenario(path, found), found.metadata.get("run", {}).get("name", "")
     result = found.metadata.get("result")
     with _by_this_version(path):
         counts, truths = _looked_through(found, scenario, progress)
         report = None if result is None else json.loads(result["json"])
-    cut = found.cut or "recorder" not in found.metadata
+    recorder = found.metadata.get("recorder")
+    cut = found.cut or recorder is None or "ended" in recorder
     return Recording(path, run, scenario, report, Entries(found), counts, truths, cut)
 
 
@@ -175,7 +177,7 @@ def _by_this_version(path: Path) -> Iterator[None]:
         raise RecordingError(f"{reason}; read it with the version that wrote it") from error
 
 
-def _scenario(path: Path, found: Contents) -> Scenario:
+def _scenario(path: Path, found: Contents | Series) -> Scenario:
     try:
         return msgspec.json.decode(found.metadata["scenario"]["json"], type=Scenario)
     except KeyError:
@@ -186,7 +188,7 @@ def _scenario(path: Path, found: Contents) -> Scenario:
 
 
 def _looked_through(
-    found: Contents, scenario: Scenario, progress: Progress | None
+    found: Contents | Series, scenario: Scenario, progress: Progress | None
 ) -> tuple[Counter[str], Truths]:
     counts: Counter[int] = Counter()
     first = World(scenario).truth  # what the scenario says before anybody moved

@@ -26,6 +26,6 @@ def export(recording: Recording, path: Path) -> None:
         for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True):
             time = round(tick * step * 1e9)
             file.message(number, time, frames.message(time, positions))
-        file.finish()
+        file.finish({})
     except OSError as error:
         raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error

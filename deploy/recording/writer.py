@@ -146,14 +146,30 @@ class RecordingFile:
         """What the world says of the run (a JSON object), should nobody know more."""
         self._report = result
 
-    def finish(self, result: str | None = None) -> None:
-        """Write the result (a JSON object) and the index; nothing can be added afterwards."""
+    @property
+    def size(self) -> int:
+        """Bytes written so far."""
+        return self._file.size
+
+    def finish(self, result: str | None = None, following: str = "") -> None:
+        """Write the result (a JSON object) and the index; nothing can be added afterwards.
+
+        `following` is the name of the file in which the recording goes on.
+        """
         with self._writing():
-            if (result := result or self._report) is not None:
-                self._file.metadata("result", {"json": result})
-            counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
-            self._file.metadata("recorder", counts)
-            self._file.finish()
+            self._end(result, {"following": following} if following else {})
+
+    def abandon(self, reason: str, result: str | None = None) -> None:
+        """Close what was written before it could not be written any more, with the reason in it."""
+        with self._writing():
+            self._file.abandon()
+            self._end(result, {"ended": reason})
+
+    def _end(self, result: str | None, said: dict[str, str]) -> None:
+        text = result or self._report
+        known = {} if text is None else {"result": {"json": text}}
+        counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
+        self._file.finish({**known, "recorder": {**counts, **said}})
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

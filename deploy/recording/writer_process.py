@@ -13,7 +13,6 @@ import signal
 import socket
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from itertools import count
 from multiprocessing.connection import Connection as Pipe
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -21,7 +20,8 @@ from typing import Any
 
 import msgspec
 
-from deploy.recording.writer import RecordingFile
+from deploy.recording.parts import Parts, next_free
+from deploy.recording.rotation import Rotation
 from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.scenario.model import Scenario
@@ -35,13 +35,13 @@ _FORK = multiprocessing.get_context("fork")  # at once, and with everything impo
 
 
 class Writer:
-    """What `RecordingFile` does, done elsewhere: this process only hands messages over.
+    """What `Parts` does, done elsewhere: this process only hands messages over.
 
     If this process dies, all that it handed over is still written. If the other one dies, the next call
     looks for the one that has taken its place.
 
     Raises:
-        RecordingError: (all methods) there is nobody who writes, or it cannot be written any more.
+        RecordingError: (all methods) there is nobody who writes.
     """
 
     def __init__(self, path: Path, connect: Callable[[], Pipe]) -> None:
@@ -61,24 +61,24 @@ class Writer:
         return cls(path or address, connect)
 
     def begin(self, run: str, scenario: Scenario) -> None:
-        """See `RecordingFile.begin`."""
+        """See `Parts.begin`."""
         self._begun = run, scenario
         self._ask("begin", run, scenario)
 
     def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
-        """See `RecordingFile.write`."""
+        """See `Parts.write`."""
         self._ask("write", _pack(batch))
 
     def flush(self) -> None:
-        """See `RecordingFile.flush`."""
+        """See `Parts.flush`."""
         self._ask("flush")
 
     def report(self, result: str) -> None:
-        """See `RecordingFile.report`."""
+        """See `Parts.report`."""
         self._ask("report", result)
 
     def finish(self, result: str | None = None) -> None:
-        """See `RecordingFile.finish`."""
+        """See `Parts.finish`."""
         with uninterrupted():
             self._ask("finish", result)
             if failed := self._answer():
@@ -130,40 +130,34 @@ class WriterProcess(Writer):
             raise UsageError(refused)
 
     def finish(self, result: str | None = None) -> None:
-        """See `RecordingFile.finish`."""
+        """See `Parts.finish`."""
         super().finish(result)
         self._process.join(_PATIENCE)
 
 
-def main(path: Path, address: Path, ready: Callable[[str], None]) -> int:
+def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], None]) -> int:
     """Write what is handed over at `address` until told to finish, or SIGTERM, which finishes too.
 
     One that takes the place of another that was killed leaves that one's file as it is, and writes to the
-    next name that is free, `run-2.mcap` beside `run.mcap`. `ready` is told the name.
+    next name that is free, `run-2.mcap` beside `run.mcap`. `ready` is told the name of every file.
 
     Raises:
         UsageError: the file cannot be created.
-        RecordingError: it cannot be written any more.
     """
     os.nice(_NICENESS)
     pipes: list[Pipe] = []
     with stop_on_signal(), socket.socket(socket.AF_UNIX) as door:
-        file = RecordingFile(_next_free(path) if address.exists() else path)
+        path = next_free(path) if address.exists() else path
         address.unlink(missing_ok=True)
         door.bind(str(address))
         door.listen()
-        ready(str(file.path))
+        file = Parts(path, rotation, ready)
         try:
             _serve(file, pipes, door)
         except Stop:
             _take_rest(file, pipes)
             file.finish()
     return 0
-
-
-def _next_free(path: Path) -> Path:
-    parts = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
-    return next(part for part in parts if not part.exists())
 
 
 def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
@@ -174,14 +168,14 @@ def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # the other process ends this one, by finishing
     try:
-        file = RecordingFile(path)
+        file = Parts(path)
         pipe.send("")
         _serve(file, [pipe])
     except DisknavError as error:
         pipe.send(str(error))
 
 
-def _serve(file: RecordingFile, pipes: list[Pipe], door: socket.socket | None = None) -> None:
+def _serve(file: Parts, pipes: list[Pipe], door: socket.socket | None = None) -> None:
     """Obey all who are connected, until one says that the file is to be finished, or nobody is left."""
     while pipes or door is not None:
         for ready in wait([*pipes, *([] if door is None else [door])]):
@@ -191,7 +185,7 @@ def _serve(file: RecordingFile, pipes: list[Pipe], door: socket.socket | None = 
                 return
 
 
-def _obey(file: RecordingFile, pipe: Pipe, pipes: list[Pipe]) -> bool:
+def _obey(file: Parts, pipe: Pipe, pipes: list[Pipe]) -> bool:
     """Do what one connection says next; whether the file is finished by that."""
     with uninterrupted():
         try:
@@ -208,7 +202,7 @@ def _obey(file: RecordingFile, pipe: Pipe, pipes: list[Pipe]) -> bool:
         return bool(method == "finish")
 
 
-def _take_rest(file: RecordingFile, pipes: list[Pipe]) -> None:
+def _take_rest(file: Parts, pipes: list[Pipe]) -> None:
     """Do what is still to be read of those who have handed over all."""
     for pipe in pipes:
         with suppress(EOFError, ConnectionError):
@@ -216,5 +210,5 @@ def _take_rest(file: RecordingFile, pipes: list[Pipe]) -> None:
                 _call(file, *pipe.recv())
 
 
-def _call(file: RecordingFile, method: str, arguments: Sequence[Any]) -> None:
+def _call(file: Parts, method: str, arguments: Sequence[Any]) -> None:
     getattr(file, method)(*(map(_UNPACK.decode, arguments) if method == "write" else arguments))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,6 +25,8 @@ from world.shell.admission import AWAY
 from world.shell.journal import Journal
 
 _START = 30.0  # s for a process to say that it is ready
+_SOON = timedelta(days=1)
+_WHEN = "%Y-%m-%d %H:%M UTC"
 
 
 class Assembly:
@@ -33,6 +36,7 @@ class Assembly:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
         record: file to record to.
+        lead: alters how processes are linked, once there is a router.
         stack: whatever has to be undone at the end is put there, also if something does not start.
 
     Attributes:
@@ -45,15 +49,28 @@ class Assembly:
     """
 
     def __init__(
-        self, scenarios: Sequence[Scenario], options: RunOptions, record: Path | None, stack: ExitStack
+        self,
+        scenarios: Sequence[Scenario],
+        options: RunOptions,
+        record: Path | None,
+        lead: Callable[[Topology], Topology],
+        stack: ExitStack,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._hosts = self._host_spawners()
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
         self.writer = self._start_writer(record, stack)
-        self.topology = self._begin(stack)
+        self._ends: datetime | None = None
+        self.topology = lead(self._begin(stack))
         self._start_world(self._journal(stack))
+
+    @property
+    def expired(self) -> str:
+        """What to add to the reason why a fleet was lost, if its certificates have ended."""
+        if self._ends is None or datetime.now(UTC) < self._ends:
+            return ""
+        return f"; the certificates in {self._options.secure} ended at {self._ends:{_WHEN}}: make new ones"
 
     def robots(self) -> list[table.Process]:
         """The rows of all robots, which are not started yet."""
@@ -88,7 +105,7 @@ class Assembly:
         if record is None:
             return None
         address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
-        self.supervisor.start([table.writer(record, address, self._options.restarts)])
+        self.supervisor.start([table.writer(record, address, self._options.restarts, self._options.rotation)])
         self.supervisor.report(table.WRITER, _START)
         return address
 
@@ -99,6 +116,11 @@ class Assembly:
             return Mesh(Path(folder), self._scenarios[0].ids)
         membership = Membership(options.secure)
         membership.run(options.run)  # or the router would turn everybody away
+        self._ends = membership.end()
+        if self._ends is not None and self._ends - datetime.now(UTC) < _SOON:
+            LOG.warning(
+                f"the certificates in {options.secure} end at {self._ends:{_WHEN}}, and links with them"
+            )
         if options.router is not None:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:

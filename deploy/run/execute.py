@@ -13,6 +13,7 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.plot.draw import check, draw
+from deploy.recording.rotation import ONE_FILE
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.live_page import live_page
@@ -66,7 +67,8 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
         if extras.plot is not None:
-            draw(Path(recordings[-1]), extras.plot)
+            first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
+            draw(Path(recordings[first]), extras.plot)
         if page is not None and sys.stdin.isatty():
             page.linger()
     return result

@@ -51,6 +51,8 @@ class Fleet:
         watch: is told every Clock that is heard.
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
+        digest: what is kept of each report; all of it unless given.
+        lead: alters how processes are linked, once there is a router.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -67,21 +69,25 @@ class Fleet:
         watch: Watcher | None = None,
         record: Path | None = None,
         on_report: Callable[[Report], None] | None = None,
+        digest: Callable[[Report], Report] = lambda report: report,
+        lead: Callable[[Topology], Topology] = lambda topology: topology,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record = watch, record
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report)
+        self._reports = Reports(on_report, digest)
+        self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
+        self._frozen: set[int] = set()  # robots whose processes are paused
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
+            self._assembly = Assembly(self._scenarios, self._options, self._record, self._lead, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
@@ -141,7 +147,7 @@ class Fleet:
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: more than one if who wrote it ended and was started again."""
+        """The files of the recording: several if it rotates, or who wrote it ended and was started again."""
         return [] if self._assembly.writer is None else self._supervisor.heard(table.WRITER)
 
     def record(self, result: Mapping[str, Any]) -> None:
@@ -185,7 +191,9 @@ class Fleet:
     def _welcome(self, newcomers: Sequence[int]) -> None:
         """Start a process for each robot that was added, on this host."""
         for robot in newcomers:
-            if table.robot_name(robot) not in self._supervisor.running() and robot not in self._started:
+            leaves = table.robot_name(robot) not in self._supervisor.running() or robot in self._frozen
+            if leaves and robot not in self._started:
+                self._frozen.discard(robot)
                 self._started.add(robot)
                 self._assembly.start_newcomer(robot)
         self._started &= set(newcomers)
@@ -198,6 +206,9 @@ class Fleet:
             "resume": self._supervisor.resume,
             "restart": self._supervisor.restart,
         }
+        if name not in self._supervisor.names:
+            return  # it has not come yet
+        (self._frozen.add if fault.event == "pause" else self._frozen.discard)(fault.robot)
         actions[fault.event](name)
 
     def _check(self, exits: Sequence[Exit]) -> None:
@@ -214,7 +225,7 @@ class Fleet:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
-                raise FleetLostError(str(exit_))
+                raise FleetLostError(f"{exit_}{self._assembly.expired}")
 
     @property
     def _has_begun(self) -> bool:

@@ -178,23 +178,43 @@ class FaultInjector:
             for fault in self._schedule.due(message):
                 self._carry_out(fault)
             for robot in message.newcomers:
-                if robot not in self._started:
-                    self._fleet.start(robot).wake(time.monotonic())
-            self._started = set(message.newcomers)
+                self._welcome(robot)
+            self._started &= set(message.newcomers)
+            self._let_go()
             if self._watch is not None:
                 self._watch(message)
 
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""
 
+    def _welcome(self, robot: int) -> None:
+        """Start a node for a robot that was added, once that of an earlier one with its id has left."""
+        if robot in self._started:
+            return
+        bus = self._fleet.robots.get(robot)
+        if self._paused.pop(robot, None) is not None:
+            self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
+        elif bus is None or bus.node is None:
+            self._started.add(robot)
+            self._fleet.start(robot).wake(time.monotonic())
+
+    def _let_go(self) -> None:
+        """A process ends once it knows that its robot was removed; so does a node."""
+        for robot, bus in self._fleet.robots.items():
+            if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
+                self._fleet.kill(robot)
+
     def _carry_out(self, fault: ProcessFault) -> None:
         fleet, robot = self._fleet, fault.robot
+        if robot not in fleet.robots:
+            return  # it has not come yet
         bus = fleet.robots[robot]
         if fault.event == "kill":
             fleet.kill(robot)
         elif fault.event == "restart":
             fleet.kill(robot)
             fleet.start(robot)
+            self._started.add(robot)
         elif fault.event == "pause" and isinstance(bus.node, RobotNode):
             self._paused[robot] = bus.node
             bus.node = None

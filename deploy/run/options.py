@@ -10,6 +10,7 @@ from typing import Literal
 
 from deploy.processes.hosts.protection import exposed
 from deploy.processes.hosts.table import HostsTable
+from deploy.recording.rotation import ONE_FILE, Rotation
 from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
@@ -51,6 +52,7 @@ class RunOptions:
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a process that fails is started again: robot, world or router
     log: Path | None = None  # folder for a file of log lines a process
+    rotation: Rotation = ONE_FILE  # when a recording goes on in another file
     listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
 
     def __post_init__(self) -> None:
@@ -58,6 +60,8 @@ class RunOptions:
             raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
         if self.router is not None and self.transport != "routed":
             raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
+        if self.rotation != ONE_FILE and self.transport == "local":
+            raise UsageError("--rotate needs a process that records; --transport local has one for all")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):

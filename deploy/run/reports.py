@@ -25,10 +25,14 @@ class Reports:
         all: those there are; the list stays the same.
     """
 
-    def __init__(self, on_report: Callable[[Report], None] | None = None) -> None:
-        """`on_report` is told each as soon as it is there."""
+    def __init__(
+        self,
+        on_report: Callable[[Report], None] | None = None,
+        digest: Callable[[Report], Report] = lambda report: report,
+    ) -> None:
+        """`on_report` is told each as soon as it is there; what `digest` makes of it is kept."""
         self.all: list[Report] = []
-        self._on_report = on_report
+        self._on_report, self._digest = on_report, digest
 
     def add(self, text: str) -> None:
         """Take one, a JSON object, unless its run has one: a world may tell it, and a later life again.
@@ -39,7 +43,7 @@ class Reports:
         report = _read(text)
         if any(report["run_number"] == other["run_number"] for other in self.all):
             return
-        self.all.append(report)
+        self.all.append(self._digest(report))
         self.all.sort(key=lambda each: int(each["run_number"]))
         if self._on_report is not None:
             self._on_report(report)

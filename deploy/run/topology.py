@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,10 +14,14 @@ from protocol.bus.connection import Connection
 
 @dataclass(frozen=True)
 class Routed:
-    """All are clients of the router at `endpoint`, each with what proves its role."""
+    """All are clients of the router at `endpoint`, each with what proves its role.
+
+    A robot in `detours` reaches it at another endpoint, from which everything is passed on.
+    """
 
     endpoint: str
     membership: Membership = field(default_factory=Membership)
+    detours: Mapping[int, str] = field(default_factory=dict)
 
     def world(self) -> Connection:
         """The world's connection."""
@@ -25,7 +29,7 @@ class Routed:
 
     def robot(self, robot: int) -> Connection:
         """A robot's connection."""
-        return self.membership.client(robot_role(robot), (self.endpoint,))
+        return self.membership.client(robot_role(robot), (self.detours.get(robot, self.endpoint),))
 
     def observer(self) -> Connection:
         """Connection of somebody who only watches."""

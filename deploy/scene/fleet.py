@@ -7,8 +7,8 @@ are drawn once, each in a frame of its own that `/tf` moves, so that what moves 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -87,27 +87,48 @@ TOPICS = {
 }
 
 
+class Moment:
+    """Where robots were at one time; drawn once, however often a trail shows it.
+
+    Attributes:
+        places: m, by robot.
+    """
+
+    __slots__ = ("_points", "places")
+
+    def __init__(self, places: dict[int, messages.Vector]) -> None:
+        self.places = places
+        self._points: dict[int, Vector] = {}
+
+    @property
+    def points(self) -> dict[int, Vector]:
+        """The same as points of lines."""
+        if not self._points:
+            self._points = {robot: _point(x, y) for robot, (x, y) in self.places.items()}
+        return self._points
+
+
 class FleetScene:
     """The scene of one run; time is that of the newest truth."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._now = 0
-        self._places = {robot: scenario.spec(robot).start for robot in scenario.ids}
+        self._known = {robot: scenario.spec(robot).start for robot in scenario.ids}
+        self._truth = Truth(0, (), (), 0.0, 1.0)
         self._goals = {robot: scenario.spec(robot).goal for robot in scenario.ids}
         self._down: frozenset[int] = frozenset()
         self._things = dict(scenario.shapes)
+        self._told = Clock(0, 0.0, (), (), "")
         self._lines: dict[int, tuple[messages.Line, ...]] = {}
         limit = max(8, _TRAIL_POINTS // len(scenario.ids))
-        self._trails: dict[int, Thinned[messages.Vector]] = {
-            robot: Thinned(limit, lambda _, later: later) for robot in scenario.ids
-        }
-        self._measures = Measures(0.0, 1.0)
+        self._past: Thinned[Moment] = Thinned(limit, lambda _, later: later)
         self._moving = ros.Frames(WORLD, [frame(robot) for robot in scenario.ids])
         self._next = dict.fromkeys(_PERIODS, 0)  # ns; when a topic is due
+        self._due = 0  # ns; when the first of them is
         self._draw: dict[str, Callable[[], bytes]] = {
             "/tf": self._frames,
-            "/measures": lambda: msgspec.json.encode(self._measures),
+            "/measures": self._measures,
             **{topic: partial(_update, draw) for topic, draw in self._entities().items()},
         }
 
@@ -123,7 +144,7 @@ class FleetScene:
         """Take over what was published; gives what is to be drawn anew because of it."""
         if isinstance(message, Truth):
             return map(self.picture, self._on_truth(message))
-        if isinstance(message, Health) and message.robot in self._places:
+        if isinstance(message, Health) and message.robot in self._known:
             self._lines[message.robot] = message.lines
         elif isinstance(message, GoalStatus) and message.robot in self._goals:
             self._goals[message.robot] = message.goal
@@ -134,6 +155,9 @@ class FleetScene:
 
     def _on_clock(self, clock: Clock) -> list[str]:
         """Which topics are changed by who is down, and by what came or went."""
+        if clock.standing == self._told.standing and clock.things == self._told.things:
+            return []
+        self._told = clock
         before = self._down, self._things
         self._down = frozenset(each.robot for each in clock.standing)
         gone = {thing.number for thing in clock.things}
@@ -148,17 +172,23 @@ class FleetScene:
         now = round(truth.tick * self._scenario.time.step * 1e9)
         if now >= _LATEST:
             return []
-        self._now, self._measures = now, Measures(truth.clearance, truth.phi)
-        for robot, place in zip(truth.robots, truth.positions, strict=False):
-            if robot in self._places:
-                self._places[robot] = place
+        self._now, self._truth = now, truth
+        if now < self._due:
+            return []
         due = [topic for topic, time in self._next.items() if now >= time]
         for topic in due:
             self._next[topic] = now + _PERIODS[topic]
+        self._due = min(self._next.values())
         if "/tf" in due:
-            for robot, place in self._places.items():
-                self._trails[robot].append(place)
+            self._past.append(Moment(dict(self._places)))
         return due
+
+    @property
+    def _places(self) -> dict[int, messages.Vector]:
+        """Where the robots of the scenario were last, m; at their starts before anything was said of them."""
+        told = zip(self._truth.robots, self._truth.positions, strict=False)
+        self._known.update((robot, place) for robot, place in told if robot in self._known)
+        return self._known
 
     @property
     def _stamp(self) -> Time:
@@ -174,6 +204,9 @@ class FleetScene:
             "/scene/lines": self._separating_lines,
             "/scene/trails": self._trail_lines,
         }
+
+    def _measures(self) -> bytes:
+        return msgspec.json.encode(Measures(self._truth.clearance, self._truth.phi))
 
     def _frames(self) -> bytes:
         return self._moving.message(self._now, self._places.values())
@@ -204,29 +237,32 @@ class FleetScene:
         return (Entity(self._stamp, WORLD, "goals", cylinders=disks),)
 
     def _trail_lines(self) -> tuple[Entity, ...]:
+        moments = [moment.points for moment in self._past.items]
         lines = tuple(
-            Line(LineType.STRIP, tuple(_point(x, y) for x, y in trail.items), self._hue(robot, 0.6))
-            for robot, trail in self._trails.items()
-            if len(trail.items) > 1
+            Line(LineType.STRIP, tuple(points[robot] for points in moments), self._hue(robot, 0.6))
+            for robot in (self._known if len(moments) > 1 else ())
         )
         return (Entity(self._stamp, WORLD, "trails", lines=lines),)
 
     def _separating_lines(self) -> tuple[Entity, ...]:
+        places = self._places
         lines = tuple(
             Line(LineType.LIST, points, self._hue(robot))
             for robot, obeyed in self._lines.items()
-            if (points := tuple(point for line in obeyed for point in self._piece(robot, line)))
+            if (points := tuple(point for line in obeyed for point in self._piece(robot, line, places)))
         )
         return (Entity(self._stamp, WORLD, "lines", lines=lines),)
 
-    def _piece(self, robot: int, line: messages.Line) -> tuple[Vector, ...]:
+    def _piece(
+        self, robot: int, line: messages.Line, places: Mapping[int, messages.Vector]
+    ) -> tuple[Vector, ...]:
         """Of the line that a robot keeps to for a peer's sake, what is between the two; empty if they are far
         apart."""
         peer, nx, ny, limit = line
-        if peer not in self._places:
+        if peer not in places:
             return ()
         radius = self._scenario.spec(robot).radius
-        (x, y), (u, v) = self._places[robot], self._places[peer]
+        (x, y), (u, v) = places[robot], places[peer]
         if math.hypot(u - x, v - y) > (2 + _NEAR) * radius:
             return ()
         mx, my = (x + u) / 2, (y + v) / 2
@@ -251,6 +287,7 @@ def _point(x: float, y: float) -> Vector:
     return Vector(round(x, _DIGITS), round(y, _DIGITS))
 
 
+@cache
 def _color(hexadecimal: str, opacity: float = 1.0) -> Color:
     red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(hexadecimal))
     return Color(red, green, blue, opacity)

@@ -10,6 +10,7 @@ import msgspec
 
 from protocol.errors import CertificateError
 from protocol.keys import checked_run
+from protocol.reader import DAMAGED
 
 ROSTER = "roster.json"
 WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"
@@ -89,7 +90,7 @@ def read(directory: Path) -> Roster:
             f"{path} does not exist: {directory} is no directory of keys; "
             f"`disknav keys new {directory} --scenario S` makes one"
         ) from None
-    except (OSError, msgspec.DecodeError) as error:
+    except (OSError, *DAMAGED) as error:
         raise CertificateError(f"{path} cannot be read as a roster: {error}") from error
     checked_run(roster.run)
     return roster

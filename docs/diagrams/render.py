@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 FOLDER = Path(__file__).parent
-_MERMAID = "@mermaid-js/mermaid-cli@12.2.0"
+_MERMAID = "@mermaid-js/mermaid-cli@11.17.0"
 _LOOKS = {"theme": "neutral", "htmlLabels": False}  # plain text, which all viewers show
 
 

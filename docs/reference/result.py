@@ -32,6 +32,7 @@ FIELDS = {
     "missed_commands": "how often a robot that took part had no command in time",
     "rejected_commands": "commands refused by the world, by reason",
     "down": "ids of robots that are fenced at the end: their disks stand",
+    "orders": "the scenario's `orders` that were due, each with its `tick` and why it was `refused`, if so",
     "faults": "what was injected: `process` faults, `fenced` lives, whom the world has `given_up`, "
     "`measurements` (`delayed`, `missing`, `dropped`), and the scenario's `sensing`, `link` and `actuation`",
     "phi": "navigation function: `first`, `last`, and in how many ticks it rose (`increases`)",

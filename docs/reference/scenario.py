@@ -70,6 +70,7 @@ _KNOWN = (
     (model.Span, "number ≥ 0, or [low, high]"),
     (model.Point, "[x, y]"),
     (model.Positive, "number > 0"),
+    (model.Length, "number > 0"),
     (model.Gain, "number > 0"),
     (model.NonNegative, "number ≥ 0"),
     (model.Probability, "0 to 1"),

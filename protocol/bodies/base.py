@@ -22,6 +22,7 @@ from mypy_extensions import mypyc_attr
 from protocol.scenario.body import Body
 
 STEPS: Final = 5  # velocities that the wheels are given in a tick, one after another
+_TURNING: Final = 3.0  # rad; arcs that turn further can have the chord of a shorter one
 _TINY: Final = 1e-100  # m, m/s: what is less is none, and what is not can be divided by
 _NEARLY: Final = 1.0 + 1e-12  # rounding of a velocity that was limited before
 
@@ -156,13 +157,16 @@ class Base:
 
     def motion(self, velocity: Vector, heading: float, stop: Vector) -> Motion:
         """What a base does that says of itself, in the world's frame, its velocity (m/s), heading (rad), and
-        the vector (m) from here to where it stands if it hears nothing."""
+        the vector (m) from here to where it stands if it hears nothing; of one that may turn by half a
+        circle until then, which that vector does not tell, one that goes on as long as it ever does."""
         ahead, aside = turned(velocity[0], velocity[1], -heading)
         speed = math.hypot(ahead, aside)
         if speed < _TINY:
             return Motion(heading)
         still = Motion(heading, ahead, aside)
         chord, rate = math.hypot(*stop), aside / self._offset if self._offset > 0.0 else 0.0
+        if abs(rate) * (self._hold + 0.5 * self._stopping(still)) > _TURNING:
+            return Motion(heading, ahead, aside, self._hold)
         half = abs(rate) * chord / (2.0 * speed)
         time = chord / speed * (math.asin(min(1.0, half)) / half if half > 1e-9 else 1.0)
         return Motion(heading, ahead, aside, max(0.0, time - 0.5 * self._stopping(still)))

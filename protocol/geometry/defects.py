@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from protocol.geometry.polygon import Point, signed_area
 
+_SHORT = 1e-9  # m, the least length of a side: its direction must be more than rounding
 _STRAIGHT = 1e-9  # sine of a turn below which a corner is taken for a point of a straight side
 _THIN = 1e-6  # of its length, that a polygon must be wide: it has two faces
 
@@ -17,18 +18,20 @@ def defect(points: Sequence[Point]) -> str:
     if count < 3:
         return "needs three points at least"
     edges = [_difference(points[(n + 1) % count], points[n]) for n in range(count)]
-    for n, (ux, uy) in enumerate(edges):
-        if ux == uy == 0.0:
-            return f"points {n} and {(n + 1) % count} are the same"
-    if crossing := _crossing(points):
+    for n, edge in enumerate(edges):
+        if math.hypot(*edge) < _SHORT:
+            return f"points {n} and {(n + 1) % count} are the same, or nearly"
+    sense = 1.0 if signed_area(points) > 0.0 else -1.0
+    inward = [n for n in range(count) if sense * _turn(edges[n - 1], edges[n]) < -_STRAIGHT]
+    once = abs(abs(math.fsum(_angle(edges[n - 1], edges[n]) for n in range(count))) - math.tau) < 1.0
+    if (inward or not once) and (crossing := _crossing(points)):
         return f"crosses itself: the side from point {crossing[0]} meets the side from point {crossing[1]}"
     longest = max(math.hypot(*edge) for edge in edges)
     if abs(signed_area(points)) < _THIN * longest * longest:
         return "has no area"
-    turns = [_turn(edges[n - 1], edges[n]) for n in range(count)]
-    sense = 1.0 if signed_area(points) > 0.0 else -1.0
-    inward = [n for n, turn in enumerate(turns) if sense * turn < -_STRAIGHT]
-    return f"is not convex at point {inward[0]}" if inward else ""
+    if inward:
+        return f"is not convex at point {inward[0]}"
+    return "" if once else "goes around more than once"
 
 
 def _difference(one: Point, other: Point) -> Point:
@@ -42,6 +45,11 @@ def _turn(one: Point, other: Point) -> float:
     if along < 0.0 and abs(cross) <= _STRAIGHT * -along:
         return -math.inf
     return cross / (math.hypot(*one) * math.hypot(*other))
+
+
+def _angle(one: Point, other: Point) -> float:
+    """From one edge to the next, rad."""
+    return math.atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
 
 
 def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:

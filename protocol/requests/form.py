@@ -7,9 +7,9 @@ from typing import TypeVar
 import msgspec
 
 from protocol.errors import MessageError
+from protocol.reader import DAMAGED
 
 T = TypeVar("T")
-_DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 
 
 def read_request(payload: bytes, kind: type[T], what: str, limit: int) -> T:
@@ -27,7 +27,7 @@ def read_request(payload: bytes, kind: type[T], what: str, limit: int) -> T:
     read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
     try:
         return read(payload, type=kind)
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise MessageError("shape", f"{what} request: {error}") from None
 
 
@@ -40,7 +40,7 @@ def read_reply(payload: bytes, kind: type[T], what: str) -> T:
     """A reply of `kind` in msgpack; raises MessageError."""
     try:
         return msgspec.msgpack.decode(payload, type=kind)
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise MessageError("shape", f"reply to a {what} request: {error}") from None
 
 

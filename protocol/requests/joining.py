@@ -17,6 +17,7 @@ import msgspec
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Health, Id
+from protocol.reader import DAMAGED
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
@@ -97,7 +98,7 @@ def decode_request(robot: Id, payload: bytes) -> Join:
         raise MessageError("oversize", f"join request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
         request = _request.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+    except DAMAGED as error:
         raise MessageError("shape", f"join request: {error}") from None
     if request.health is not None and request.health.robot != robot:
         raise MessageError("identity", f"join request of robot {robot}: health of {request.health.robot}")
@@ -113,5 +114,5 @@ def decode_reply(payload: bytes) -> Reply:
     """Read a reply; raises MessageError."""
     try:
         return _reply.decode(payload)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+    except DAMAGED as error:
         raise MessageError("shape", f"reply to a join request: {error}") from None

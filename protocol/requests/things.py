@@ -18,10 +18,10 @@ from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
 from protocol.messages import Count, Id, Thing, Vector
 from protocol.requests.form import read_request
+from protocol.scenario.ranges import FARTHEST
 
 LIMIT = 16 * 1024  # bytes of a request
 MOST_CORNERS = 64
-_LARGEST = 1e6  # m
 
 
 class ThingOrder(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -95,4 +95,4 @@ def decode_thing_change(payload: bytes) -> ThingChange | None:
 
 
 def _is_finite(*numbers: float) -> bool:
-    return all(math.isfinite(number) and abs(number) <= _LARGEST for number in numbers)
+    return all(math.isfinite(number) and abs(number) <= FARTHEST for number in numbers)

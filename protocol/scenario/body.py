@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from protocol.scenario.ranges import STRICT, NonNegative, Positive, Share
+from protocol.scenario.ranges import STRICT, Length, NonNegative, Positive, Share
 
 Kind = Literal["point", "omnidirectional", "differential-drive"]
 Preset = Literal[
@@ -24,7 +24,7 @@ class Body:
 
     __pydantic_config__ = STRICT
     kind: Kind = "point"
-    radius: Positive | None = None  # m, of the hull around its middle; the disk has `offset` more
+    radius: Length | None = None  # m, of the hull around its middle; the disk has `offset` more
     offset: NonNegative = 0.0  # m, differential drive: from the axle's middle to the control point
     track: NonNegative = 0.0  # m, differential drive: between the wheels
     speed: Positive = 1e6  # m/s, of a wheel's rim; without wheels of the whole

@@ -15,6 +15,7 @@ from protocol.scenario.base_checks import base_findings
 from protocol.scenario.body_checks import body_findings
 from protocol.scenario.fault_checks import fault_findings
 from protocol.scenario.model import Time
+from protocol.scenario.order_checks import named_robots, order_findings
 from protocol.scenario.shape import Document, Finding, Steps
 from protocol.scenario.sound import Sound
 from protocol.scenario.space_checks import Placed, room_of, space_findings
@@ -58,7 +59,8 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         *_times(sound),
         *body_findings(sound),
         *base_findings(sound),
-        *fault_findings(sound, known),
+        *fault_findings(sound, named_robots(sound, known)),
+        *order_findings(sound, room, known),
     ]
 
 

@@ -16,11 +16,18 @@ from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.base import Base
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.ranges import STRICT, Angle, HalfTurn, NonNegative, Positive
+from protocol.scenario.ranges import (
+    STRICT,
+    Angle,
+    Coordinate,
+    HalfTurn,
+    Length,
+    NonNegative,
+    Positive,
+)
 
 Gain = Annotated[float, Ge(1e-9), Le(1e12)]
 Probability = Annotated[float, Ge(0), Le(1)]
-Coordinate = Annotated[float, Ge(-1e6), Le(1e6)]
 Point = tuple[Coordinate, Coordinate]
 Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
@@ -37,7 +44,7 @@ class Workspace:
     convex polygon (`points`, m)."""
 
     __pydantic_config__ = STRICT
-    radius: Positive | None = None
+    radius: Length | None = None
     points: Corners | None = None
 
     def __post_init__(self) -> None:
@@ -70,7 +77,7 @@ class Thing:
 
     __pydantic_config__ = STRICT
     center: Point | None = None
-    radius: Positive | None = None
+    radius: Length | None = None
     points: Corners | None = None
 
     @property
@@ -193,12 +200,39 @@ class RobotSpec:
 
     __pydantic_config__ = STRICT
     id: RobotId  # unlike all others
-    radius: Positive  # m
+    radius: Length  # m
     start: Point  # m
     goal: Point  # m
     heading: Angle = 0.0  # rad, at the start
     body: Preset | Body | None = None  # the scenario's, unless given
     base: Base | None = None  # the scenario's, unless given
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """Where a robot is sent: to `points` (m), one after another; without any it stays where it is."""
+
+    __pydantic_config__ = STRICT
+    robot: RobotId
+    points: Annotated[tuple[Point, ...], Len(0, 512)] = ()
+    queue: bool = False  # go there after what is ahead already, instead of at once
+    patrol: bool = False  # begin anew with the first of all points after the last
+    within: Positive | None = None  # s, after which it gives up and stays where it is
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is asked for while the run goes on, as an operator would: one of these. What cannot be at that
+    time is refused, and the result says so."""
+
+    __pydantic_config__ = STRICT
+    at: NonNegative  # s of simulated time
+    goal: Journey | None = None
+    add: RobotSpec | None = None  # it appears once everybody keeps clear of its start
+    remove: RobotId | None = None
+    place: Thing | None = None  # it stands once everybody keeps clear of it
+    take: Annotated[int, Ge(1), Le(999_999_999)] | None = None  # thing that is taken away
+    halt: bool | None = None  # everybody stands; or is released
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,6 +264,7 @@ class Scenario:
     body: Preset | Body = "point"  # of every robot that has none of its own
     base: Base | None = None  # of every robot that has none of its own
     things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
+    orders: Annotated[tuple[Order, ...], Len(0, 1000)] = ()
 
     def ticks(self, seconds: float) -> int:
         """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
@@ -257,6 +292,11 @@ class Scenario:
     def ids(self) -> tuple[int, ...]:
         """Robot ids in increasing order."""
         return tuple(sorted(robot.id for robot in self.robots))
+
+    @property
+    def newcomers(self) -> tuple[RobotSpec, ...]:
+        """Robots that orders add."""
+        return tuple(order.add for order in self.orders if order.add is not None)
 
     def spec(self, robot: int) -> RobotSpec:
         """The entry of one robot; raises KeyError for an unknown id."""

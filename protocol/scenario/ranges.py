@@ -7,6 +7,10 @@ from typing import Annotated
 from annotated_types import Ge, Le
 
 # The bounds of size keep squares and products of lengths away from the ends of a double's range.
+# Rounding of coordinates stays a tenth of the nanometre with which lines are kept (docs/safety.md, A8).
+FARTHEST = 1e5  # m, of a coordinate
+Coordinate = Annotated[float, Ge(-FARTHEST), Le(FARTHEST)]
+Length = Annotated[float, Ge(1e-9), Le(FARTHEST)]
 Positive = Annotated[float, Ge(1e-9), Le(1e6)]
 NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Share = Annotated[float, Ge(0), Le(0.9)]

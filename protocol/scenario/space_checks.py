@@ -37,13 +37,10 @@ def space_findings(sound: Sound, room: Shape | None, placed: Iterable[Placed]) -
     """Things that are no disk and no convex polygon, outside, or on a robot's start or goal."""
     disks = list(placed)
     for index in range(sound.size("things")):
-        shape, findings = _thing(sound, index)
+        shape, findings = thing_at(sound, ("things", index), room)
         yield from findings
         if shape is None:
             continue
-        place = ("things", index, "points" if isinstance(shape, ConvexPolygon) else "center")
-        if room is not None and _outside(shape, room):
-            yield place, "lies outside of the workspace"
         depths = [
             (each.name, depth)
             for each in disks
@@ -52,11 +49,23 @@ def space_findings(sound: Sound, room: Shape | None, placed: Iterable[Placed]) -
         if depths:
             texts = [f"overlaps {who} by {by:.3g} m" if by else f"touches {who}" for who, by in depths]
             more = f" and {len(texts) - _NAMED} more" if len(texts) > _NAMED else ""
-            yield place, ", ".join(texts[:_NAMED]) + more
+            yield ("things", index, _where(shape)), ", ".join(texts[:_NAMED]) + more
 
 
-def _thing(sound: Sound, index: int) -> tuple[Shape | None, list[Finding]]:
-    place: Steps = ("things", index)
+def thing_at(sound: Sound, place: Steps, room: Shape | None) -> tuple[Shape | None, list[Finding]]:
+    """The thing that is described there, None where it is malformed, and what is wrong with it."""
+    shape, findings = _thing(sound, place)
+    if shape is not None and room is not None and _outside(shape, room):
+        findings = [((*place, _where(shape)), "lies outside of the workspace")]
+    return shape, findings
+
+
+def _where(shape: Shape) -> str:
+    """The key that says where it is."""
+    return "points" if isinstance(shape, ConvexPolygon) else "center"
+
+
+def _thing(sound: Sound, place: Steps) -> tuple[Shape | None, list[Finding]]:
     if sound.get(*place, default={}) is None and not sound.size(*place, "points"):
         return None, []
     given = {key for key in ("center", "radius", "points") if _given(sound, *place, key)}

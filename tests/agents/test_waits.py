@@ -38,7 +38,8 @@ def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
     bus = network.connect()
     world = bus.node = WorldNode(bus, "yard", [SCENARIO])
     network.run(lambda: world.finished)
-    assert world.reports[0]["verdict"] == "arrived"
+    assert world.report is not None
+    assert world.report["verdict"] == "arrived"
 
 
 @pytest.mark.parametrize("journalled", [False, True])
@@ -48,7 +49,7 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: boo
         Journal.create(path, "local", [SCENARIO])
     fleet = LocalFleet([SCENARIO], journal=path)
     robots = [bus.node for bus in fleet.robots.values()]
-    fleet.network.run(lambda: bool(fleet.world.reports))  # not all know it yet
+    fleet.network.run(lambda: fleet.world.report is not None)  # not all know it yet
     fleet.kill_world()
     until = time.monotonic() + 0.3
     fleet.network.run(lambda: time.monotonic() > until)

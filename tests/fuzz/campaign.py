@@ -46,7 +46,7 @@ class Tally:
 
 
 def target_of(number: int) -> str:
-    """Which reader gets an input: shares come round every twenty."""
+    """Which reader gets an input: shares come round in turn."""
     return _SCHEDULE[number % len(_SCHEDULE)]
 
 

@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator
 from random import Random
 from typing import Any
 
+import msgspec
+
 _BYTES = (
     0x00,
     0x01,
@@ -140,3 +142,19 @@ def _change(container: Any, place: Any, rng: Random, junk: tuple[Any, ...]) -> N
             container[place] = [copy.deepcopy(value)] * rng.randint(2, 3)
         case _:
             container[place] = copy.deepcopy(rng.choice(junk))
+
+
+def damaged_message(valid: bytes, other: bytes, rng: Random) -> bytes:
+    """A message in msgpack, valid or damaged in bytes or values; at times anything."""
+    match rng.randrange(10):
+        case 0:
+            return valid
+        case 1:
+            return rng.randbytes(rng.randint(0, 64))
+        case 2 if rng.randrange(50) == 0:
+            opening = rng.choice((b"\x91", b"\x81\xa0", b"\xdd\xff\xff\xff\xff", b"\xdf\xff\xff\xff\xff\xa0"))
+            return bytes(deep(rng, lambda depth: opening * depth))
+        case 3 | 4 | 5 | 6:
+            return damaged_bytes(valid, other, rng)
+        case _:
+            return msgspec.msgpack.encode(damaged_tree(msgspec.msgpack.decode(valid), rng))

@@ -7,11 +7,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from random import Random
-from tempfile import gettempdir
 from typing import Any
 
 import msgspec
@@ -30,7 +27,7 @@ from protocol import keys
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
-from protocol.errors import DisknavError, KeyGrammarError, MessageError, ScenarioError
+from protocol.errors import KeyGrammarError, MessageError, ScenarioError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything, robot_key
 from protocol.messages import Health, State
 from protocol.requests import joining
@@ -45,7 +42,11 @@ from protocol.scenario.file import (
 )
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
+from tests.fuzz.hosts import HOSTS
+from tests.fuzz.kept import KEPT, folder
+from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep
+from tests.fuzz.orders import ORDERS
+from tests.fuzz.target import Target
 from tests.sample_messages import ONE
 from world.node import WorldNode
 
@@ -54,22 +55,6 @@ _SETTINGS = (
     "control.k=80", "robots[1].goal=[0.0, 0.0]", "link.delay=[0.0, 0.3]", "robots[6].id=9",
     "sensing.delay=0.1", "name=x", "process=[]", "time.step=0.05", "sensing[0].bias=[0, 0]",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Target:
-    """A reader.
-
-    draw: an input; plain values whose `repr` gives them back.
-    read: what it does with that; whether it was accepted.
-    declared: the one kind of exception that may come of it.
-    share: of all inputs, in twentieths.
-    """
-
-    draw: Callable[[Random], Any]
-    read: Callable[[Any], bool]
-    declared: type[DisknavError]
-    share: int
 
 
 # -- messages
@@ -103,27 +88,12 @@ def _traffic() -> dict[str, list[tuple[str, bytes]]]:
     return {name: sorted(all_)[:: max(1, len(all_) // _KEPT)] for name, all_ in sorted(heard.items())}
 
 
-def _payload(valid: bytes, other: bytes, rng: Random) -> bytes:
-    match rng.randrange(10):
-        case 0:
-            return valid
-        case 1:
-            return rng.randbytes(rng.randint(0, 64))
-        case 2 if rng.randrange(50) == 0:
-            opening = rng.choice((b"\x91", b"\x81\xa0", b"\xdd\xff\xff\xff\xff", b"\xdf\xff\xff\xff\xff\xa0"))
-            return bytes(deep(rng, lambda depth: opening * depth))
-        case 3 | 4 | 5 | 6:
-            return damaged_bytes(valid, other, rng)
-        case _:
-            return msgspec.msgpack.encode(damaged_tree(msgspec.msgpack.decode(valid), rng))
-
-
 def _draw_message(rng: Random) -> tuple[str, bytes]:
     samples = _traffic()[rng.choice(tuple(STREAMS))]
     (key, valid), (_, other) = rng.choice(samples), rng.choice(samples)
     if rng.randrange(8) == 0:
         key = _draw_key(rng)
-    return key, _payload(valid, other, rng)
+    return key, damaged_message(valid, other, rng)
 
 
 def _read_message(drawn: tuple[str, bytes]) -> bool:
@@ -192,7 +162,7 @@ def _steers() -> list[bytes]:
 
 
 def _requested(valid: Callable[[], list[bytes]]) -> Callable[[Random], bytes]:
-    return lambda rng: _payload(rng.choice(valid()), rng.choice(valid()), rng)
+    return lambda rng: damaged_message(rng.choice(valid()), rng.choice(valid()), rng)
 
 
 def _read_request(payload: bytes) -> bool:
@@ -219,7 +189,8 @@ _EVENTS = (
     f"disknav/{_RUN}/robot/999999999/alive", f"disknav/{_RUN}/robot/1/alive", f"disknav/{_RUN}/robot/alive",
     f"disknav/{_RUN}/robot/1/2/3/4/5/alive", f"disknav/{_RUN}/robot/*/command", f"disknav/{_RUN}/**", "**",
     f"disknav/{_RUN}/world/scenario", f"disknav/{_RUN}/world/control", f"disknav/{_RUN}/world/alive",
-    f"disknav/{_RUN}/world/*", "@/router/alive", "",
+    f"disknav/{_RUN}/world/*", "@/router/alive", "", f"disknav/{_RUN}/robot/1/goal",
+    f"disknav/{_RUN}/world/halt", f"disknav/{_RUN}/world/fleet", f"disknav/{_RUN}/world/things",
 )  # fmt: skip
 _Drawn = tuple[str, str, bytes]  # what happens, under which key, with what
 
@@ -240,7 +211,7 @@ def _draw_event(rng: Random) -> _Drawn:
             key = damaged_text(key, rng.choice(_EVENTS), rng)
         case 1:
             key = rng.choice(_EVENTS)
-    return happens, key, _payload(valid, other, rng)
+    return happens, key, damaged_message(valid, other, rng)
 
 
 @cache
@@ -353,13 +324,8 @@ def _read_settings(settings: list[str]) -> bool:
     return _same_again(parse_document(apply_settings(_documents()[0], settings)))
 
 
-@cache
-def _scratch() -> Path:
-    return Path(gettempdir()) / f"disknav-fuzz-{Random().getrandbits(64):x}.toml"
-
-
 def _read_file(content: bytes) -> bool:
-    path = _scratch()
+    path = folder() / "scenario.toml"
     try:
         path.write_bytes(content)
         return _same_again(read_scenario(path))
@@ -368,14 +334,17 @@ def _read_file(content: bytes) -> bool:
 
 
 TARGETS = {
-    "message": Target(_draw_message, _read_message, MessageError, 8),
-    "join": Target(_requested(_requests), _read_request, MessageError, 2),
-    "reply": Target(_requested(_replies), _read_reply, MessageError, 1),
-    "steer": Target(_requested(_steers), _read_steer, MessageError, 1),
-    "event": Target(_draw_events, _take_part, MessageError, 1),
-    "key": Target(_draw_key, _read_key, KeyGrammarError, 2),
-    "document": Target(_draw_document, lambda d: _same_again(parse_document(d)), ScenarioError, 2),
-    "text": Target(_draw_text, lambda text: _same_again(parse_toml(text)), ScenarioError, 1),
-    "settings": Target(_draw_settings, _read_settings, ScenarioError, 1),
-    "file": Target(_draw_file, _read_file, ScenarioError, 1),
+    "message": Target(_draw_message, _read_message, MessageError, 16),
+    "join": Target(_requested(_requests), _read_request, MessageError, 4),
+    "reply": Target(_requested(_replies), _read_reply, MessageError, 2),
+    "steer": Target(_requested(_steers), _read_steer, MessageError, 2),
+    "event": Target(_draw_events, _take_part, MessageError, 2),
+    "key": Target(_draw_key, _read_key, KeyGrammarError, 4),
+    "document": Target(_draw_document, lambda d: _same_again(parse_document(d)), ScenarioError, 4),
+    "text": Target(_draw_text, lambda text: _same_again(parse_toml(text)), ScenarioError, 2),
+    "settings": Target(_draw_settings, _read_settings, ScenarioError, 2),
+    "file": Target(_draw_file, _read_file, ScenarioError, 2),
+    **ORDERS,
+    **HOSTS,
+    **KEPT,
 }

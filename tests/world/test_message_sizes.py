@@ -20,6 +20,7 @@ from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Health, Proposal, Result, Standing, State
+from protocol.requests.things import ThingOrder
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
     Control,
@@ -31,7 +32,10 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
+from protocol.scenario.model import Thing as Listed
 from protocol.streams import STREAMS
+from world.coordinator.surroundings import MOST as MOST_THINGS
+from world.coordinator.surroundings import Surroundings
 from world.judge.contacts import Contact
 from world.shell.run import Run
 
@@ -39,6 +43,9 @@ MOST = 1000
 LIFE = 2**40  # nobody will live as often
 IDS = tuple(range(HIGHEST_ID - MOST + 1, HIGHEST_ID + 1))
 POINT = (-0.123456789, 0.987654321)
+SPECK = Listed(center=(40.0, 0.0), radius=0.01)
+DISK = ThingOrder(center=(-40.123456789, -3.0), radius=0.123456789)
+ROUNDISH = ThingOrder(points=tuple((math.cos(0.1 * n) - 40.0, math.sin(0.1 * n)) for n in range(62)))
 
 
 def assert_fits(message: AnyMessage, key: str) -> None:
@@ -185,6 +192,23 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     assert str(IDS[-1]) in world.reason
     assert_fits(run.clock(), world_key("r", "clock"))
     assert_fits(world.truth, world_key("r", "truth"))
+
+
+def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
+    run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
+    lives = run.world.coordinator.lives
+    for robot in IDS:
+        run.world.coordinator.join(robot)
+    lives.things = Surroundings(replace(crowd(), workspace=Workspace(1000.0), things=(SPECK,) * MOST))
+    assert all(lives.take_away(number) for number in range(1, MOST + 1))
+    for number in range(MOST_THINGS):
+        order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come
+        lives.announce(order.shape)
+    assert "at a time" in lives.things.refusal(DISK, [])
+    lives.take_away(MOST + MOST_THINGS)
+    assert "corners" in lives.things.refusal(ROUNDISH, [])
+    assert_fits(run.world.open_tick()[IDS[0]], robot_key("r", IDS[0], "tick"))
+    assert_fits(run.clock(), world_key("r", "clock"))
 
 
 def test_a_result_fits_whatever_happened_however_often() -> None:

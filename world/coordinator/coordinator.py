@@ -18,6 +18,7 @@ from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
+from world.coordinator.schedule import Operated, Schedule
 
 
 class Coordinator:
@@ -48,6 +49,7 @@ class Coordinator:
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
+        self.schedule = Schedule(scenario)
 
     def noted(self, taken: Input) -> None:
         """An input was taken."""
@@ -94,7 +96,7 @@ class Coordinator:
     @property
     def newcomers(self) -> tuple[int, ...]:
         """Robots that were added, whose disks are there, and whose processes have not joined yet."""
-        return tuple(sorted(self.membership.newcomers))
+        return tuple(robot for robot in sorted(self.membership.newcomers) if not self.lives.is_killed(robot))
 
     @property
     def awaiting_join(self) -> frozenset[int]:
@@ -153,8 +155,8 @@ class Coordinator:
 
     def dismiss(self, robot: int) -> bool:
         """Whether a robot was removed; its process, which asks, is told no more."""
-        gone = self.lives.status_of(robot) == "gone"
-        if gone and robot in self.lives.of:
+        gone = robot in self.lives.of and self.lives.status_of(robot) in ("gone", "appearing")
+        if gone:
             self.lives.dismiss(robot)
         return gone
 
@@ -190,16 +192,20 @@ class Coordinator:
         lacking, self.commands.lacking = self.commands.lacking, {}
         return blamed(self.active, self.commands.waiting, lacking)
 
-    def opens(self, places: Mapping[int, Vector]) -> bool:
-        """Whether the tick begins: process faults of the scenario happen, and nobody is awaited.
+    def opens(self, places: Mapping[int, Vector], operated: Operated) -> bool:
+        """Whether the tick begins: the scenario's orders and process faults happen, and nobody is awaited.
 
         Args:
             places: of all disks, m.
+            operated: who carries out orders.
         """
         if not self.founded and not self.awaiting_join:
             self.lives.found(places)
         if not self.founded:
             return False
+        note, self.note = self.note, None  # the scenario will ask for the same again
+        self.schedule.carry_out(self.tick, operated)
+        self.note = note
         self.lives.apply_faults(self.tick)
         return not self.awaiting_join
 
@@ -237,11 +243,16 @@ class Coordinator:
         self.told = None
         self.tick += 1
 
+    @property
+    def pending(self) -> bool:
+        """Whether anybody is still to go, or to come, on orders that are given or to be given."""
+        return self.missions.pending or self.membership.pending or self.schedule.pending
+
     def is_alone(self) -> bool:
         """Whether robots are missing that will not come back; of an external fleet nobody can tell."""
         if self.scenario.is_external:
             return False
-        missing = len(self.lives.up) < len(self.scenario.ids)
+        missing = len(self.lives.up) < len(self.scenario.ids) and not self.schedule.pending
         return missing and self.lives.gone_for_good(self.tick - 1)
 
     def _tell(

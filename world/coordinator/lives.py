@@ -7,7 +7,7 @@ or followed by the next.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -147,6 +147,8 @@ class Lives:
             raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
         if life.status is Status.UP:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
+        if (member := self._roster.status(robot)) in ("appearing", "gone"):
+            raise JoinError(f"robot {robot} is {member}: its disk is not in the workspace")
         if life.status is Status.PAUSED:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
@@ -161,13 +163,14 @@ class Lives:
         self._radii[spec.id] = spec.radius
         self._roster.announce(spec.id, spec.radius, spec.start)
 
-    def settle_robots(self, tick: int) -> list[int]:
-        """Robots whose disks appear at the start of `tick`, and stand until their processes join."""
+    def settle_robots(self, tick: int, awaited: Collection[int] = ()) -> list[int]:
+        """Robots whose disks appear at the start of `tick`, and stand until their processes join; those
+        of the `awaited` must before the run goes on."""
         settled = self._roster.settle(self._is_free)
         for robot in settled:
             known = self.of.get(robot)
             incarnation = known.incarnation if known else 0
-            self.of[robot] = Life(incarnation, Status.LOST, awaited=False, heard=tick, fenced=True)
+            self.of[robot] = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
         self.of = dict(sorted(self.of.items()))
         return settled
 
@@ -199,6 +202,11 @@ class Lives:
         return self._roster.status(robot)
 
     @property
+    def ids(self) -> int:
+        """How many ids ever were in this run."""
+        return self._roster.ids
+
+    @property
     def roster(self) -> messages.Roster:
         """The present version."""
         return self._roster.message
@@ -206,6 +214,11 @@ class Lives:
     def is_paused(self, robot: int) -> bool:
         """Whether the scenario holds a robot's process still: it cannot join before it is resumed."""
         return self.of[robot].status is Status.PAUSED
+
+    def is_killed(self, robot: int) -> bool:
+        """Whether the scenario has ended a robot's process, and does not want it back at present."""
+        life = self.of[robot]
+        return life.status is Status.GONE and not life.awaited
 
     def goes_on(self, robot: int, incarnation: int) -> bool:
         """Whether this life has joined and is neither over nor given up on."""
@@ -240,7 +253,7 @@ class Lives:
         """Let everything happen that the scenario has in store up to and including `tick`."""
         while self._schedule and self._schedule[0][0] <= tick:
             _, fault = self._schedule.pop(0)
-            if self._roster.status(fault.robot) == "gone":
+            if self._roster.status(fault.robot) not in ("live", "standing"):
                 continue
             self.applied.append((tick, fault))
             _EVENTS[fault.event](self.of[fault.robot])

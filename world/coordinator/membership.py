@@ -10,14 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from protocol.messages import HIGHEST_ID, Vector
+from protocol.messages import Vector
+from protocol.scenario.body_checks import misfits
 from protocol.scenario.gain import grown
+from protocol.scenario.in_range import out_of_range
 from protocol.scenario.model import RobotSpec, Scenario
 from world.coordinator.lives import Lives
 from world.coordinator.missions import Missions
 
-_LARGEST = 1e6  # m, of a coordinate
-_SMALLEST = 1e-9  # m, of a radius
+_MOST = 1000  # robots at a time: their lines must fit into a State
+_MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
 class Membership:
@@ -34,15 +36,19 @@ class Membership:
         self._lives, self._missions = lives, missions
         self._k, self._robots = scenario.k, len(scenario.robots)
         self._announced: dict[int, RobotSpec] = {}  # whose disks have not appeared yet
+        self._awaited: set[int] = set()  # of them, who must join as soon as they have
         self._leaving: set[int] = set()
 
-    def add(self, spec: RobotSpec) -> str:
-        """Announce a disk; returns why that cannot be, "" if it is done."""
-        reason = self._unfit(spec)
-        if not reason:
-            self._lives.announce_robot(spec)
-            self._announced[spec.id] = spec
-        return reason
+    @property
+    def pending(self) -> bool:
+        """Whether disks are still to appear."""
+        return bool(self._announced)
+
+    def add(self, spec: RobotSpec, *, awaited: bool) -> None:
+        """Announce a disk that is not `unfit`, whose process is waited for or not."""
+        self._lives.announce_robot(spec)
+        self._announced[spec.id] = spec
+        (self._awaited.add if awaited else self._awaited.discard)(spec.id)
 
     def remove(self, robot: int) -> str:
         """Let a robot leave; returns why that cannot be, "" if it is done."""
@@ -71,7 +77,7 @@ class Membership:
         Returns:
             Whether anybody came or left; `scenario` is another one then.
         """
-        settled = self._lives.settle_robots(tick) if self._announced else []
+        settled = self._lives.settle_robots(tick, self._awaited) if self._announced else []
         left, self._leaving = frozenset(self._leaving), set()
         if not settled and not left:
             return False
@@ -85,16 +91,17 @@ class Membership:
         self.scenario = replace(self.scenario, robots=robots, control=replace(self.scenario.control, k=k))
         return True
 
-    def _unfit(self, spec: RobotSpec) -> str:
+    def unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""
         robot = spec.id
-        lengths = (spec.radius, *spec.start, *spec.goal)
-        if not 1 <= robot <= HIGHEST_ID or not all(abs(length) <= _LARGEST for length in lengths):
-            return f"robot {robot}: an id from 1 to {HIGHEST_ID} and lengths up to {_LARGEST:g} m are needed"
-        if spec.radius < _SMALLEST:
-            return f"robot {robot}: a radius above 0 is needed"
+        for problem in (*out_of_range(spec), *misfits(spec, self.scenario.body)):
+            return f"robot {robot}: {problem}"
         if (status := self._lives.status_of(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"
+        if len(self.scenario.robots) + len(self._announced) >= _MOST:
+            return f"robot {robot}: at most {_MOST} robots are there at a time"
+        if not status and self._lives.ids >= _MOST_IDS:
+            return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"
         obstacle, things = self._missions.obstacle, self._lives.things.standing
         at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, things)
         return at_start or obstacle(robot, spec.radius, spec.goal, (), things)

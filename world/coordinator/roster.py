@@ -47,6 +47,11 @@ class Roster:
         """The disks that never move again in their present life."""
         return tuple(each for each in self._members.values() if each.status == "standing")
 
+    @property
+    def ids(self) -> int:
+        """How many ids it names, those that are gone included."""
+        return len(self._members)
+
     def status(self, robot: int) -> str:
         """Of the disk of a robot; "" if nobody ever had that id."""
         member = self._members.get(robot)

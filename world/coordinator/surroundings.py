@@ -10,7 +10,8 @@ from protocol.messages import Presence, Thing, Vector
 from protocol.requests.things import ThingOrder
 from protocol.scenario.model import Scenario
 
-MOST = 256  # things that came or went, at a time: a roster is one message
+MOST = 256  # things that came, at a time: a roster is one message
+MOST_CORNERS = 4096  # of all of them together
 
 
 class Surroundings:
@@ -52,8 +53,11 @@ class Surroundings:
         if problem := order.defect():
             return f"the thing {problem}"
         shape = order.shape
-        if len(self.changes) >= MOST:
-            return f"at most {MOST} things come and go in one run"
+        came = [each for each in self.changes if each.status != "gone"]
+        if len(came) >= MOST:
+            return f"at most {MOST} things that came while the run went on are there at a time"
+        if sum(len(each.points) for each in came) + len(order.points) > MOST_CORNERS:
+            return f"all things that came while the run went on have at most {MOST_CORNERS} corners together"
         if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
             return "the thing lies outside of the workspace"
         for robot, position in zip(self._scenario.ids, positions, strict=True):

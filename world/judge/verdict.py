@@ -17,7 +17,8 @@ class Judge:
     arrived: all robots at once within the tolerance of their goals.
     aborted: all robots that are up have arrived, and the others are down for good.
     deadlock: for the stated time no robot got further than the tolerance from where it was,
-        and nothing that the scenario has scheduled (process faults, partitions) is still to change that.
+        and nothing that the scenario has scheduled (process faults, partitions, orders) is still to change
+        that.
     timeout: the limit is reached.
     """
 
@@ -30,6 +31,7 @@ class Judge:
         self._patience = scenario.ticks(time.deadlock)
         self._texts = (f"{time.deadlock:g} s", f"{time.limit:g} s")
         changes = [fault.at for fault in scenario.process] + [part.until for part in scenario.link.partition]
+        changes += [order.at for order in scenario.orders]
         self._moved = max((scenario.ticks(at) for at in changes), default=0)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
@@ -54,7 +56,7 @@ class Judge:
             positions: in the order of ids, m.
             up: ids of robots that take part.
             gone_for_good: whether those that are not up will not come back.
-            pending: whether somebody has another goal after the present one.
+            pending: whether somebody has another goal after the present one, or is still to come.
         """
         arrived = self.arrived(positions)
         if len(arrived) == len(self._ids) and not pending:

@@ -72,6 +72,11 @@ class Admissions:
         """Another robot may join."""
         self.slots[robot] = Slot()
 
+    def expect(self, robot: int) -> None:
+        """A robot is there that was added; it may join."""
+        if robot not in self.slots:
+            self.add(robot)
+
     # -- who asks
 
     def refusal(self, join: joining.Join, run: Run) -> joining.Refusal | None:

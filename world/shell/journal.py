@@ -20,6 +20,7 @@ import msgspec
 
 from protocol.errors import JournalError
 from protocol.messages import Command, Count, Id
+from protocol.reader import DAMAGED
 from protocol.scenario.model import Scenario
 from world.coordinator.inputs import Input, Opened
 from world.shell import records
@@ -197,14 +198,14 @@ def _beginning(head: Head) -> bytes:
 def _decoded(path: Path, place: int, payload: bytes) -> list[Entry]:
     try:
         return _entries.decode(payload)
-    except msgspec.DecodeError as error:
+    except DAMAGED as error:
         records.damaged(path, place, str(error))
 
 
 def _checked(path: Path, place: int, payload: bytes, wanted: Head) -> Head:
     try:
         head = _head.decode(payload)
-    except msgspec.DecodeError as error:
+    except DAMAGED as error:
         records.damaged(path, place, str(error))
     other = ""
     if head.run != wanted.run:

@@ -21,6 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
 from protocol.messages import Id
+from protocol.reader import DAMAGED
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer
 
@@ -137,7 +138,7 @@ async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *
                 source.steer(Steer(asked.pause, asked.step, asked.speed))
         except WebSocketDisconnect:
             return
-        except (msgspec.DecodeError, KeyError) as error:
+        except (*DAMAGED, KeyError) as error:
             await _tell(socket, "refused", text=str(error))
 
 

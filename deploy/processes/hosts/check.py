@@ -18,6 +18,7 @@ from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import environment
 from deploy.software.findings import Finding
 from deploy.software.provenance import SOFTWARE, code_digest
+from protocol.reader import DAMAGED
 
 _PATIENCE = 20.0  # s for a host to answer
 _SPAN = 2.0  # s between two looks at its clock
@@ -67,7 +68,7 @@ def _facts(process: subprocess.Popen[bytes]) -> Facts:
         line = _line(process)
         try:
             return msgspec.json.decode(line, type=Facts)
-        except msgspec.DecodeError:
+        except DAMAGED:
             said += line  # what a shell says at login
             if len(said) > _LONGEST:
                 raise _SilentError("it says a lot, and nothing that can be understood") from None

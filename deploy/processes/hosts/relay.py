@@ -10,6 +10,7 @@ from typing import IO
 import msgspec
 
 from protocol.log import LOG, Line, Speaker, lines, words
+from protocol.reader import DAMAGED
 
 _LONGEST = 1 << 16  # bytes of a line that are read at once
 _LAST_WORDS = 1.0  # s
@@ -51,7 +52,7 @@ class Relay:
         try:
             line = _decoder.decode(said)
             record = msgspec.structs.replace(line, text=printable(line.text)).record(self._host)
-        except msgspec.DecodeError:
+        except DAMAGED:
             self._logger.warning(printable(said.decode(errors="replace")))
         else:
             self._logger.handle(record)

@@ -12,8 +12,6 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import msgspec
-
 from deploy.processes.fork_messages import MAX_NEWS, Beat, News, Request, Store, decode_news
 from deploy.processes.hosts.frames import Frames
 from deploy.processes.hosts.relay import Relay
@@ -22,6 +20,7 @@ from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import Spawner
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.errors import ProcessError
+from protocol.reader import DAMAGED
 
 BEAT = 1.0  # s between signs of life of this launcher
 _STALL = 5.0  # s that a host may take over a message, of its own or to it
@@ -101,7 +100,7 @@ class SshSpawner(Spawner):
                 yield decode_news(message)
         except (EOFError, ConnectionError):
             raise self._gone() from None
-        except (OSError, ValueError, msgspec.DecodeError) as error:
+        except (OSError, ValueError, *DAMAGED) as error:
             raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
 
     def _send(self, request: Request) -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
-from io import BytesIO
+from io import BytesIO, FileIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import zstandard
@@ -33,22 +33,30 @@ from mcap.records import Chunk as ChunkRecord
 from mcap.writer import MCAP0_MAGIC
 
 from deploy.recording.mcap.chunk import Chunk, Times
+from deploy.recording.mcap.spare import Spare
 
 _CHUNK = 256 * 1024  # bytes before compression; what one damaged place in the file can cost
 _LEVEL = 1  # of compression, the fastest: for messages so much alike as small as the default
 _CHANNELS = 1 << 16  # more cannot be numbered
+_ROOM = 1 << 16  # bytes kept for the last metadata, besides those for the index
 
 
 class McapFile:
     """Messages in chunks compressed with zstd, each chunk and kind of record indexed at the end.
 
     Raises:
-        OSError: (all methods) the file cannot be written.
+        OSError: (all methods) the file cannot be written. What was written before is left whole, and there is
+            room for `abandon` and `finish`.
+
+    Attributes:
+        size: bytes written.
     """
 
     def __init__(self, path: Path, library: str, profile: str = "") -> None:
-        self._file: BinaryIO = path.open("wb")
-        self._place = 0
+        self._file: FileIO = path.open("wb", buffering=0)
+        self._spare = Spare(path)
+        self._index = 0  # bytes that the index will take
+        self.size = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._chunks: list[ChunkIndex] = []
@@ -58,12 +66,13 @@ class McapFile:
         self._chunk = Chunk()
         self._records = BytesIO()  # of a chunk; the same memory for all, for to get it costs most
         self._put(MCAP0_MAGIC + packed(Header(profile, library)))
+        self._spare.hold(_ROOM)
 
     def schema(self, name: str, data: bytes, encoding: str = "jsonschema") -> int:
         """Declare a schema; returns its number."""
         record = Schema(id=len(self._schemas) + 1, data=data, encoding=encoding, name=name)
         self._schemas.append(record)
-        self._chunk.declare(packed(record))
+        self._declare(packed(record))
         return record.id
 
     def channel(self, topic: str, schema: int, metadata: dict[str, str], encoding: str = "json") -> int:
@@ -71,7 +80,7 @@ class McapFile:
         number = len(self._channels) + 1
         record = Channel(number, topic, encoding, metadata, schema)
         self._channels.append(record)
-        self._chunk.declare(packed(record))
+        self._declare(packed(record))
         return number
 
     def messages(self, channels: Sequence[int], times: Times, lines: bytes) -> None:
@@ -90,61 +99,75 @@ class McapFile:
         """Add a metadata record, after the messages so far."""
         self._close_chunk()
         record = packed(Metadata(name=name, metadata=data))
-        self._metadata.append(MetadataIndex(self._place, len(record), name))
         self._put(record)
+        self._metadata.append(MetadataIndex(self.size - len(record), len(record), name))
 
     def flush(self) -> None:
         """Close the present chunk and hand everything to the system."""
         self._close_chunk()
-        self._file.flush()
 
-    def finish(self) -> None:
-        """Write the index; nothing can be added afterwards."""
+    def abandon(self) -> None:
+        """Drop the present chunk."""
+        self._chunk = Chunk()
+
+    def finish(self, metadata: Mapping[str, dict[str, str]]) -> None:
+        """Write some last metadata and the index; nothing can be added afterwards."""
         self._close_chunk()
-        self._put(packed(DataEnd(0)))
-        start = self._place
+        self._spare.release()
+        for name, data in metadata.items():
+            self.metadata(name, data)
+        end = packed(DataEnd(0))
+        start = self.size + len(end)
         summary = packed(*self._schemas, *self._channels, self._statistics(), *self._chunks, *self._metadata)
         head = struct.pack("<BQQQ", Opcode.FOOTER, 8 + 8 + 4, start, 0)
-        self._put(summary + packed(Footer(start, 0, zlib.crc32(head, zlib.crc32(summary)))) + MCAP0_MAGIC)
+        self._put(
+            end + summary + packed(Footer(start, 0, zlib.crc32(head, zlib.crc32(summary)))) + MCAP0_MAGIC
+        )
         self._file.close()
 
     def _put(self, data: bytes) -> None:
-        self._file.write(data)
-        self._place += len(data)
+        """Write whole records, or none of them."""
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) :]
+        except OSError:
+            self._file.truncate(self.size)
+            self._file.seek(self.size)
+            raise
+        self.size += len(data)
+
+    def _declare(self, record: bytes) -> None:
+        self._chunk.declare(record)
+        self._index += len(record)
 
     def _close_chunk(self) -> None:
         if not self._chunk.size:
             return
         chunk, self._chunk = self._chunk, Chunk()
         self._records.seek(0)
-        contents = chunk.write(self._records, self._counts)
+        counts = self._counts.copy()
+        contents = chunk.write(self._records, counts)
         with self._records.getbuffer()[: chunk.size] as records:
             data, checksum = self._compressor.compress(records), zlib.crc32(records)
-        place = self._place
-        self._put(packed(ChunkRecord("zstd", data, contents.end, contents.start, checksum, chunk.size)))
-        length = self._place - place
-        offsets = self._put_indexes(contents.indexes)
-        self._chunks.append(
-            ChunkIndex(
-                chunk_length=length,
-                chunk_start_offset=place,
-                compression="zstd",
-                compressed_size=len(data),
-                message_end_time=contents.end,
-                message_index_length=self._place - place - length,
-                message_index_offsets=offsets,
-                message_start_time=contents.start,
-                uncompressed_size=chunk.size,
-            )
+        written = packed(ChunkRecord("zstd", data, contents.end, contents.start, checksum, chunk.size))
+        indexes = b"".join(contents.indexes.values())
+        index = ChunkIndex(
+            chunk_length=len(written),
+            chunk_start_offset=self.size,
+            compression="zstd",
+            compressed_size=len(data),
+            message_end_time=contents.end,
+            message_index_length=len(indexes),
+            message_index_offsets=_offsets(contents.indexes, self.size + len(written)),
+            message_start_time=contents.start,
+            uncompressed_size=chunk.size,
         )
-
-    def _put_indexes(self, indexes: Mapping[int, bytes]) -> dict[int, int]:
-        """Add the message indexes; returns where each channel's stands."""
-        offsets = {}
-        for channel, index in indexes.items():
-            offsets[channel] = self._place
-            self._put(index)
-        return offsets
+        self._index += len(packed(index))
+        self._spare.hold(self._index + _ROOM)
+        self._put(written + indexes)
+        self._chunks.append(index)
+        self._counts = counts
 
     def _statistics(self) -> Statistics:
         filled = [chunk for chunk in self._chunks if chunk.message_index_offsets]
@@ -161,6 +184,15 @@ class McapFile:
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
+
+
+def _offsets(indexes: Mapping[int, bytes], place: int) -> dict[int, int]:
+    """Where each channel's index stands, if the first stands at `place`."""
+    offsets = {}
+    for channel, index in indexes.items():
+        offsets[channel] = place
+        place += len(index)
+    return offsets
 
 
 def packed(*records: McapRecord) -> bytes:

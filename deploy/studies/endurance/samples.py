@@ -9,18 +9,20 @@ from dataclasses import dataclass, field
 
 import psutil
 
-QUANTITIES = ("private_mb", "resident_mb", "handles", "threads")
+QUANTITIES = ("anonymous_mb", "private_mb", "resident_mb", "handles", "threads")
 
 
 def _series() -> dict[str, array[float]]:
-    return {name: array("d") for name in ("time", *QUANTITIES)}
+    return {name: array("d") for name in ("time", "pid", *QUANTITIES)}
 
 
 @dataclass
 class Samples:
-    """Series by process name: s since the beginning, MB (2^20 bytes), counts.
+    """Series by process name: s since the beginning, process id, MB (2^20 bytes), counts.
 
-    private_mb: memory that the process shares with nobody, which is what it would leak.
+    anonymous_mb: resident memory that no file backs, which is what a process would leak. Whether a page that
+    it has from the fork server is shared or was copied since does not matter.
+    private_mb: memory that it shares with nobody; grows when such a page is copied, too.
     """
 
     period: float  # s between samples, at least
@@ -38,6 +40,7 @@ class Samples:
         for name, pid in pids.items():
             try:
                 if pid not in self._known:
+                    self._forget(pids)
                     self._known[pid] = psutil.Process(pid)
                 self._sample(name, self._known[pid], now)
             except psutil.Error:
@@ -45,10 +48,19 @@ class Samples:
         done = time.monotonic()
         self._due = max(now + self.period, done + self.rest * (done - now))
 
+    def _forget(self, pids: Mapping[str, int]) -> None:
+        """Those that have ended."""
+        for pid in self._known.keys() - set(pids.values()):
+            del self._known[pid]
+
     def _sample(self, name: str, process: psutil.Process, now: float) -> None:
         memory = process.memory_full_info()
-        values = (memory.uss / 2**20, memory.rss / 2**20, process.num_fds(), process.num_threads())
+        backed = getattr(memory, "shared", None)  # as Linux knows it
+        anonymous = memory.uss if backed is None else memory.rss - backed
+        sizes = (each / 2**20 for each in (anonymous, memory.uss, memory.rss))
+        values = (*sizes, process.num_fds(), process.num_threads())
         series = self.of.setdefault(name, _series())
         series["time"].append(now - self._began)
+        series["pid"].append(process.pid)
         for quantity, value in zip(QUANTITIES, values, strict=True):
             series[quantity].append(value)

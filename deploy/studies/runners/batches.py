@@ -22,9 +22,10 @@ def batches(study: Study, runs: Sequence[Run], jobs: int) -> list[list[Job]]:
     """
     dealt: list[list[Job]] = []
     keyed = [(_fleet(study, run), run) for run in runs]
-    for (transport, _robots), group in groupby(sorted(keyed, key=lambda each: each[0]), lambda each: each[0]):
+    for fleet, group in groupby(sorted(keyed, key=lambda each: each[0]), lambda each: each[0]):
+        transport, _robots, changes = fleet
         several = [(run, study.cells[run.cell].build) for _, run in group]
-        if study.isolated:
+        if study.isolated or changes:
             dealt += [[job] for job in several]
         elif transport == "local":
             dealt += [several[n : n + BATCH] for n in range(0, len(several), BATCH)]
@@ -34,8 +35,10 @@ def batches(study: Study, runs: Sequence[Run], jobs: int) -> list[list[Job]]:
     return dealt
 
 
-def _fleet(study: Study, run: Run) -> tuple[str, tuple[int, ...]]:
-    """What runs on the same processes have in common."""
+def _fleet(study: Study, run: Run) -> tuple[str, tuple[int, ...], bool]:
+    """What runs on the same processes have in common, and whether a run leaves other processes."""
     if run.transport == "local":
-        return run.transport, ()
-    return run.transport, study.cells[run.cell].build(run.seed).ids
+        return run.transport, (), False
+    scenario = study.cells[run.cell].build(run.seed)
+    changes = any(order.add is not None or order.remove is not None for order in scenario.orders)
+    return run.transport, scenario.ids, changes

@@ -130,6 +130,12 @@ MUTANTS = (
         (Edit(_SWEEP, "        turn = base.turn(piece)\n", "        turn = 0.0\n"),),
     ),
     Mutant(
+        "turning",
+        "where a body that turns by more than half a circle will stand does not say how far it goes",
+        "spinning",
+        (Edit(_BASE, "0.5 * self._stopping(still)) > _TURNING:", "0.5 * self._stopping(still)) > 1e9:"),),
+    ),
+    Mutant(
         "tangents",
         "an arc bulges beyond its chord",
         "differential-drive",

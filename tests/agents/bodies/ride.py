@@ -25,7 +25,7 @@ ROOMS = (0.3, 0.6, 2.0)  # m, largest distance of the own place from the middle
 PARTS = 3  # places at which each arc is looked at
 PEERS = (1, 2, 3)
 OWN = 4
-KINDS = ("point", "omnidirectional", "differential-drive", "turtlebot3-burger", "e-puck")
+KINDS = ("point", "omnidirectional", "differential-drive", "spinning", "turtlebot3-burger", "e-puck")
 ROUNDING = 1e-12  # m
 
 Vector = tuple[float, float]
@@ -224,6 +224,11 @@ def drawn(kind: str, rng: Random) -> Body:
     error, lag, play = rng.choice(((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.2, 0.01, 1e-3)))
     if kind == "point":
         return Body("point", error=error, lag=lag, play=play)
+    if kind == "spinning":  # turns by several circles until it stands
+        offset, track = rng.choice((0.01, 0.02, 0.05)), rng.uniform(0.03, 0.1)
+        return Body(
+            "differential-drive", 0.1, offset, track, 1.0, rng.choice((0.5, 2.0)), rng.choice((1.0, 3.0))
+        )
     hold = rng.choice((0.0, 0.0, 0.02, 0.1, 0.5))
     acceleration = rng.choice((0.1, 0.5, 2.0, 50.0))
     if kind == "omnidirectional":

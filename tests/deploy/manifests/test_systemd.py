@@ -28,7 +28,7 @@ from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.file import write_toml
 
-SCENARIO = load("figure-2", [], 4)
+SCENARIO = load("figure-2", ["control.speed=0.3"], 4)
 DISKNAV = str(Path(sys.executable).parent / "disknav")
 ANALYZE = shutil.which("systemd-analyze")
 needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is not installed")

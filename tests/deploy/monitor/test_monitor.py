@@ -127,6 +127,7 @@ def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
+@pytest.mark.alone
 def test_a_killed_robot_is_an_alarm_within_two_seconds() -> None:
     fleet = LocalFleet([ring(kill=2)], "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)

@@ -74,6 +74,7 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
 
 
 @pytest.mark.process
+@pytest.mark.alone
 def test_a_frozen_monitor_holds_up_nobody() -> None:
     router, endpoint = listening(Connection("router"))
     run = fresh_run_name()

@@ -166,6 +166,7 @@ def test_leaving_stops_everything_even_after_an_error() -> None:
     assert not psutil.pid_exists(supervisor.usage()[0].pid)
 
 
+@pytest.mark.alone
 def test_64_processes_are_up_soon(supervisor: Supervisor, capsys: pytest.CaptureFixture[str]) -> None:
     begin = time.monotonic()
     supervisor.start([router(Connection("router"))])

@@ -50,7 +50,7 @@ def _write(path: Path, messages: list[tuple[int, int, bytes]]) -> None:
         if start % 1400:
             file.flush()
     file.metadata("after", {"b": "2"})
-    file.finish()
+    file.finish({})
 
 
 def _write_by_library(path: Path, messages: list[tuple[int, int, bytes]]) -> None:
@@ -135,6 +135,6 @@ def test_messages_come_in_the_order_of_time_however_late_they_were_written(tmp_p
         file.messages([number], np.array([time], np.uint64), b"%d\n" % index)
         if index % 70 == 0:
             file.flush()
-    file.finish()
+    file.finish({})
     said = [(each.log_time, int(each.data)) for each in contents(tmp_path / "late.mcap").messages()]
     assert said == sorted(zip(times, range(1000), strict=True))

@@ -17,6 +17,7 @@ from deploy.run.options import RunOptions, Transport
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.requests.fleet import FleetReply, decode_change
+from protocol.scenario.body import Body
 from protocol.scenario.model import RobotSpec
 from tests.deploy.run.turnover import Turnover, asked
 from world.shell.journal import Journal
@@ -77,10 +78,10 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
 def test_who_is_removed_ends_and_may_come_back() -> None:
     fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
     step(fleet, 20)
+    node = fleet.robots[2].node
     assert asked(fleet, {"remove": 2}).accepted
     step(fleet, 5)
     assert (status(fleet, 2), fleet.world.world.truth.robots) == ("gone", (1, 3, 4))
-    node = fleet.robots[2].node
     assert (node.finished, node.verdict) == (True, "removed")
     assert asked(fleet, {"add": RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))}).accepted
     to_be(fleet, 2, "live")
@@ -96,9 +97,16 @@ def test_who_is_removed_ends_and_may_come_back() -> None:
         ({"add": replace(GUEST, id=1)}, "robot 1 is live"),
         ({"add": replace(GUEST, start=(0.43, 0.0))}, "out of the workspace"),
         ({"add": replace(GUEST, goal=(0.0, -0.5))}, "out of the workspace"),
-        ({"add": replace(GUEST, radius=-1.0)}, "radius above 0"),
-        ({"add": replace(GUEST, start=(math.nan, 0.0))}, "lengths up to"),
-        ({"add": replace(GUEST, body="turtlebot3-burger")}, "points only"),
+        ({"add": replace(GUEST, radius=-1.0)}, "radius: must be at least 1e-09"),
+        ({"add": replace(GUEST, start=(math.nan, 0.0))}, "start[0]: must be at least"),
+        ({"add": replace(GUEST, heading=math.nan)}, "heading: must be at least"),
+        ({"add": replace(GUEST, body=Body("omnidirectional", acceleration=-1.0))}, "body.acceleration: must"),
+        (
+            {"add": replace(GUEST, body=Body("differential-drive", offset=0.01))},
+            "body.track: must be above 0",
+        ),
+        ({"add": replace(GUEST, body=Body(radius=0.05))}, "radius: must be at least 0.05"),
+        ({"add": replace(GUEST, body=Body(error=0.1))}, "points only"),
         ({"remove": 9}, "no robot 9 in the fleet; there are 1, 2, 3, 4"),
     ],
 )

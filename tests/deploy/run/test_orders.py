@@ -97,7 +97,8 @@ def test_the_same_order_at_the_same_tick_gives_the_same_trajectory() -> None:
 
 
 def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
-    options = ["--run", "yard", "--listen", endpoint, "--json", str(result), "--quiet", "--set", "seed=3"]
+    options = ["--run", "yard", "--listen", endpoint, "--json", str(result), "--quiet"]
+    options += ["--set", "control.speed=0.3"]
     return subprocess.Popen([sys.executable, "-m", "deploy.cli", "serve", "swap-4", *options])
 
 

@@ -23,8 +23,9 @@ def test_convex_polygons_have_no_defect_in_either_sense(polygon):
     ("points", "words"),
     [
         ([(0, 0), (1, 0)], "needs three points at least"),
-        ([(0, 0), (1, 0), (1, 0), (0, 1)], "points 1 and 2 are the same"),
-        ([(0, 0), (1, 0), (0, 1), (0, 0)], "points 3 and 0 are the same"),
+        ([(0, 0), (1, 0), (1, 0), (0, 1)], "points 1 and 2 are the same, or nearly"),
+        ([(0, 0), (1, 0), (0, 1), (0, 0)], "points 3 and 0 are the same, or nearly"),
+        ([(0, 0), (1e-170, 0), (0, 1e-170)], "points 0 and 1 are the same, or nearly"),
         ([(0, 0), (1, 1), (2, 2)], "has no area"),
         ([(0, 0), (2, 0), (2, 2), (1, 0.5)], "is not convex at point 3"),
         ([(0, 0), (1, 0.5), (2, 2), (2, 0)], "is not convex at point 1"),

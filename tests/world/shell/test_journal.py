@@ -130,6 +130,13 @@ def test_one_damaged_byte_anywhere_is_refused_and_nothing_is_changed(
     assert path.read_bytes() == content
 
 
+def test_a_record_that_is_whole_and_no_text_is_refused(written: Path) -> None:
+    with written.open("ab") as file:
+        file.write(records.record(b"\x91\x93\xa4seat\x01\xa1\xff"))
+    with pytest.raises(JournalError, match="damaged at byte"):
+        opened(written)
+
+
 def test_damage_is_named_by_its_place(written: Path) -> None:
     content = bytearray(written.read_bytes())
     (size, _, _) = struct.unpack_from("<III", content, len(b"disknav journal 1\n"))

@@ -113,7 +113,8 @@ class Ward:
             if robot == SICK:
                 self.patient = bus.node = Patient(bus.node, takes or (lambda _: True))
         network.run(lambda: self.world.finished)
-        (self.report,) = self.world.reports
+        assert self.world.report is not None
+        self.report = self.world.report
 
     def assert_the_others_arrived(self) -> None:
         report = self.report

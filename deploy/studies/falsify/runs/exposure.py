@@ -20,20 +20,27 @@ _NOTHING = 100.0  # what having no line at all counts for, in what a robot moves
 
 def exposure(scenario: Scenario, truths: Sequence[Truth], sides: Sequence[Sides]) -> float:
     """The worst of all pairs and ticks, in what a robot moves in a tick; at most 0 if the invariant held."""
-    radii = {spec.id: spec.radius for spec in scenario.robots}
+    radii: dict[int, float] = {}
+    for spec in (*scenario.robots, *scenario.newcomers):
+        radii[spec.id] = min(spec.radius, radii.get(spec.id, math.inf))
     reach = scenario.control.speed * scenario.time.step
     where = [dict(zip(truth.robots, truth.positions, strict=True)) for truth in truths]
     worst = -math.inf
     for tick, robot, lines in sides:
-        if tick + 1 >= len(where) or where[tick][robot] == where[tick + 1][robot]:
+        if tick + 1 >= len(where) or where[tick].get(robot) in (None, where[tick + 1].get(robot)):
+            continue
+        there = where[tick].keys() & where[tick + 1].keys()
+        if robot not in there:
             continue
         kept: dict[int, float] = {}
         own = where[tick + 1][robot], radii[robot]
         for peer, nx, ny, limit in lines:
+            if peer not in there:
+                continue
             beyond = limit - min(_along(nx, ny, where[t][peer]) for t in (tick, tick + 1)) + radii[peer]
             excess = max(beyond, _along(nx, ny, own[0]) + own[1] - limit)
             kept[peer] = min(excess, kept.get(peer, math.inf))
-        excesses = [kept.get(peer, _NOTHING * reach) for peer in radii if peer != robot]
+        excesses = [kept.get(peer, _NOTHING * reach) for peer in there if peer != robot]
         worst = max(worst, *excesses, -math.inf)
     return worst / reach
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -39,18 +40,39 @@ def nearness(
     for two settled robots keep touching distance as a matter of course. Against the boundary what
     counts instead, as against things, is how wrong measurements are.
     """
-    if len(truths) < 2:
-        return Nearness(0.0, _niche(scenario, "nobody", 0))
-    exposed = exposure(scenario, truths, sides)
+    exposed = exposure(scenario, truths, sides) if len(truths) > 1 else 0.0
     if exposed > _RESOLVED:
         return Nearness(_EXPOSED + math.log10(exposed / _RESOLVED), _niche(scenario, "exposed", 0))
+    found = [Nearness(0.0, _niche(scenario, "nobody", 0))]
+    for stretch in _stretches(truths):
+        if len(stretch) > 1:
+            found.append(_nearest(_at_that_time(scenario, stretch[0]), stretch, faults))
+    return max(found, key=lambda each: each.score)
+
+
+def _stretches(truths: Sequence[Truth]) -> Iterator[list[Truth]]:
+    """Between robots that come or go."""
+    for _, stretch in groupby(truths, key=lambda truth: truth.robots):
+        yield list(stretch)
+
+
+def _at_that_time(scenario: Scenario, truth: Truth) -> Scenario:
+    """With the robots that are there then; without things, if any of them is taken away."""
+    known = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
+    taken = any(order.take is not None for order in scenario.orders)
+    robots = tuple(known[robot] for robot in truth.robots)
+    return replace(scenario, robots=robots, things=() if taken else scenario.things)
+
+
+def _nearest(scenario: Scenario, truths: Sequence[Truth], faults: dict[str, Any]) -> Nearness:
+    """The nearest miss while the same robots are there."""
     disks = Disks(scenario)
     plane = as_plane([truth.positions for truth in truths])
     before, after = plane[:-1], plane[1:]
     reach = scenario.control.speed * scenario.time.step * (1.0 + scenario.actuation.bound)
     moved = np.abs(after - before) > _RESOLVED * reach
     near = -np.log10(np.maximum(gaps(disks, before, after), 0.0) / reach + _RESOLVED)
-    changes = _changes(disks, len(before), faults)
+    changes = _changes(disks, truths[0].tick, len(before), faults)
     pairs = near[:, : len(disks.contact)] * (moved[:, disks.first] | moved[:, disks.second])
     between = changes[:, disks.first] + changes[:, disks.second]
     around = len(disks.surroundings) // len(disks.ids)
@@ -63,17 +85,20 @@ def nearness(
         axis=1,
     )
     tick, index = np.unravel_index(int(weighed.argmax()), weighed.shape)
-    wall = index >= len(disks.contact)
-    lives = 0 if wall else int(between[tick, index])
-    return Nearness(float(weighed[tick, index]), _niche(scenario, "wall" if wall else "pair", lives))
+    lives = 0 if index >= len(disks.contact) else int(between[tick, index])
+    one, _ = disks.names(int(index))
+    nearest = "pair" if one > 0 else "thing" if one else "wall"
+    return Nearness(float(weighed[tick, index]), _niche(scenario, nearest, lives))
 
 
-def _changes(disks: Disks, ticks: int, faults: dict[str, Any]) -> Reals:
-    """Of each robot, how many of its lives have ended or begun by each tick, shape (ticks, p)."""
+def _changes(disks: Disks, begin: int, ticks: int, faults: dict[str, Any]) -> Reals:
+    """Of each robot, how many of its lives have ended or begun by each tick from `begin` on, shape
+    (ticks, p)."""
     changes = np.zeros((ticks, len(disks.ids)))
     column = {robot: place for place, robot in enumerate(disks.ids)}
     for event in (*faults["process"], *faults["fenced"]):
-        changes[event["tick"] :, column[event["robot"]]] += 1.0
+        if event["robot"] in column:
+            changes[max(0, event["tick"] - begin) :, column[event["robot"]]] += 1.0
     return changes
 
 
@@ -94,5 +119,8 @@ def _niche(scenario: Scenario, nearest: str, lives: int) -> tuple[str, ...]:
         "noise" if noisy else "exact",
         "late" if late else "prompt",
         "parted" if scenario.link.partition else "whole",
+        "walls" if scenario.workspace.points else "round",
+        "points" if scenario.body == "point" else "bodies",
+        "orders" if scenario.orders else "",
         str(min(3, int(math.log2(len(scenario.robots))))),
     )

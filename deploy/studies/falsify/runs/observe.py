@@ -15,7 +15,7 @@ from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from deploy.studies.falsify.runs.violation import Violation, raised, violations
 from protocol.bus.events import Event, Sample
 from protocol.codec import decode
-from protocol.keys import robot_key, world_key
+from protocol.keys import every_robot, world_key
 from protocol.messages import Clock, Command, Truth
 from protocol.scenario.model import Scenario
 
@@ -58,8 +58,7 @@ class Watch:
         self._fleet = fleet
         bus = self._bus = fleet.network.connect()
         run = fleet.run
-        bus.subscribe(world_key(run, "truth"), world_key(run, "clock"))
-        bus.subscribe(*[robot_key(run, robot, "command") for robot in fleet.robots])
+        bus.subscribe(world_key(run, "truth"), world_key(run, "clock"), every_robot(run, "command"))
         bus.node = self
         self.deadline = time.monotonic() + PATIENCE
 
@@ -77,6 +76,8 @@ class Watch:
     def _look(self, command: Command) -> None:
         """Note what the robot that has just commanded keeps to."""
         node = self._fleet.robots[command.robot].node
+        if command.velocity == (0.0, 0.0):
+            return  # it stands, or brakes
         if isinstance(node, RobotNode) and node.core is not None and node.core.tick == command.tick:
             self.sides.append((command.tick, command.robot, node.core.health(0, 0, {}).lines))
 
@@ -113,5 +114,6 @@ def _run(scenario: Scenario, joining: Sequence[int] | None, watch: Watch) -> dic
     fleet.network.run(lambda: fleet.world.finished or watch.enough())
     fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
     watch.hear_out()
-    (report,) = fleet.world.reports
+    report = fleet.world.report
+    assert report is not None
     return report

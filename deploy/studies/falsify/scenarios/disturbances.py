@@ -46,6 +46,8 @@ def one_sensing(dice: Dice, scale: Scale, robots: tuple[int, ...] | None = None)
         bias=_towards(dice, bias),
         dropout=dice.pick((0.0, 0.0, 0.1, dice.uniform(0.0, 1.0))),
         robots=robots,
+        heading=dice.pick((0.0, 0.0, dice.log_uniform(1e-4, 0.5))),
+        contradiction=dice.pick(("stand", "stand", "newest")),
     )
 
 

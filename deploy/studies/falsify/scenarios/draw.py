@@ -7,15 +7,20 @@ protocol is an order of events, and that takes no more ticks than there are even
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import count
 from typing import Literal
 
 from deploy.library.load import resolved
+from deploy.studies.falsify.scenarios.bodies import bodies
 from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, sensing
-from deploy.studies.falsify.scenarios.lives import stories
+from deploy.studies.falsify.scenarios.errands import Fleet, orders
+from deploy.studies.falsify.scenarios.lives import sensible, stories
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
+from deploy.studies.falsify.scenarios.shifted import shifted
 from deploy.studies.falsify.scenarios.surroundings import around, things
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
@@ -23,12 +28,13 @@ from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Time, W
 
 BUDGET = (120.0, 3000.0)  # robots times ticks
 TICKS = (6, 400)
-LAWS: tuple[Literal["gradient", "orca", "barrier"], ...] = (
+LAWS: tuple[Literal["gradient", "reciprocal", "orca", "barrier"], ...] = (
     *("gradient", "gradient", "gradient"),
-    *("orca", "barrier"),
+    *("reciprocal", "orca", "barrier"),
 )
 _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
+_FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
 _DENSITIES = (0.4, 0.35, 0.25, 0.12)
 _STREAM = 1
 
@@ -48,29 +54,52 @@ def drawn(seed: int, number: int) -> tuple[Scenario, int]:
 
 
 def _attempt(dice: Dice, name: str) -> Scenario | None:
-    workspace = Workspace(dice.pick((0.3, 0.3, dice.log_uniform(0.01, 200.0))))
+    workspace = Workspace(dice.pick((0.3, 0.3, 2.0, dice.log_uniform(0.01, 200.0))))
     robots = _robots(dice, workspace.disk_radius)
     if robots is None:
         return None
     scale = _scale(dice, robots)
+    control = _control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k)
+    body, robots = bodies(dice, scale, control.speed, robots)
+    room = around(dice, workspace, robots)
+    standing = things(dice, robots, workspace.disk_radius, room.shape)
+    faults = stories(dice, scale.robots, scale.ticks, scale.step)
+    scenario = Scenario(
+        robots,
+        name=name,
+        seed=dice.whole(0, 2**31),
+        workspace=room,
+        time=_time(dice, scale),
+        control=control,
+        sensing=sensing(dice, scale),
+        link=link(dice, scale),
+        process=faults,
+        actuation=actuation(dice),
+        body=body,
+        things=standing,
+        orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
+    )
     try:
-        return validated(
-            Scenario(
-                robots,
-                name=name,
-                seed=dice.whole(0, 2**31),
-                workspace=around(dice, workspace),
-                time=_time(dice, scale),
-                control=_control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k),
-                sensing=sensing(dice, scale),
-                link=link(dice, scale),
-                process=stories(dice, scale.robots, scale.ticks, scale.step),
-                actuation=actuation(dice),
-                things=things(dice, robots, workspace.disk_radius),
-            )
-        )
+        return validated(_elsewhere(dice, _with_guests_failing(dice, scenario, scale)))
     except ScenarioError:
         return None
+
+
+def _with_guests_failing(dice: Dice, scenario: Scenario, scale: Scale) -> Scenario:
+    """Process faults of robots that come later, in some scenarios."""
+    guests = [spec.id for spec in scenario.newcomers if spec.id not in scenario.ids]
+    if not guests or not dice.chance(0.3):
+        return scenario
+    more = stories(dice, guests, scale.ticks, scale.step)
+    return replace(scenario, process=sensible((*scenario.process, *more)))
+
+
+def _elsewhere(dice: Dice, scenario: Scenario) -> Scenario:
+    """A polygonal room and all that is in it, at times far from the origin."""
+    if scenario.workspace.points is None or not dice.chance(0.3):
+        return scenario
+    far, angle = dice.pick(_FAR), dice.uniform(0.0, math.tau)
+    return shifted(scenario, far * math.cos(angle), far * math.sin(angle))
 
 
 def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
@@ -91,8 +120,9 @@ def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
 
 
 def _radii(dice: Dice, many: int, workspace: float) -> list[float]:
-    """Equal or unequal, up to five to one, m; together they fill 1 to 40 % of the workspace."""
-    ratio = dice.pick((1.0, 1.0, 2.0, 5.0))
+    """Equal or unequal, up to five to one, or now and then a thousand, m; together they fill 1 to 40 % of the
+    workspace."""
+    ratio = 1000.0 if dice.chance(0.03) else dice.pick((1.0, 1.0, 2.0, 5.0))
     parts = [dice.log_uniform(1.0, ratio) if ratio > 1.0 else 1.0 for _ in range(many)]
     density = dice.pick((*_DENSITIES, dice.log_uniform(0.01, 0.4)))
     unit = workspace * (density / sum(part * part for part in parts)) ** 0.5

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from deploy.studies.falsify.scenarios.bodies import bodies, one_body
 from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import (
     Scale,
@@ -17,6 +18,7 @@ from deploy.studies.falsify.scenarios.disturbances import (
     span,
 )
 from deploy.studies.falsify.scenarios.draw import LAWS, TICKS
+from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import moment, sensible, stories
 from deploy.studies.falsify.scenarios.places import drawn_together, fits
 from protocol.errors import ScenarioError
@@ -87,6 +89,45 @@ def _more_faults(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
 def _fewer_faults(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
     kept = [fault for fault in scenario.process if dice.chance(0.7)]
     return replace(scenario, process=sensible(kept))
+
+
+# -- orders
+
+
+def _more_orders(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    fleet = Fleet(scenario.robots, scenario.things, scenario.workspace.shape)
+    more = orders(dice, scale_of(scenario), fleet, scenario.process, 1.0)
+    return replace(scenario, orders=tuple(sorted((*scenario.orders, *more), key=lambda order: order.at)))
+
+
+def _fewer_orders(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    return replace(scenario, orders=tuple(order for order in scenario.orders if dice.chance(0.5)))
+
+
+def _shift_order(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    """Another time for one order: a little earlier or later, or with another event."""
+    if not scenario.orders:
+        return _more_orders(dice, scenario, scenario)
+    asked, step = list(scenario.orders), scenario.time.step
+    place = dice.whole(0, len(asked) - 1)
+    times = [asked[place].at, *(fault.at for fault in scenario.process), *(order.at for order in asked)]
+    at = max(0, round(dice.pick(times) / step) + dice.whole(-3, 3)) * step
+    asked[place] = replace(asked[place], at=at)
+    return replace(scenario, orders=tuple(sorted(asked, key=lambda order: order.at)))
+
+
+# -- bodies
+
+
+def _other_bodies(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    """Other bodies for all, or for one."""
+    scale, speed = scale_of(scenario), scenario.control.speed
+    if dice.chance(0.5) or scenario.body == "point":
+        body, robots = bodies(dice, scale, speed, scenario.robots)
+        return replace(scenario, body=body, robots=robots)
+    place, robots = dice.whole(0, len(scenario.robots) - 1), scenario.robots
+    one = replace(robots[place], body=one_body(dice, scale, speed))
+    return replace(scenario, robots=(*robots[:place], one, *robots[place + 1 :]))
 
 
 # -- network and sensors
@@ -192,6 +233,11 @@ def without(scenario: Scenario, robot: int) -> Scenario:
         scenario,
         robots=tuple(spec for spec in scenario.robots if spec.id != robot),
         process=tuple(fault for fault in scenario.process if fault.robot != robot),
+        orders=tuple(
+            order
+            for order in scenario.orders
+            if order.remove != robot and (order.goal is None or order.goal.robot != robot)
+        ),
         link=replace(scenario.link, partition=tuple(parts)),
         sensing=tuple(sensing for sensing in named if sensing.robots is None or sensing.robots),
     )
@@ -247,6 +293,7 @@ def _crossed(dice: Dice, scenario: Scenario, other: Scenario) -> Scenario:
 
 CHANGES: tuple[Change, ...] = (
     *(_shift_fault, _shift_fault, _shift_fault, _other_robot, _more_faults, _fewer_faults),
+    *(_shift_order, _shift_order, _shift_order, _more_orders, _fewer_orders, _other_bodies),
     *(_other_link, _other_link, _other_sensing, _other_sensing, _other_actuation),
     *(_moved, _moved, _without_one, _other_pace, _other_chance, _other_chance, _crossed),
 )

@@ -18,12 +18,12 @@ _WHISKER = 1e-15  # by which an exact touch is left, at first
 def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Point] | None:
     """Centres of disks in a workspace of this radius, all lengths in m; None if they found no room."""
     for _ in range(_ATTEMPTS):
-        points = [_anywhere(dice, workspace - radius) for radius in radii]
+        points = [anywhere(dice, workspace - radius) for radius in radii]
         for i in sorted(range(len(radii)), key=lambda i: -radii[i]):
             for _ in range(_DARTS):
                 if fits(i, points, radii, workspace):
                     break
-                points[i] = _anywhere(dice, workspace - radii[i])
+                points[i] = anywhere(dice, workspace - radii[i])
         if _pushed_apart(points, radii, workspace):
             return points
     return None
@@ -81,7 +81,7 @@ def beside(other: Point, other_radius: float, point: Point, radius: float, gap: 
         whisker *= 2.0
 
 
-def _anywhere(dice: Dice, reach: float) -> Point:
+def anywhere(dice: Dice, reach: float) -> Point:
     """Uniform in a disk around the origin."""
     length, angle = reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi)
     return length * math.cos(angle), length * math.sin(angle)

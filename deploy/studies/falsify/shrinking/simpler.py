@@ -74,7 +74,10 @@ def plainer(document: Document) -> list[Edit]:
     if "points" in (workspace := document.get("workspace", {})):
         reach = max(math.hypot(x, y) for x, y in workspace["points"])
         edits.append(partial(_set, ("workspace",), {"radius": reach}))
-    ids = {robot["id"]: number for number, robot in enumerate(document["robots"], 1)}
+    guests = [order["add"] for order in document.get("orders", []) if "add" in order]
+    ids: dict[int, int] = {}
+    for robot in (*document["robots"], *guests):
+        ids.setdefault(robot["id"], len(ids) + 1)
     return [partial(_rename, ids), *edits] if any(i != n for i, n in ids.items()) else edits
 
 
@@ -195,8 +198,8 @@ def _hasten(factor: float, document: Document) -> None:
     def earlier(seconds: float) -> float:
         return float(f"{math.floor(factor * seconds / step + 1e-9) * step:.12g}")
 
-    for fault in document.get("process", []):
-        fault["at"] = earlier(fault["at"])
+    for event in (*document.get("process", []), *document.get("orders", [])):
+        event["at"] = earlier(event["at"])
     for partition in document.get("link", {}).get("partition", []):
         partition["from"] = earlier(partition["from"])
         partition["until"] = max(earlier(partition["until"]), partition["from"] + step)
@@ -211,6 +214,8 @@ def _round_all(digits: int, document: Document) -> None:
 
 def _forget(robot: int, document: Document) -> None:
     document["robots"] = [spec for spec in document["robots"] if spec["id"] != robot]
+    if "orders" in document:
+        document["orders"] = [order for order in document["orders"] if robot not in _names(order)]
     if "process" in document:
         document["process"] = [fault for fault in document["process"] if fault["robot"] != robot]
     for sensing in document.get("sensing", []):
@@ -221,9 +226,18 @@ def _forget(robot: int, document: Document) -> None:
         partition["groups"] = [[i for i in group if i != robot] for group in partition["groups"]]
 
 
+def _names(order: Document) -> list[int | None]:
+    """Ids that an order is about."""
+    return [order.get("remove"), order.get("goal", {}).get("robot"), order.get("add", {}).get("id")]
+
+
 def _rename(ids: dict[int, int], document: Document) -> None:
     for spec in document["robots"]:
         spec["id"] = ids[spec["id"]]
+    for order in document.get("orders", []):
+        for about, key in ((order, "remove"), (order.get("goal", {}), "robot"), (order.get("add", {}), "id")):
+            if key in about:
+                about[key] = ids[about[key]]
     for fault in document.get("process", []):
         fault["robot"] = ids[fault["robot"]]
     for sensing in document.get("sensing", []):

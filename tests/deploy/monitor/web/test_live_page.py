@@ -49,6 +49,7 @@ class Shown:
     watcher: Watcher
     server: Server
     complaints: list[str] = field(default_factory=list)
+    frames: int = 0
 
     def tick(self) -> int:
         return int(self.page.inner_text("#tick"))
@@ -61,6 +62,11 @@ class Shown:
         while not condition():
             assert time.monotonic() < deadline, "waited in vain"
             self.page.wait_for_timeout(10)
+
+    def wait_for_frames(self, count: int) -> None:
+        """Until the page has been told so often how things stand; they come at a fixed rate, held or not."""
+        enough = self.frames + count
+        self.wait_until(lambda: self.frames >= enough)
 
     def distances(self) -> list[float]:
         return [float(text) for text in self.page.locator("td.distance").all_inner_texts()]
@@ -87,6 +93,9 @@ class Shown:
     def goal(self, robot: int) -> list[float]:
         return [round(part, 3) for part in self.watcher.snapshot()["robots"][robot - 1]["goal"]]
 
+    def count(self) -> None:
+        self.frames += 1
+
     def phase(self) -> str:
         return str(self.watcher.snapshot()["phase"])
 
@@ -98,6 +107,7 @@ class Shown:
 
     def on_message(self) -> None:
         page = self.page
+        page.on("websocket", lambda it: it.on("framereceived", lambda _: self.count()))
         page.on("console", lambda it: it.type == "error" and self.complaints.append(it.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda it: "//127.0.0.1:" in it.url or self.complaints.append(f"asks {it.url}"))
@@ -148,6 +158,7 @@ def test_six_robots_move_and_arrive(browser: playwright.Browser) -> None:
         assert it.page.get_by_role("button", name="Pause").is_disabled()
 
 
+@pytest.mark.alone
 def test_a_killed_robot_turns_red_within_two_seconds(browser: playwright.Browser) -> None:
     with shown(browser, ring(6, kill=3, at=2.5)) as it:
         robot = it.page.locator("tr[data-robot='3']")
@@ -183,13 +194,13 @@ def test_pause_stops_the_ticks_and_step_makes_one(browser: playwright.Browser) -
         it.wait_for_tick(3)
         it.page.get_by_role("button", name="Pause").click()
         it.page.wait_for_selector("#verdict:has-text('Paused')")
-        it.page.wait_for_timeout(400)  # the tick under way is finished, and shown
+        it.wait_for_frames(4)  # the tick under way is finished, and shown
         held = it.watcher.snapshot()["tick"]
-        it.page.wait_for_timeout(400)
+        it.wait_for_frames(8)
         assert it.watcher.snapshot()["tick"] == held
         it.page.get_by_role("button", name="Step").click()
         it.wait_for_tick(held + 1)
-        it.page.wait_for_timeout(300)
+        it.wait_for_frames(6)
         assert it.watcher.snapshot()["tick"] == held + 1
         it.page.locator("h1").click()
         it.page.keyboard.press("Space")
@@ -201,7 +212,7 @@ def test_the_layers_of_the_picture_can_be_chosen(browser: playwright.Browser) ->
         it.wait_for_tick(12)
         it.page.get_by_role("button", name="Pause").click()
         it.page.wait_for_selector("#verdict:has-text('Paused')")
-        it.wait_until(lambda: it.picture() == (it.page.wait_for_timeout(200), it.picture())[1])
+        it.wait_until(lambda: it.picture() == (it.wait_for_frames(4), it.picture())[1])
         for layer in ("Trails", "Goals", "Velocity", "Separating lines"):
             before = it.picture()
             it.page.get_by_role("checkbox", name=layer).click()

@@ -44,3 +44,12 @@ def test_all_that_a_host_says_is_labelled(tmp_path: Path, capsys: pytest.Capture
     assert [line["role"] for line in lines[:4]] == ["robot", "robot", "", ""]
     assert lines[0]["time"] == SAID["time"]
     assert lines[1]["text"] == "life 2 begins"
+
+
+def test_what_is_no_text_is_shown_all_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    relay = Relay("left", "yard", None)
+    relay.follow(io.BytesIO(b'{"run":"ya\xc6rd"}\n' + b"[" * 5000 + b"\nand then\n"))
+    relay.end()
+    words = capsys.readouterr().err.splitlines()
+    assert words[0] == 'left: {"run":"ya\ufffdrd"}'
+    assert words[-1] == "left: and then"

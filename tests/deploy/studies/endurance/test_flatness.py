@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import numpy as np
 import pytest
 
 from deploy.studies.endurance.flatness import memory, steady
@@ -32,10 +33,43 @@ def test_a_large_process_may_rise_by_a_share() -> None:
     assert trend.flat
 
 
+def test_the_slope_of_many_lives_is_that_within_them_with_its_error() -> None:
+    rng = np.random.default_rng(0)
+    times = [10.0 * n for n in range(600)]
+    pids = [float(n // 100) for n in range(600)]
+    # each life begins lower, at another level, and leaks 3.6 MB an hour
+    leaking = [5.0 + pid + (t % 1000.0) / 1000.0 for t, pid in zip(times, pids, strict=True)]
+    noisy = [m + e for m, e in zip(leaking, rng.normal(0.0, 0.05, 600), strict=True)]
+    trend = memory(times, noisy, pids)
+    assert trend is not None
+    assert trend.per_hour == pytest.approx(3.6, abs=3.0 * trend.error)
+    assert 0.0 < trend.error < 0.2
+    assert trend.rise == pytest.approx(0.49, abs=0.03)  # over the half of one life
+    short = memory(times[:20], leaking[:20], [float(n // 4) for n in range(20)])
+    assert short is None
+
+
+def test_neighbours_that_are_alike_say_less() -> None:
+    rng = np.random.default_rng(1)
+    steps = [5.0 + 0.1 * (-1.0) ** (n // 10) for n in range(180)]
+    single = [5.0 + e for e in rng.choice((-0.1, 0.1), 180)]
+    alike, apart = memory(HALF_HOUR, steps), memory(HALF_HOUR, single)
+    assert alike is not None
+    assert apart is not None
+    assert alike.error > 2.0 * apart.error
+    assert memory(HALF_HOUR, [5.0] * 180) == (5.0, 0.0, 0.0, 0.0, 0.5)
+
+
 def test_counts() -> None:
     assert steady([9, 9, 10, 11, 11, 11, 11, 11])
     assert steady([9, 9, 11, 10, 9, 9, 10, 10])
     assert steady([9, 9, 10, 10, 10, 10, 10, 11]) is False
+    lives = [9, 9, 9, 9, 9, 9, 9, 9, 4, 4, 4, 4, 4, 5, 5, 5]
+    assert steady(lives[:8] * 2, [1] * 8 + [2] * 8)
+    assert steady(lives, [1] * 8 + [2] * 8) is False
+    passing = [9] * 4 * 5 + [9, 9, 12, 9, 9]
+    assert steady(passing) is False
+    assert steady(passing, typical=True)
 
 
 def test_too_few_samples_say_nothing() -> None:

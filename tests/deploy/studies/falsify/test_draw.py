@@ -13,8 +13,9 @@ from deploy.studies.falsify.scenarios.draw import BUDGET, TICKS, drawn
 from deploy.studies.falsify.scenarios.lives import sensible
 from deploy.studies.falsify.scenarios.mutate import CHANGES, mutated
 from deploy.studies.falsify.scenarios.places import at_the_wall, beside, fits, scattered
+from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.model import Point, ProcessFault, Scenario
 
 MANY = 600
 DRAWS = [drawn(0, number)[0] for number in range(MANY)]
@@ -73,6 +74,15 @@ def _smallest_gap(scenario: Scenario) -> float:
     )
 
 
+def _sharpest(corners: tuple[Point, ...] | None) -> float:
+    """The smallest angle of a polygon, rad."""
+    if corners is None:
+        return math.pi
+    directions = [math.atan2(v - y, u - x) for (x, y), (u, v) in pairwise((*corners, corners[0]))]
+    turns = [abs(math.remainder(b - a, math.tau)) for a, b in pairwise((*directions, directions[0]))]
+    return math.pi - max(turns)
+
+
 EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "one robot": lambda s: len(s.robots) == 1,
     "eight robots": lambda s: len(s.robots) == 8,
@@ -114,6 +124,26 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "polygons": lambda s: any(thing.points for thing in s.things),
     "starts that all but touch": lambda s: 0.0 <= _smallest_gap(s) < 1e-12,
     "starts a micrometre apart": lambda s: 1e-8 < _smallest_gap(s) < 1e-5,
+    "acute corners": lambda s: _sharpest(s.workspace.points) < 0.6,
+    "a room that touches a robot": lambda s: s.workspace.points and 0.0 < _smallest_gap(s) < 1e-4,
+    "a room far from the origin": lambda s: s.workspace.shape.around.x > 300.0,
+    "radii a hundred to one": lambda s: (
+        max(r.radius for r in s.robots) > 100 * min(r.radius for r in s.robots)
+    ),
+    "presets": lambda s: s.body in PRESETS and s.body != "point",
+    "bodies of its own for a robot": lambda s: any(spec.body is not None for spec in s.robots),
+    "wheels": lambda s: any(s.body_of(robot).kind == "differential-drive" for robot in s.ids),
+    "bodies that hold on": lambda s: s.body_of(s.ids[0]).hold > 3.0 * s.time.step,
+    "slipping": lambda s: s.body_of(s.ids[0]).odometry > 0.0,
+    "directions that are off": lambda s: any(entry.heading > 0.01 for entry in s.sensing),
+    "reciprocal": lambda s: s.control.law == "reciprocal",
+    "goals": lambda s: any(order.goal for order in s.orders),
+    "guests": lambda s: any(spec.id not in s.ids for spec in s.newcomers),
+    "guests that fail": lambda s: any(fault.robot not in s.ids for fault in s.process),
+    "who leaves and comes back": lambda s: any(spec.id in s.ids for spec in s.newcomers),
+    "things that come": lambda s: any(order.place for order in s.orders),
+    "things that go": lambda s: any(order.take for order in s.orders),
+    "a halt and its release": lambda s: {True, False} <= {order.halt for order in s.orders},
     "both paces": lambda s: s.control.pace == "own",
     "orca": lambda s: s.control.law == "orca",
     "barrier": lambda s: s.control.law == "barrier",

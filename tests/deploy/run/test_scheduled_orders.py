@@ -1,0 +1,102 @@
+"""Orders that stand in a scenario: carried out in their ticks, the same on every bus, or refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import resolved
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, Transport
+from deploy.studies.falsify.runs.observe import observe
+from protocol.scenario.model import Journey, Order, ProcessFault, RobotSpec, Scenario, Thing, Time
+
+GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
+EVERYTHING = resolved(
+    Scenario(
+        (RobotSpec(1, 0.04, (-0.2, 0.0), (0.2, 0.0)), RobotSpec(2, 0.04, (0.0, -0.2), (0.0, 0.2))),
+        process=(ProcessFault(3, 2.4, "restart"),),
+        orders=(
+            Order(0.5, goal=Journey(1, ((0.1, 0.1), (-0.2, 0.0)))),
+            Order(1.0, add=GUEST),
+            Order(1.5, place=Thing(center=(0.0, 0.0), radius=0.02)),
+            Order(2.0, halt=True),
+            Order(2.5, halt=False),
+            Order(3.0, remove=2),
+            Order(3.05, add=RobotSpec(2, 0.02, (0.0, -0.2), (0.0, -0.2))),
+            Order(4.0, take=1),
+            Order(4.0, take=1),
+            Order(4.2, remove=3),
+            Order(4.3, goal=Journey(3, ((0.0, 0.0),))),
+        ),
+    )
+)
+
+
+@pytest.fixture(scope="module")
+def report() -> dict[str, Any]:
+    return LocalFleet([EVERYTHING]).execute()[0]
+
+
+def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any]) -> None:
+    assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [1, 2])
+    assert [order["tick"] for order in report["orders"]] == [10, 20, 30, 40, 50, 60, 61, 80, 80, 84, 86]
+    refused = [order["refused"] for order in report["orders"] if order["refused"]]
+    assert len(refused) == 2
+    assert refused[0] == "there is no thing 1"
+    assert "no robot 3" in refused[1]
+    assert report["faults"]["given_up"] == []
+    assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)
+    assert report["positions"]["2"] == pytest.approx((0.0, -0.2), abs=0.006)
+
+
+def test_a_run_is_not_over_while_orders_are_to_come() -> None:
+    arrived = Scenario((RobotSpec(1, 0.04, (0.0, 0.0), (0.0, 0.0)),), time=Time(deadlock=0.2))
+    late = replace(arrived, orders=(Order(1.0, goal=Journey(1, ((0.1, 0.0),))),))
+    report = LocalFleet([resolved(late)]).execute()[0]
+    assert (report["verdict"], report["arrived"]) == ("arrived", [1])
+    assert report["ticks"] > 20
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("transport", ["routed", "mesh"])
+def test_real_processes_drive_the_same_trajectory(report: dict[str, Any], transport: Transport) -> None:
+    with Fleet([EVERYTHING], RunOptions(transport)) as fleet:
+        (found,) = fleet.execute()
+    assert found["trajectory_sha256"] == report["trajectory_sha256"]
+    assert found["faults"]["given_up"] == []
+
+
+def test_a_world_that_died_asks_for_the_same_again(report: dict[str, Any], tmp_path: Path) -> None:
+    from world.shell.journal import Journal
+
+    journal = tmp_path / "journal"
+    Journal.create(journal, "local", [EVERYTHING])
+    with LocalFleet([EVERYTHING], journal=journal) as fleet:
+        for _ in range(70):
+            fleet.step()
+        fleet.kill_world()
+        fleet.start_world()
+        (found,) = fleet.execute()
+    assert found["trajectory_sha256"] == report["trajectory_sha256"]
+    assert found["orders"] == report["orders"]
+
+
+def test_a_later_life_of_one_process_hears_whom_the_first_did_not_know() -> None:
+    """Fenced while somebody is added, it joins again, and waits for that robot's States."""
+    guest = RobotSpec(2, 0.04, (0.0, 0.1), (0.0, 0.1))
+    scenario = Scenario(
+        (RobotSpec(1, 0.03, (0.0, 0.0), (0.0, -0.2)),),
+        time=Time(limit=6.0),
+        process=(ProcessFault(1, 0.4, "pause"), ProcessFault(1, 4.0, "resume")),
+        orders=(Order(2.0, add=guest),),
+    )
+    seen = observe(resolved(scenario))
+    assert seen.violations == []
+    assert seen.report is not None
+    assert (seen.report["verdict"], seen.report["faults"]["given_up"]) == ("arrived", [])

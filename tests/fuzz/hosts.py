@@ -1,0 +1,165 @@
+"""What comes from another host over ssh: news of its processes, and lines of its logs."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from math import inf
+from pathlib import Path
+from random import Random
+
+import msgspec
+
+from deploy.processes.fork_messages import MAX_NEWS, Exited, Report, Started, encode_news
+from deploy.processes.hosts.frames import Frames
+from deploy.processes.hosts.relay import Relay
+from deploy.processes.hosts.ssh import SshSpawner
+from deploy.processes.hosts.table import Host, read_any_hosts
+from deploy.security.roster import Home, Roster, encoded, read
+from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
+from tests.fuzz.kept import folder
+from tests.fuzz.mutation import damaged_bytes, damaged_message, damaged_text, damaged_tree
+from tests.fuzz.target import Target
+
+_HOST = Host("left", "127.0.0.1", ssh="left")
+_NEWS = [
+    encode_news(Started(1, 4711)),
+    encode_news(Report(1, "tcp/127.0.0.1:7447")),
+    encode_news(Exited(2, -9, 1.5, 42.0, "killed")),
+]
+_LINE = {
+    "run": "yard", "host": "", "role": "robot", "robot": 3, "time": "2026-01-02T03:04:05.678Z",
+    "level": "warning", "text": "the world is gone; stands still",
+}  # fmt: skip
+_TABLE = """world = "base"
+[[hosts]]
+name = "base"
+address = "10.0.0.1"
+robots = [1, 2]
+[[hosts]]
+name = "left"
+address = "10.0.0.2"
+port = 7448
+listen = "0.0.0.0"
+robots = [3]
+ssh = "robot@10.0.0.2"
+options = ["-p", "2222"]
+command = "/opt/disknav/bin/disknav"
+"""
+_ROSTER = encoded(Roster("yard", (1, 2, 3), homes={"base": Home(("10.0.0.1",), (1, 2))}, world="base"))
+
+
+# -- news
+
+
+def _draw_news(rng: Random) -> list[bytes]:
+    """What arrives at once, a few times."""
+    said = b""
+    for _ in range(rng.randint(1, 4)):
+        message = damaged_message(rng.choice(_NEWS), rng.choice(_NEWS), rng)[:60_000]
+        length = len(message) if rng.randrange(8) else rng.choice((0, -1, 5, 1 << 20, MAX_NEWS + 1, 1 << 30))
+        said += struct.pack("!i", length) + message
+    if rng.randrange(4) == 0:
+        said = damaged_bytes(said, b"\xff" * len(said), rng)
+    cut = rng.randint(0, len(said))
+    return [said[:cut], said[cut:]]
+
+
+class _Silent(SshSpawner):
+    """A host whose every byte comes from a pipe."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.host, self._beat = _HOST, inf
+        self._frames = Frames(descriptor, MAX_NEWS, 5.0)
+
+
+def _read_news(drawn: list[bytes]) -> bool:
+    reading, writing = os.pipe()
+    try:
+        host = _Silent(reading)
+        for said in drawn:
+            os.write(writing, said[:65_000])
+            for news in host.news(0.0):
+                assert encode_news(news)
+    finally:
+        os.close(reading)
+        os.close(writing)
+    return True
+
+
+# -- logs
+
+
+def _draw_line(rng: Random) -> bytes:
+    text = msgspec.json.encode(damaged_tree(_LINE, rng))
+    return damaged_bytes(text, text[::-1], rng) if rng.randrange(2) else text
+
+
+@cache
+def _relay() -> Relay:
+    relay = Relay("left", "yard", None)
+    (handler,) = relay._logger.handlers
+    handler.setStream(io.TextIOWrapper(io.BytesIO(), errors="backslashreplace"))  # type: ignore[attr-defined]
+    handler.handleError = _raise  # type: ignore[method-assign, assignment]
+    return relay
+
+
+def _raise(_: object) -> None:
+    raise  # noqa: PLE0704  what a handler would print
+
+
+def _read_line(drawn: bytes) -> bool:
+    _relay().take(drawn)
+    (handler,) = _relay()._logger.handlers
+    stream = handler.stream  # type: ignore[attr-defined]
+    stream.flush()
+    shown = stream.buffer.getvalue().decode()
+    stream.seek(0)
+    stream.truncate()
+    assert all(each.isprintable() or each == "\n" for each in shown), shown
+    return True
+
+
+# -- files about hosts
+
+
+@contextmanager
+def _as_file(name: str, content: bytes) -> Iterator[Path]:
+    path = folder() / name
+    path.write_bytes(content)
+    yield path
+    path.unlink()
+
+
+def _read_table(drawn: str) -> bool:
+    with _as_file("hosts.toml", drawn.encode(errors="surrogatepass")) as path:
+        read_any_hosts(path)
+    return True
+
+
+def _read_roster(drawn: bytes) -> bool:
+    with _as_file("roster.json", drawn) as path:
+        try:
+            roster = read(path.parent)
+        except KeyGrammarError as error:  # of a run that cannot have this name
+            raise CertificateError(str(error)) from error
+        assert roster.roles
+    return True
+
+
+def _draw_roster(rng: Random) -> bytes:
+    if rng.randrange(2):
+        return msgspec.json.encode(damaged_tree(msgspec.json.decode(_ROSTER), rng))
+    return damaged_bytes(_ROSTER, _ROSTER[::-1], rng)
+
+
+HOSTS = {
+    "news": Target(_draw_news, _read_news, ProcessError, 4),
+    "log": Target(_draw_line, _read_line, ProcessError, 2),
+    "hosts": Target(lambda rng: damaged_text(_TABLE, _TABLE, rng), _read_table, HostsError, 1),
+    "roster": Target(_draw_roster, _read_roster, CertificateError, 1),
+}
