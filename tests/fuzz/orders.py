@@ -72,6 +72,6 @@ def _read_reply(drawn: tuple[int, bytes]) -> bool:
 
 
 ORDERS = {
-    "order": Target(_draw_request, _read_request, MessageError, 3),
-    "outcome": Target(_draw_reply, _read_reply, MessageError, 1),
+    "order": Target(_draw_request, _read_request, MessageError, 12),
+    "outcome": Target(_draw_reply, _read_reply, MessageError, 4),
 }
