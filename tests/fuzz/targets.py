@@ -306,7 +306,12 @@ def _draw_text(rng: Random) -> str:
 
 
 def _draw_settings(rng: Random) -> list[str]:
-    return [damaged_text(rng.choice(_SETTINGS), rng.choice(_SETTINGS), rng) for _ in range(rng.randint(1, 3))]
+    return [_draw_setting(rng) for _ in range(rng.randint(1, 3))]
+
+
+def _draw_setting(rng: Random) -> str:
+    valid = rng.choice(_SETTINGS)
+    return damaged_text(valid, rng.choice(_SETTINGS), rng) if rng.randrange(4) else valid
 
 
 def _draw_file(rng: Random) -> bytes:
