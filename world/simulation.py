@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
-from protocol.messages import Sense, Vector
+from protocol.messages import Report, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
@@ -18,9 +19,13 @@ class Simulation:
     Attributes:
         plant: what moves the disks.
         sensors: of position, by robot id.
+        bounds: by how much `places` are off, m, by robot id: not at all.
+        largest_bound: None, for the places are the truth.
     """
 
     def __init__(self, scenario: Scenario) -> None:
+        self.bounds: Mapping[int, float] = MappingProxyType({})
+        self.largest_bound: float | None = None
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {robot: Odometer(scenario, robot, self.plant.slips) for robot in scenario.ids}
@@ -53,6 +58,9 @@ class Simulation:
             moved, bound, motion = self._odometers[robot].read(plant.report(index), tick)
             sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
         return sensed
+
+    def hear(self, robot: int, tick: int, report: Report | None) -> None:
+        """Robots that are simulated have nothing to report."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from agents.laws.right_of_way import RightOfWay
 from agents.laws.view import View
 from agents.navigation import pace
 from agents.navigation.attraction import Attraction
@@ -38,6 +39,7 @@ class GradientLaw:
         self._max_rate = pace.max_rate(control.speed, scenario.time.step, scenario.time.tolerance)
         lap = max(each.radius for each in scenario.robots) / control.speed
         self._progress = Progress(scenario.time.step, lap) if control.escape else None
+        self._right_of_way = RightOfWay(robot, spec.radius, lap, scenario.time.step)
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
         # Of the present tick; see `look`.
@@ -63,7 +65,7 @@ class GradientLaw:
         self._peers = [*others, *self.obstacles]
         if view.goal != self._goal and self._progress is not None:
             self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
-        self._goal, self.aim = view.goal, self._attraction.aim(view.position, view.goal, view.things)
+        self._goal, self.aim = view.goal, self._aim(view)
         k = grown(self._k, self._robots, len(others) + 1)
         self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers)
         gx, gy = self.aim
@@ -72,6 +74,18 @@ class GradientLaw:
         self._scale = self._pace(math.hypot(self._begin.dx, self._begin.dy))
         free = min(self._speed, 2.0 * self._scale * self._away)
         self._free = free if self._away > self._tolerance else 0.0
+
+    def _aim(self, view: View) -> Vector:
+        """Where the robot is pulled: to its goal, unless it gives way."""
+        back = self._right_of_way.yielding(view.tick, view.goal) if self._attraction.winds else None
+        if back is not None:
+            return self._attraction.aim(view.position, back, view.things)
+        aim = self._attraction.aim(view.position, view.goal, view.things)
+        if self._attraction.winds:
+            left = math.dist(view.position, aim)
+            if left > self._tolerance:
+                self._right_of_way.look(view.tick, view.position, left, self._moving, view.things)
+        return aim
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """See `agents.laws.law.Law`; before the first tick the attraction alone."""

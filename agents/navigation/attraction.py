@@ -37,6 +37,11 @@ class Attraction:
         self._goal: Vector | None = None
         self._choice = 0  # of the routes, for this goal
 
+    @property
+    def winds(self) -> bool:
+        """Whether ways lead around things, as of the last `aim`."""
+        return bool(self._routes)
+
     def aim(self, position: Vector, goal: Vector, things: Sequence[Shape]) -> Vector:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
         if not things:

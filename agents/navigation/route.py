@@ -47,14 +47,16 @@ class WayPoints:
         self.points = points[free]
         self.lengths = self._graph(before[free], after[free])
 
-    def visible(self, begin: Plane, end: Plane, seer: complex) -> NDArray[np.bool_]:
-        """Which straight ways keep clear of everything; less so of things that are beside `seer` already."""
-        return self._seen(begin, end, self._clearances(seer))
+    def visible(self, begin: Plane, end: Plane, *beside: complex) -> NDArray[np.bool_]:
+        """Which straight ways keep clear of everything; less so of things near one of the places `beside`."""
+        clear = np.full(len(self._shapes), self._clear)
+        for place in beside:
+            clear = np.minimum(clear, self._clearances(place))
+        return self._seen(begin, end, clear)
 
-    def _clearances(self, seer: complex) -> Reals:
-        """How far a way must keep from each thing, m."""
-        place = seer.real, seer.imag
-        return np.array([min(self._clear, _NEARER * shape.distance(*place)) for shape in self._shapes])
+    def _clearances(self, place: complex) -> Reals:
+        """How far a way that ends at a place must keep from each thing, m."""
+        return np.array([_NEARER * shape.distance(place.real, place.imag) for shape in self._shapes])
 
     def _free(self, room: Shape, points: Plane) -> NDArray[np.bool_]:
         """Which points are clear of all things and inside."""
@@ -123,7 +125,8 @@ class Route:
                 break
             if points[index] == here and index < len(self._rest):
                 continue
-            if self._ways.visible(np.array([here]), points[index : index + 1], here)[0]:
+            ends = (here, complex(*goal)) if index == len(self._rest) else (here,)
+            if self._ways.visible(np.array([here]), points[index : index + 1], *ends)[0]:
                 return (float(points[index].real), float(points[index].imag)), float(total[index])
         return None
 

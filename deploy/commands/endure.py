@@ -43,8 +43,8 @@ def endure(
 
     Robots on a circle change places, and back, over and over. Judged: no command missed, real time kept,
     nothing touched, all arrived, handles and threads no more in the last quarter than in the second, and
-    memory flat: a line fitted to a process's private memory over the second half of its life rises by no
-    more than 0.5 MB or 2 % of it, whichever is more.
+    memory flat: a line fitted to a process's memory that no file backs, over the second half of its life,
+    rises by no more than 0.5 MB or 2 % of it, whichever is more.
 
     With --kill-every robots are killed by lot, and with every tenth kill the router, with every tenth the
     world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. Who was on its
@@ -80,15 +80,19 @@ def flood(
     unprotected: Annotated[
         bool, typer.Option("--open", help="Without certificates and access rules; its rate is not judged.")
     ] = False,
+    role: Annotated[
+        Literal["monitor", "operator", "robot"],
+        typer.Option("--as", help="Whose certificate the flooder has; a robot's rate is not judged."),
+    ] = "monitor",
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Flood a lock-step fleet with garbage, in turns with letting it alone, and see what that does to it.
 
-    The flooder is a client of the fleet's router with the certificate of a monitor. It sends random and
+    The flooder is a client of the fleet's router, with a certificate. It sends random and
     damaged payloads under the fleet's keys, foreign keys, and payloads that are too large. Judged: the rate
     of the flood, ticks at most 20 % slower, nothing touched, trajectories the same, and that nothing gets
-    past the router, or (--open) that receivers count what they reject.
+    past the router, or (--open, or what a robot's rules allow it) that receivers count what they reject.
 
     Example: disknav flood --json flood.json && disknav flood --open
 
@@ -100,7 +104,7 @@ def flood(
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
     with bar("flood", silent=silent) as tell:
-        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected), tell)
+        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected, role), tell)
     _finish(outcome, table, json_file, silent)
 
 

@@ -38,6 +38,14 @@ def study(
     random: Annotated[
         int | None, typer.Option(min=1, help="robustness: this many random fault runs instead of the grid.")
     ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(metavar="MODULE:CLASS", help="peers: a law of yours beside the others; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TEXT", help="peers: only the scenarios whose names contain this; repeatable."),
+    ] = None,
     json_file: options.Json = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
@@ -63,6 +71,7 @@ def study(
     Examples: disknav study tightness --json tightness.json --plot tightness.png;
     disknav study robustness --random 10000 --json faults.json;
     disknav study tuning --runs 5 --transport local;
+    disknav study peers --law courtesy.py:Courtesy --only "swap 1";
     disknav study falsify --runs 50000 --seed 7 --json falsify.json
 
     With [b]--scheduler[/b] each Dask worker runs batches of eight, in-process or as fleets of its own host;
@@ -74,6 +83,8 @@ def study(
 
     if name != "falsify":
         options.refuse({"--out": out}, f"study {name} makes rows: --json FILE writes them, --plot draws them")
+    if name != "peers":
+        options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
     if scheduler is not None or name == "scale":
         where = "where --scheduler says" if scheduler else "one run at a time"
         options.refuse({"--jobs": jobs}, f"study {name} runs {where}")
@@ -95,5 +106,7 @@ def study(
         fresh=fresh,
         quiet=quiet,
         found=FOUND if out is None else out,
+        laws=tuple(law or ()),
+        only=tuple(only or ()),
     )
     raise typer.Exit(perform(request))

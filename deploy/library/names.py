@@ -13,7 +13,7 @@ from deploy.library.demonstrations import admissible, crash, delay_6
 from deploy.library.figures import figure_1, figure_2
 from deploy.library.goal_sets import TIGHTNESS, figure_3
 from deploy.library.random_instances import random_instance
-from deploy.library.swaps import head_on, swap, turtlebots
+from deploy.library.swaps import circle, head_on, swap, turtlebots
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 
@@ -53,6 +53,10 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
         lambda count, seed: swap(count, seed=seed),
         Entry("swap-N", "2 to 1000", "robots on a circle change places, exactly on the saddle"),
     ),
+    "circle": (
+        lambda count, seed: circle(count, seed=seed),
+        Entry("circle-N", "2 to 250", "robots of 1.5 m change places on a circle of 200 m, as in RVO2"),
+    ),
     "turtlebots": (
         turtlebots,
         Entry("turtlebots-N", "2 to 100", "robots on two wheels each change places on a circle"),
@@ -66,7 +70,7 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
         Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
     ),
 }
-_NUMBERED = re.compile(r"(swap|turtlebots|random|blocks|forest|boxes|beads)-([1-9][0-9]{0,5})")
+_NUMBERED = re.compile(r"(swap|circle|turtlebots|random|blocks|forest|boxes|beads)-([1-9][0-9]{0,5})")
 
 
 def catalogue() -> list[Entry]:

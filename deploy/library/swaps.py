@@ -8,7 +8,7 @@ from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
-from protocol.scenario.model import Point, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Time, Workspace
 
 RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts
@@ -31,17 +31,37 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
     if not 0.0 <= jitter <= LARGEST_JITTER:
         raise UsageError(f"jitter {jitter:g}: choose between 0 and {LARGEST_JITTER} m")
     circle = max(CIRCLE, SPACING / (2.0 * math.sin(math.pi / count)))
-    places = _circle(count, circle)
-    draws = generator(seed, Purpose.SCENARIO).uniform(size=(count, 2))
-    robots = []
-    for n, (x, y) in enumerate(places):
-        reach, angle = jitter * math.sqrt(draws[n, 0]), math.tau * draws[n, 1]
-        start = (x + reach * math.cos(angle), y + reach * math.sin(angle))
-        robots.append(RobotSpec(n + 1, RADIUS, start, (0.0 - x, 0.0 - y)))
+    robots = _opposite(_circle(count, circle), RADIUS, jitter, seed)
     text = f"{count} robots on a circle change places" + (
         f", starts off by up to {jitter:g} m" if jitter else ""
     )
-    return validated(Scenario(tuple(robots), f"swap-{count}", text, seed, Workspace(circle + MARGIN)))
+    return validated(Scenario(robots, f"swap-{count}", text, seed, Workspace(circle + MARGIN)))
+
+
+def circle(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
+    """RVO2's Circle: robots of 1.5 m on a circle of 200 m change places at 2 m/s, to within a radius.
+
+    Args:
+        jitter: m; each start is moved by up to this much.
+
+    Raises:
+        UsageError: `count` is below 2 or above 250, or `jitter` is above 0.5 m.
+    """
+    if not 2 <= count <= 250:
+        raise UsageError(f"{count} robots on RVO2's circle: choose between 2 and 250")
+    if not 0.0 <= jitter <= 0.5:
+        raise UsageError(f"jitter {jitter:g}: choose between 0 and 0.5 m")
+    return validated(
+        Scenario(
+            _opposite(_circle(count, 200.0), 1.5, jitter, seed),
+            f"circle-{count}",
+            f"{count} robots on a circle of 200 m change places; sizes as in RVO2",
+            seed,
+            Workspace(220.0),
+            Time(step=0.25, limit=800.0, tolerance=1.5),
+            Control(speed=2.0),
+        )
+    )
 
 
 def head_on(seed: int = 0) -> Scenario:
@@ -77,6 +97,17 @@ def turtlebots(count: int, seed: int = 0) -> Scenario:
             body="turtlebot3-burger",
         )
     )
+
+
+def _opposite(places: list[Point], radius: float, jitter: float, seed: int) -> tuple[RobotSpec, ...]:
+    """Robots that start off these places by up to `jitter`, m, and go to the opposite ones."""
+    draws = generator(seed, Purpose.SCENARIO).uniform(size=(len(places), 2))
+    robots = []
+    for n, (x, y) in enumerate(places):
+        reach, angle = jitter * math.sqrt(draws[n, 0]), math.tau * draws[n, 1]
+        start = (x + reach * math.cos(angle), y + reach * math.sin(angle))
+        robots.append(RobotSpec(n + 1, radius, start, (0.0 - x, 0.0 - y)))
+    return tuple(robots)
 
 
 def _circle(count: int, radius: float) -> list[Point]:

@@ -21,9 +21,11 @@ import numpy as np
 from deploy.recording.form import from_object
 from deploy.recording.mcap.contents import Contents
 from deploy.recording.mcap.series import Series, series
-from protocol.errors import KeyGrammarError, RecordingError
+from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
 from protocol.keys import parse
 from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
+from protocol.reader import DAMAGED
+from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from world.world import World
@@ -179,11 +181,13 @@ def _by_this_version(path: Path) -> Iterator[None]:
 
 def _scenario(path: Path, found: Contents | Series) -> Scenario:
     try:
-        return msgspec.json.decode(found.metadata["scenario"]["json"], type=Scenario)
+        scenario = validated(msgspec.json.decode(found.metadata["scenario"]["json"], type=Scenario))
+        _ = scenario.k  # a number, in all that was run
+        return scenario
     except KeyError:
         what = "was cut before it began" if found.cut else "holds no scenario, so disknav did not write it"
         raise RecordingError(f"{path} {what}: there is nothing to show") from None
-    except msgspec.MsgspecError as error:
+    except (*DAMAGED, ScenarioError) as error:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,6 +25,8 @@ from world.shell.admission import AWAY
 from world.shell.journal import Journal
 
 _START = 30.0  # s for a process to say that it is ready
+_SOON = timedelta(days=1)
+_WHEN = "%Y-%m-%d %H:%M UTC"
 
 
 class Assembly:
@@ -58,8 +61,16 @@ class Assembly:
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
         self.writer = self._start_writer(record, stack)
+        self._ends: datetime | None = None
         self.topology = lead(self._begin(stack))
         self._start_world(self._journal(stack))
+
+    @property
+    def expired(self) -> str:
+        """What to add to the reason why a fleet was lost, if its certificates have ended."""
+        if self._ends is None or datetime.now(UTC) < self._ends:
+            return ""
+        return f"; the certificates in {self._options.secure} ended at {self._ends:{_WHEN}}: make new ones"
 
     def robots(self) -> list[table.Process]:
         """The rows of all robots, which are not started yet."""
@@ -105,6 +116,11 @@ class Assembly:
             return Mesh(Path(folder), self._scenarios[0].ids)
         membership = Membership(options.secure)
         membership.run(options.run)  # or the router would turn everybody away
+        self._ends = membership.end()
+        if self._ends is not None and self._ends - datetime.now(UTC) < _SOON:
+            LOG.warning(
+                f"the certificates in {options.secure} end at {self._ends:{_WHEN}}, and links with them"
+            )
         if options.router is not None:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:

@@ -225,7 +225,7 @@ class Fleet:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._complete) or not tolerable:
-                raise FleetLostError(str(exit_))
+                raise FleetLostError(f"{exit_}{self._assembly.expired}")
 
     @property
     def _has_begun(self) -> bool:

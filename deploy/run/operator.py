@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import msgspec
 
@@ -23,7 +24,7 @@ from protocol.requests.halt import Halt, Halted
 from protocol.requests.things import ThingOrder, ThingReply
 from protocol.scenario.model import RobotSpec
 
-ANSWER = 5.0  # s within which a world answers
+ANSWER = 5.0  # s within which a router is reached, and a world answers
 _LOOK = 0.05  # s between looks at the roster
 
 
@@ -149,8 +150,12 @@ class Operator:
 
 @contextmanager
 def operating(connection: Connection, run: str) -> Iterator[Operator]:
-    """An operator with a session of its own; raises BusError if nobody listens where `connection` leads."""
-    bus = ZenohBus(connection)
+    """An operator with a session of its own; a fleet that is not there yet is not waited for.
+
+    Raises:
+        BusError: nobody listens where `connection` leads.
+    """
+    bus = ZenohBus(replace(connection, timeout=ANSWER))
     try:
         yield Operator(bus, run)
     finally:

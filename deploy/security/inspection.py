@@ -46,6 +46,15 @@ def _check_validity(certificate: x509.Certificate, path: str) -> None:
         )
 
 
+def end_of(authority: str) -> datetime.datetime:
+    """When the certificates of a run end: all of them when that of its authority does.
+
+    Raises:
+        CertificateError: it cannot be read.
+    """
+    return _read(authority).not_valid_after_utc
+
+
 def _check_key(certificate: x509.Certificate, credentials: Credentials) -> None:
     try:
         key = load_pem_private_key(Path(credentials.key).read_bytes(), password=None)

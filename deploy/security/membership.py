@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 
 from deploy.security.access import access_control
 from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
 from protocol.bus.connection import Connection
-from protocol.bus.credentials import Credentials, credentials, key_file
+from protocol.bus.credentials import AUTHORITY, Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
 from protocol.installation import missing_library
 
@@ -107,6 +108,14 @@ class Membership:
         found = credentials(self.directory, role)
         inspect(found, role)
         return found
+
+    def end(self) -> datetime | None:
+        """When all certificates end, and all links with them; None for a network without keys."""
+        if self.directory is None:
+            return None
+        from deploy.security.inspection import end_of
+
+        return end_of(str(self.directory / AUTHORITY))
 
     def _checked(self, endpoints: Sequence[str]) -> tuple[str, ...]:
         for endpoint in endpoints:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,9 +44,19 @@ def defaults(name: StudyName) -> Defaults:
 
 
 def find(
-    name: StudyName, runs: int | None, seed: int, random: int | None, transport: Transport | None
+    name: StudyName,
+    runs: int | None,
+    seed: int,
+    random: int | None,
+    transport: Transport | None,
+    *,
+    laws: Sequence[str] = (),
+    only: Sequence[str] = (),
 ) -> Study:
     """The study, with `runs` runs a cell (its own number unless given) from `seed` on.
+
+    Args:
+        laws, only: see `peers`; other studies have none.
 
     Raises:
         UsageError: `random` (runs) was given to a study that has no random fault runs.
@@ -58,4 +68,6 @@ def find(
     arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
     if name == "scale" and transport is not None:
         arguments["transports"] = (transport,)
+    if name == "peers":
+        arguments |= {"laws": laws, "only": only}
     return _BUILD[name](**arguments)

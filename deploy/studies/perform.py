@@ -43,7 +43,16 @@ def perform(request: Request) -> int:
             f"study {request.name} measures how fast one machine is: run it there, not on a cluster"
         )
     study = adjusted(
-        find(request.name, request.runs, request.seed, request.random, request.transport), request.settings
+        find(
+            request.name,
+            request.runs,
+            request.seed,
+            request.random,
+            request.transport,
+            laws=request.laws,
+            only=request.only,
+        ),
+        request.settings,
     )
     _check(request, study)
     quiet = request.quiet or is_standard_output(request.target)

@@ -29,6 +29,8 @@ class Request:
     fresh: bool
     quiet: bool
     found: Path = FOUND
+    laws: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
     @property
     def file(self) -> Path | None:

@@ -25,6 +25,11 @@ def deviation(values: Sequence[float]) -> float | None:
     return stdev(values) if len(values) > 1 else None
 
 
+def error(values: Sequence[float]) -> float | None:
+    """Standard error of the mean; None of less than two."""
+    return stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
+
+
 def collided(results: Iterable[Result]) -> int:
     """Runs in which something touched."""
     return sum(1 for result in results if result.get("collisions"))

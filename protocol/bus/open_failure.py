@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 from protocol.bus.connection import Connection
 from protocol.errors import BusError, CertificateError, EndpointTakenError
+
+_PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # in zenoh's sources: means nothing to a user
 
 
 def explained(connection: Connection, error: str) -> BusError:
@@ -11,6 +15,7 @@ def explained(connection: Connection, error: str) -> BusError:
 
     zenoh reports a certificate that is not accepted as time that is up, so this looks for itself.
     """
+    error = _PLACE.sub("", error)
     listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
     if "in use" in error:
         return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")

@@ -158,8 +158,8 @@ def _draw_roster(rng: Random) -> bytes:
 
 
 HOSTS = {
-    "news": Target(_draw_news, _read_news, ProcessError, 4),
-    "log": Target(_draw_line, _read_line, ProcessError, 2),
-    "hosts": Target(lambda rng: damaged_text(_TABLE, _TABLE, rng), _read_table, HostsError, 1),
-    "roster": Target(_draw_roster, _read_roster, CertificateError, 1),
+    "news": Target(_draw_news, _read_news, ProcessError, 16),
+    "log": Target(_draw_line, _read_line, ProcessError, 8),
+    "hosts": Target(lambda rng: damaged_text(_TABLE, _TABLE, rng), _read_table, HostsError, 2),
+    "roster": Target(_draw_roster, _read_roster, CertificateError, 2),
 }

@@ -16,10 +16,9 @@ from deploy.studies.charts.panels import HOLLOW, heading, legend, panels, plain_
 from deploy.studies.peers.study import NAMES
 from deploy.studies.study import Row
 
-_LAWS = tuple(NAMES)
-_LANE = 0.2  # of a row
+_LANES = 0.8  # of a row
 _GAP = 0.5  # of a row, between delays
-_ROW, _REST = 0.36, 1.7  # inches: a row; what is above and below all rows
+_ROW, _REST = 0.28, 1.7  # inches: a row; what is above and below all rows
 _BAND = "#f2f2f2"
 _SIZE, _SAMPLE = 3.6, 5.0  # points, of marks in panels and in the legend
 _RUNS = 70.0  # points, room for the marks of all runs side by side
@@ -29,7 +28,8 @@ _WORDS = {"nrl_mean": "nrl", "time_mean": "time, s", "step_us": "CPU a step, µs
 
 def peers(rows: Sequence[Row]) -> Figure:
     """What came of the runs, nrl, time and cost, of every scenario and law."""
-    where = _places(rows)
+    rows = [row for row in rows if row["choice"] == "best"]
+    where, laws = _places(rows), list(dict.fromkeys(row["law"] for row in rows))
     known = [name for name in _WORDS if any(row[name] is not None for row in rows)]
     height = _ROW * (max(where.values()) + 1.0) + _REST
     figure, ((first, *others),) = panels(
@@ -37,11 +37,11 @@ def peers(rows: Sequence[Row]) -> Figure:
     )
     for axes in (first, *others):
         _lay_out(axes, where)
-    _outcomes(first, rows, where)
+    _outcomes(first, rows, where, laws)
     for axes, name in zip(others, known, strict=True):
-        _values(axes, rows, where, name)
+        _values(axes, rows, where, laws, name)
     heading(figure, *_said(rows))
-    legend(figure, _legend())
+    legend(figure, _legend(laws))
     return figure
 
 
@@ -64,43 +64,47 @@ def _lay_out(axes: Axes, where: Mapping[str, float]) -> None:
     axes.spines["top"].set_visible(True)
 
 
-def _lane(row: Row, where: Mapping[str, float]) -> float:
-    return where[row["scenario"]] + _LANE * (_LAWS.index(row["law"]) - 0.5 * (len(_LAWS) - 1))
+def _lane(row: Row, where: Mapping[str, float], laws: Sequence[str]) -> float:
+    lane = laws.index(row["law"]) - 0.5 * (len(laws) - 1)
+    return where[row["scenario"]] + _LANES / len(laws) * lane
 
 
-def _outcomes(axes: Axes, rows: Sequence[Row], where: Mapping[str, float]) -> None:
+def _outcomes(axes: Axes, rows: Sequence[Row], where: Mapping[str, float], laws: Sequence[str]) -> None:
     """A mark a run: first those that arrived, then those that touched, then those that never arrived."""
     most = max(row["runs"] for row in rows)
     size = min(_SIZE, _RUNS / most)
     for row in rows:
         came, touched = row["arrived"], row["collisions"]
-        marks = [(n, _lane(row, where)) for n in range(1, row["runs"] + 1)]
-        _mark(axes, row["law"], marks[:came], size)
-        _mark(axes, row["law"], marks[came:], size, hollow=True)
+        lane, place = _lane(row, where, laws), laws.index(row["law"])
+        marks = [(n, lane) for n in range(1, row["runs"] + 1)]
+        _mark(axes, place, marks[:came], size)
+        _mark(axes, place, marks[came:], size, hollow=True)
         axes.plot(*_columns(marks[came : came + touched]), "x", color=INK, ms=1.7 * size, mew=0.7)
     axes.set(xlabel="runs", title="outcome", xlim=(0.3, most + 0.7))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
 
-def _values(axes: Axes, rows: Sequence[Row], where: Mapping[str, float], name: str) -> None:
+def _values(
+    axes: Axes, rows: Sequence[Row], where: Mapping[str, float], laws: Sequence[str], name: str
+) -> None:
     """Means; hollow those of nrl and time that not all runs are in."""
     axes.set_xscale("log")
     for row in rows:
         if row[name] is not None:
             whole = name == "step_us" or row["arrived"] == row["runs"]
-            _mark(axes, row["law"], [(row[name], _lane(row, where))], _SIZE, hollow=not whole)
+            point = (row[name], _lane(row, where, laws))
+            _mark(axes, laws.index(row["law"]), [point], _SIZE, hollow=not whole)
     axes.set(xlabel=_WORDS[name], title=_WORDS[name])
     plain_numbers(axes.xaxis, _STEPS[name])
 
 
 def _mark(
-    axes: Axes, law: str, points: Sequence[tuple[float, float]], size: float, *, hollow: bool = False
+    axes: Axes, place: int, points: Sequence[tuple[float, float]], size: float, *, hollow: bool = False
 ) -> None:
-    axes.plot(*_columns(points), linestyle="", **_look(law, size, hollow=hollow))
+    axes.plot(*_columns(points), linestyle="", **_look(place, size, hollow=hollow))
 
 
-def _look(law: str, size: float, *, hollow: bool = False) -> dict[str, Any]:
-    place = _LAWS.index(law)
+def _look(place: int, size: float, *, hollow: bool = False) -> dict[str, Any]:
     shade = colour(place)
     return {
         "marker": marker(place),
@@ -120,7 +124,7 @@ def _said(rows: Sequence[Row]) -> Iterator[str]:
     yield f"{runs(rows)} of every law in every scenario, from the same starts"
     scanned = [row for row in rows if len(row["scan"]) > 1]
     if scanned:
-        names = dict.fromkeys(NAMES[row["law"]] for row in scanned)
+        names = dict.fromkeys(NAMES.get(row["law"], str(row["law"])) for row in scanned)
         tried = sorted({len(row["scan"]) for row in scanned})
         yield (
             f"{' and '.join(names)}: the best setting of each scenario,"
@@ -129,9 +133,9 @@ def _said(rows: Sequence[Row]) -> Iterator[str]:
     yield "nrl and time: mean of the runs that arrived; hollow where not all did, no mark where none did"
 
 
-def _legend() -> dict[str, Any]:
+def _legend(shown: Sequence[str]) -> dict[str, Any]:
     """Laws in one line and outcomes in the next: legends are filled column by column."""
-    laws = [(NAMES[law], _sample(marker(n), colour(n))) for n, law in enumerate(_LAWS)]
+    laws = [(NAMES.get(law, law), _sample(marker(n), colour(n))) for n, law in enumerate(shown)]
     full, empty = _sample("o", FAINT), _sample("o", FAINT, HOLLOW)
     cross = Line2D([], [], linestyle="", marker="x", color=INK, markersize=1.7 * _SAMPLE, mew=0.7)
     outcomes = [("arrived", full), ("did not arrive", empty), ("touched", (empty, cross))]

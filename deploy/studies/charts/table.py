@@ -13,7 +13,12 @@ from deploy.studies.study import Row, Study
 _WORDS = {
     "nrl_mean": "nrl",
     "nrl_std": "±",
+    "nrl_error": "± error",
     "time_mean": "time, s",
+    "time_error": "± error",
+    "limit_mean": "limit",
+    "nrl_ratio": "nrl, paired",
+    "time_ratio": "time, paired",
     "time_max": "longest, s",
     "delay": "delay, s",
     "ratio": "against no delay",

@@ -145,10 +145,12 @@ class _Observation:
                 self._see(event, now)
         if self._began is None:
             return 0.0
-        blow = self._disturbances.due(now - self._began, self.recovery.under_way)
-        if blow is not None:
-            self._strike(blow, now)
-        return now - self._began
+        elapsed = now - self._began
+        if elapsed < 60.0 * self._trial.minutes - CUT - AGAIN:  # for the end to be a quiet one
+            blow = self._disturbances.due(elapsed, self.recovery.under_way)
+            if blow is not None:
+                self._strike(blow, now)
+        return elapsed
 
     def _see(self, sample: Sample, now: float) -> None:
         try:
@@ -270,14 +272,14 @@ def _flatness(samples: Samples, disturbed: bool) -> list[Criterion]:
 
 
 def _memory(series: dict[str, Any]) -> flatness.Memory | None:
-    return flatness.memory(series["time"], series["private_mb"], series["pid"])
+    return flatness.memory(series["time"], series["anonymous_mb"], series["pid"])
 
 
 def _trend(series: dict[str, Any]) -> dict[str, Any]:
     trend = _memory(series)
     return {
         "lives": len(set(series["pid"])),
-        **{name: _ends(series[name]) for name in ("private_mb", "resident_mb")},
+        **{name: _ends(series[name]) for name in ("anonymous_mb", "private_mb", "resident_mb")},
         "memory": None if trend is None else {**trend._asdict(), "flat": trend.flat},
         **{name: _ends(series[name]) for name in ("handles", "threads")},
     }
@@ -291,7 +293,7 @@ def table(outcome: dict[str, Any]) -> RenderableType:
     """What a person wants to know."""
     listing = Table(box=None, padding=(0, 1), header_style="dim")
     listing.add_column("process", no_wrap=True)
-    columns = ("lives", "private, MB", "rise, MB", "allowed", "an hour", "resident, MB", "handles", "threads")
+    columns = ("lives", "MB", "rise", "allowed", "an hour", "private", "handles", "threads")
     for column in columns:
         listing.add_column(column, justify="right", no_wrap=True)
     for name, process in outcome["processes"].items():
@@ -303,9 +305,9 @@ def table(outcome: dict[str, Any]) -> RenderableType:
         listing.add_row(
             name,
             str(process["lives"]),
-            f"{process['private_mb']['last']:.1f}",
+            f"{process['anonymous_mb']['last']:.1f}",
             *cells,
-            f"{process['resident_mb']['last']:.1f}",
+            f"{process['private_mb']['last']:.1f}",
             *(f"{process[q]['first']:.0f} to {process[q]['last']:.0f}" for q in ("handles", "threads")),
         )
     criteria = [Criterion(**each) for each in outcome["criteria"]]

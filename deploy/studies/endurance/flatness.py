@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 
 class Memory(NamedTuple):
-    """Private memory over second halves: mean, rise of the fitted line, and what it may rise."""
+    """Memory over second halves: mean, rise of the fitted line, and what it may rise."""
 
     mean: float  # MB
     rise: float  # MB, over the half of the longest life

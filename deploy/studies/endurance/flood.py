@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Literal
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -17,14 +17,17 @@ from rich.table import Table
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions, fresh_run_name
 from deploy.run.reports import Report
-from deploy.security.roster import Roster
+from deploy.security.membership import Membership
+from deploy.security.roster import Roster, robot_role
 from deploy.studies.endurance.flooder import Flooded, Flooder
 from deploy.studies.endurance.intervals import Intervals
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.studies.endurance.workload import workload
+from protocol.bus.connection import Connection
 from protocol.installation import missing_library
 from protocol.messages import Clock
 
+Flooding = Literal["monitor", "operator", "robot"]
 SLOWER = 0.20  # of the rate without the flood
 _RATE = 0.95  # of the messages asked for
 _SPEED = 0.02  # m/s: thousands of ticks a run
@@ -32,13 +35,16 @@ _SPEED = 0.02  # m/s: thousands of ticks a run
 
 @dataclass(frozen=True)
 class Plan:
-    """What is asked for. `secure`: access rules, and the flooder has the certificate of a monitor."""
+    """What is asked for. `secure`: access rules, and the flooder has a certificate."""
 
     rate: float  # messages per second
     robots: int
     rounds: int  # of a calm and a flooded stretch each
     seconds: float  # a stretch
     secure: bool
+    role: Flooding = (
+        "monitor"  # whose certificate the flooder has, if there are any; `robot` is one of the fleet
+    )
 
 
 def flood(plan: Plan, tell: Callable[[float], None]) -> dict[str, Any]:
@@ -91,11 +97,18 @@ def _measure(
         return len(intervals.rates) == 2 * plan.rounds
 
     with Fleet(scenarios, options, watch=watch) as fleet:
-        connection = fleet.topology.observer()
+        connection = _connection(plan, options, fleet.topology.observer(), scenarios[0].ids)
         with Flooder(connection, options.run, scenarios[0].ids, plan.rate) as flooder:
             reports = fleet.execute(over)
         fleet.processes()
     return intervals, floods, reports
+
+
+def _connection(plan: Plan, options: RunOptions, observer: Connection, robots: Sequence[int]) -> Connection:
+    if plan.role == "monitor" or not plan.secure:
+        return observer
+    role = robot_role(robots[0]) if plan.role == "robot" else plan.role
+    return Membership(options.secure).client(role, observer.connect)
 
 
 def result(plan: Plan, rates: list[float], floods: list[Flooded], reports: list[Report]) -> dict[str, Any]:
@@ -117,7 +130,7 @@ def result(plan: Plan, rates: list[float], floods: list[Flooded], reports: list[
         Criterion(
             f"at most {SLOWER:.0%} slower",
             "not measured" if slower is None else f"{slower:.1%} slower, median of {len(ratios)} rounds",
-            None if not plan.secure else slower is not None and slower <= SLOWER,
+            None if not plan.secure or plan.role == "robot" else slower is not None and slower <= SLOWER,
         ),
         Criterion("nothing touched", f"{touched} collisions", touched == 0),
         Criterion(
@@ -129,6 +142,7 @@ def result(plan: Plan, rates: list[float], floods: list[Flooded], reports: list[
     return {
         "trial": "flood",
         "secure": plan.secure,
+        "role": plan.role if plan.secure else None,
         "robots": plan.robots,
         "rate": rate,
         "sent": sent,
@@ -142,8 +156,8 @@ def result(plan: Plan, rates: list[float], floods: list[Flooded], reports: list[
 
 
 def _reached(plan: Plan, rejected: Counter[str]) -> Criterion:
-    """With access rules nothing gets past the router; without, receivers refuse, and count."""
-    if plan.secure:
+    """Past the rules gets what a robot may say, and nothing else; receivers refuse that, and count."""
+    if plan.secure and plan.role != "robot":
         return Criterion("nothing got past the router", f"{rejected.total()} rejected", not rejected)
     text = ", ".join(f"{count} {reason}" for reason, count in sorted(rejected.items()))
     return Criterion("receivers counted what they rejected", text or "nothing", bool(rejected))

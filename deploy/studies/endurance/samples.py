@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import psutil
 
-QUANTITIES = ("private_mb", "resident_mb", "handles", "threads")
+QUANTITIES = ("anonymous_mb", "private_mb", "resident_mb", "handles", "threads")
 
 
 def _series() -> dict[str, array[float]]:
@@ -20,7 +20,9 @@ def _series() -> dict[str, array[float]]:
 class Samples:
     """Series by process name: s since the beginning, process id, MB (2^20 bytes), counts.
 
-    private_mb: memory that the process shares with nobody, which is what it would leak.
+    anonymous_mb: resident memory that no file backs, which is what a process would leak. Whether a page that
+    it has from the fork server is shared or was copied since does not matter.
+    private_mb: memory that it shares with nobody; grows when such a page is copied, too.
     """
 
     period: float  # s between samples, at least
@@ -53,7 +55,10 @@ class Samples:
 
     def _sample(self, name: str, process: psutil.Process, now: float) -> None:
         memory = process.memory_full_info()
-        values = (memory.uss / 2**20, memory.rss / 2**20, process.num_fds(), process.num_threads())
+        backed = getattr(memory, "shared", None)  # as Linux knows it
+        anonymous = memory.uss if backed is None else memory.rss - backed
+        sizes = (each / 2**20 for each in (anonymous, memory.uss, memory.rss))
+        values = (*sizes, process.num_fds(), process.num_threads())
         series = self.of.setdefault(name, _series())
         series["time"].append(now - self._began)
         series["pid"].append(process.pid)

@@ -2,30 +2,81 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from deploy.studies.statistics import arrived, collided, mean
+from deploy.studies.statistics import arrived, collided, error, mean
 from deploy.studies.study import Result, Row, Study
+from protocol.scenario.model import Scenario
 
+REFERENCE = "reciprocal + lines"  # what all others are paired with
 _SCANNED = {
     "horizon": "horizon {:g} s",
     "barrier_gain": "alpha {:g}/s",
     "symmetry_noise": "noise {:g}",
     "margin": "margin {:g} m",
 }
+_Tried = dict[str, list["Attempt"]]  # of one group of scenarios and one law, by scenario
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One setting of a law in a scenario: its row, and its results by seed."""
+
+    row: Row
+    results: Mapping[int, Result]
 
 
 class Contest(Study):
-    """One row for every scenario and law: its best setting; `scan` of the row has all of them."""
+    """One row for every scenario and law: its best setting; `scan` of the row has all of them.
+
+    Where several settings were tried, a second row shows the single one that is best over the whole group.
+    """
 
     def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
         """See `Study.rows`."""
-        tried: defaultdict[tuple[str, str], list[Row]] = defaultdict(list)
-        for each in super().rows(results):
-            tried[each["scenario"], each["law"]].append(each)
-        return [best(rows) | {"scan": rows} for rows in tried.values()]
+        found = []
+        for tried in self._tried(results).values():
+            single = _single(tried)
+            for scenario, attempts in tried.items():
+                scan = [each.row for each in attempts]
+                top = next(each for each in attempts if each.row is best(scan))
+                found.append((scenario, top, {"choice": "best", "scan": scan}))
+                found += [
+                    (scenario, each, {"choice": "single", "scan": []})
+                    for each in attempts
+                    if each.row["setting"] == single
+                ]
+        reference = {scenario: each for scenario, each, _ in found if each.row["law"] == REFERENCE}
+        rows = [
+            each.row | _paired(each, reference.get(scenario)) | choice for scenario, each, choice in found
+        ]
+        order = {cell.labels["scenario"]: n for n, cell in reversed(list(enumerate(self.cells)))}
+        return sorted(rows, key=lambda each: order[each["scenario"]])
+
+    def _tried(self, results: Mapping[tuple[int, int], Result]) -> dict[tuple[str, str], _Tried]:
+        """All attempts that have results, by group and law."""
+        tried: defaultdict[tuple[str, str], _Tried] = defaultdict(lambda: defaultdict(list))
+        least: dict[tuple[str, int], float] = {}
+        for n, cell in enumerate(self.cells):
+            scenario, known = cell.labels["scenario"], dict[int, Result]()
+            for seed in cell.seeds:
+                if (n, seed) in results:
+                    if (scenario, seed) not in least:
+                        least[scenario, seed] = least_time(cell.build(seed))
+                    known[seed] = results[n, seed] | {"least_time": least[scenario, seed]}
+            if known:
+                attempt = Attempt(self.row(cell.labels, list(known.values())), known)
+                tried[cell.labels["group"], cell.labels["law"]][scenario].append(attempt)
+        return tried
+
+
+def least_time(scenario: Scenario) -> float:
+    """The farthest straight way from start to goal at the speed limit, s."""
+    return max(math.dist(each.start, each.goal) for each in scenario.robots) / scenario.control.speed
 
 
 def best(rows: Sequence[Row]) -> Row:
@@ -38,13 +89,49 @@ def _demerit(each: Mapping[str, Any]) -> tuple[float, ...]:
     return -each["arrived"], each["collisions"], float("inf") if time is None else time
 
 
-def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """nrl and time are over the runs in which all arrived and nothing touched.
+def _single(tried: _Tried) -> str | None:
+    """The setting that is best over all scenarios together; None where only one was tried."""
+    by_setting: defaultdict[str, list[Row]] = defaultdict(list)
+    for attempts in tried.values():
+        for each in attempts:
+            by_setting[each.row["setting"]].append(each.row)
+    whole = {setting: rows for setting, rows in by_setting.items() if len(rows) == len(tried)}
+    if len(by_setting) < 2 or not whole:
+        return None
 
-    reached: runs in which all arrived, touching or not. step_us: CPU of a robot a tick, decoding of
-    what it heard included, on the in-process bus; None elsewhere.
+    def demerit(setting: str) -> tuple[float, ...]:
+        rows = whole[setting]
+        slowness = [row["limit_mean"] for row in rows if row["limit_mean"] is not None]
+        return -_sum(rows, "arrived"), _sum(rows, "collisions"), mean(slowness) or float("inf")
+
+    return min(whole, key=demerit)
+
+
+def _paired(one: Attempt, reference: Attempt | None) -> Row:
+    """nrl and time over those of the reference from the same starts, where both arrived without touching."""
+    mine, theirs = _came(one), {} if reference is None else _came(reference)
+    seeds = [seed for seed in mine if seed in theirs]
+    found: Row = {"paired": len(seeds)}
+    for name, field in (("nrl", "nrl"), ("time", "sim_time")):
+        ratios = [mine[seed][field] / theirs[seed][field] for seed in seeds if theirs[seed][field]]
+        found |= {f"{name}_ratio": mean(ratios), f"{name}_ratio_error": error(ratios)}
+    return found
+
+
+def _came(attempt: Attempt) -> dict[int, Result]:
+    return {seed: each for seed, each in attempt.results.items() if each["verdict"] == "arrived"}
+
+
+def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+    """nrl and time, with their standard errors, are over the runs in which all arrived and nothing touched.
+
+    limit: time over the least that it can take. reached: runs in which all arrived, touching or not.
+    step_us: CPU of a robot a tick, decoding of what it heard included, on the in-process bus; None
+    elsewhere.
     """
     came = arrived(results)
+    nrl, time = [each["nrl"] for each in came], [each["sim_time"] for each in came]
+    limit = [each["sim_time"] / each["least_time"] for each in came if each.get("least_time")]
     steps = [
         1e6 * result["robots_cpu_s"] / (result["ticks"] * len(result["robots"]))
         for result in results
@@ -57,42 +144,45 @@ def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
         "arrived": len(came),
         "collisions": collided(results),
         "reached": sum(set(each.get("robots", (0,))) <= set(each.get("arrived", ())) for each in results),
-        "nrl_mean": mean([result["nrl"] for result in came]),
-        "time_mean": mean([result["sim_time"] for result in came]),
+        "nrl_mean": mean(nrl),
+        "nrl_error": error(nrl),
+        "time_mean": mean(time),
+        "time_error": error(time),
+        "limit_mean": mean(limit),
+        "limit_error": error(limit),
         "step_us": mean(steps),
     }
 
 
 def summary(rows: Sequence[Row]) -> list[str]:
-    """Each law over all scenarios, with its best setting in each; then with one setting, and with all."""
+    """Each law over all scenarios, with its best setting in each; then with one setting for each group."""
     lines = []
     for law in dict.fromkeys(each["law"] for each in rows):
         own = [each for each in rows if each["law"] == law]
-        lines.append(f"{law}: {_outcome(own)}")
-        lines += _single("without delay", [each for each in own if not each["delay"]])
-        lines += _single("with delays", [each for each in own if each["delay"]])
+        top = [each for each in own if each["choice"] == "best"]
+        lines.append(f"{law}: {_outcome(top)}{_beside(top)}")
+        for group in dict.fromkeys(each["group"] for each in own if each["choice"] == "single"):
+            alone = [each for each in own if each["choice"] == "single" and each["group"] == group]
+            tried = [each for one in top if one["group"] == group for each in one["scan"]]
+            lines.append(
+                f"  {group}: {alone[0]['setting']} alone: {_outcome(alone)}{_beside(alone)};"
+                f" all {len({each['setting'] for each in tried})} settings: {_outcome(tried)}"
+            )
     return lines
-
-
-def _single(where: str, own: Sequence[Row]) -> list[str]:
-    """What all settings come to together, and the best single one, where several were tried."""
-    tried: defaultdict[str, list[Row]] = defaultdict(list)
-    for each in own:
-        for setting in each["scan"]:
-            tried[setting["setting"]].append(setting)
-    if len(tried) < 2:
-        return []
-    everywhere = [rows for rows in tried.values() if len(rows) == len(own)]
-    single = min(everywhere, key=lambda rows: (-_sum(rows, "arrived"), _sum(rows, "collisions")))
-    of_all = _outcome([each for rows in tried.values() for each in rows])
-    return [
-        f"  {where}: {single[0]['setting']} alone: {_outcome(single)}; all {len(tried)} settings: {of_all}"
-    ]
 
 
 def _outcome(rows: Sequence[Row]) -> str:
     runs, came, touched = (_sum(rows, each) for each in ("runs", "arrived", "collisions"))
     return f"{came} of {runs} arrived, {touched} collided"
+
+
+def _beside(rows: Sequence[Row]) -> str:
+    """In how many scenarios the reference is ahead."""
+    known = [each for each in rows if each["law"] != REFERENCE and each["time_ratio"] is not None]
+    if not known:
+        return ""
+    shorter, quicker = (sum(each[name] > 1.0 for each in known) for name in ("nrl_ratio", "time_ratio"))
+    return f"; {REFERENCE} is shorter in {shorter} and quicker in {quicker} of {len(known)} scenarios"
 
 
 def _sum(rows: Sequence[Row], name: str) -> int:
@@ -101,4 +191,4 @@ def _sum(rows: Sequence[Row], name: str) -> int:
 
 def sound(rows: Sequence[Row]) -> bool:
     """Whether separating lines kept what they promise."""
-    return not any(each["collisions"] for each in rows if each["law"] == "gradient + lines")
+    return not any(each["collisions"] for each in rows if each["law"].endswith("+ lines"))

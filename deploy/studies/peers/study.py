@@ -1,63 +1,69 @@
 """`study peers`: the same scenarios, starts, faults and speed limit under other laws.
 
 ORCA and the barrier-function program are scanned over their parameters in every scenario, and the best
-setting is what a law's row shows, which favours them; the paper's law runs bare, and with separating lines.
+setting is what a law's row shows, which favours them; another row shows the best single one. All others run
+with one setting: the laws of this software and of the user with separating lines, the paper's also bare.
 """
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 from agents.laws.choice import require
-from deploy.library.goal_sets import figure_3
-from deploy.library.load import resolved
-from deploy.library.random_instances import PAPER_DENSITY, random_instance
-from deploy.library.swaps import swap
+from agents.laws.own import found
+from deploy.library.trial import try_out
 from deploy.studies.peers.contest import Contest, row, sound, summary
+from deploy.studies.peers.places import DELAYS, Group, Place, contest, places
 from deploy.studies.study import Build, Cell
-from protocol.scenario.model import Link, Scenario
+from protocol.errors import UsageError
 
-RUNS = 5
-LIMIT = 60.0  # s of simulated time
-DEADLOCK = 10.0  # s without anybody moving
-DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3)  # s, one way
-DENSITIES = (0.05, PAPER_DENSITY, 0.2)
-JITTER = 0.01  # m: no law is asked to leave an exact saddle
+RUNS = 20
 
 LAWS: dict[str, dict[str, Any]] = {
+    "reciprocal + lines": {"law": "reciprocal", "filter": "separating-lines"},
     "gradient + lines": {"law": "gradient", "filter": "separating-lines"},
     "gradient": {"law": "gradient", "filter": "none", "escape": False},
     "orca": {"law": "orca", "filter": "none"},
     "barrier": {"law": "barrier", "filter": "none"},
 }
 NAMES = {  # of the laws, for people
-    "gradient + lines": "separating lines",
-    "gradient": "bare law",
+    "reciprocal + lines": "reciprocal, lines",
+    "gradient + lines": "gradient, lines",
+    "gradient": "bare gradient",
     "orca": "ORCA",
     "barrier": "barrier QP",
 }
-# As many settings for either method. A barrier's gain times the period is at most 1.
+# As many settings for either method. A barrier's gain times the period is at most 1. Where states are late a
+# margin has to cover what they miss: in m, up to what a robot drives in 150 and in 300 ms. Horizon 1 s and
+# gain 20 per s are left out there for the sake of more margins. RVO2's robots take 2.5 times as long as those
+# of a swap to move by their radius.
 Scan = dict[str, tuple[float, ...]]
-SCANS: dict[str, Scan] = {
-    "orca": {"horizon": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.3)},
-    "barrier": {"barrier_gain": (5.0, 10.0, 20.0), "symmetry_noise": (0.1, 0.6)},
-}
-# Where states are delayed a margin has to cover what they miss: in m, up to what a robot drives in 150 and
-# in 300 ms. Horizon 1 s and gain 20 per s are left out here for the sake of more margins.
-LATE_SCANS: dict[str, Scan] = {
-    "orca": {
-        "horizon": (2.0, 4.0),
-        "symmetry_noise": (0.1, 0.3),
-        "margin": (0.001, 0.005, 0.008, 0.015),
+SCANS: dict[Group, dict[str, Scan]] = {
+    "fresh": {
+        "orca": {"horizon": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.3)},
+        "barrier": {"barrier_gain": (5.0, 10.0, 20.0), "symmetry_noise": (0.1, 0.6)},
     },
-    "barrier": {
-        "barrier_gain": (5.0, 10.0),
-        "symmetry_noise": (0.1, 0.6),
-        "margin": (0.001, 0.005, 0.01, 0.03),
+    "late": {
+        "orca": {
+            "horizon": (2.0, 4.0),
+            "symmetry_noise": (0.1, 0.3),
+            "margin": (0.001, 0.005, 0.008, 0.015),
+        },
+        "barrier": {
+            "barrier_gain": (5.0, 10.0),
+            "symmetry_noise": (0.1, 0.6),
+            "margin": (0.001, 0.005, 0.01, 0.03),
+        },
+    },
+    "RVO2": {
+        "orca": {"horizon": (2.5, 5.0, 10.0), "symmetry_noise": (0.1, 0.3)},
+        "barrier": {"barrier_gain": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.6)},
     },
 }
 COLUMNS = {
@@ -68,48 +74,14 @@ COLUMNS = {
     "arrived": "d",
     "collisions": "d",
     "nrl_mean": ".3f",
-    "time_mean": ".1f",
+    "nrl_error": ".3f",
+    "time_mean": ".2f",
+    "time_error": ".2f",
+    "limit_mean": ".2f",
+    "nrl_ratio": ".3f",
+    "time_ratio": ".3f",
     "step_us": ".0f",
 }
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where laws meet: a scenario of a seed, and the one-way delay of states in it, s."""
-
-    name: str
-    build: Build
-    delay: float = 0.0
-
-    @property
-    def label(self) -> str:
-        """The name, with the delay if there is one."""
-        return f"{self.name}, {1e3 * self.delay:g} ms late" if self.delay else self.name
-
-
-def places() -> list[Place]:
-    """Tight goal sets and swaps, also with delays; crowds; the largest last."""
-    tight, ten = partial(figure_3, "d"), partial(swap, 10, JITTER)
-    late = [Place(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
-    return [
-        Place("tight 3.30", tight),
-        Place("tight 3.45", partial(figure_3, "e")),
-        Place("swap 8", partial(swap, 8, JITTER)),
-        Place("swap 10", ten),
-        *late,
-        Place("swap 12", partial(swap, 12, JITTER)),
-        *(_crowd(12, density) for density in DENSITIES),
-        Place("swap 24", partial(swap, 24, JITTER)),
-        *(_crowd(24, density) for density in DENSITIES),
-    ]
-
-
-def _crowd(count: int, density: float) -> Place:
-    return Place(f"random {count}, density {density:.2f}", partial(_random, count, density))
-
-
-def _random(count: int, density: float, seed: int) -> Scenario:
-    return random_instance(count, seed, density=density)
 
 
 def peers(
@@ -117,11 +89,19 @@ def peers(
     seed: int = 0,
     scenarios: Mapping[str, Build] | None = None,
     delays: Sequence[float] = DELAYS,
+    *,
+    laws: Sequence[str] = (),
+    only: Sequence[str] = (),
 ) -> Contest:
     """`runs` runs of every law and setting in all `places`, or in `scenarios` at every delay.
 
+    Args:
+        laws: the user's, as in `control.law`; they run with separating lines.
+        only: the places whose labels contain one of these; all unless given.
+
     Raises:
-        UsageError: a law's library is not installed.
+        UsageError: a law's library is not installed, there is no such law or no such place.
+        LawError: a user's law fails.
     """
     for control in LAWS.values():
         require(control["law"])
@@ -129,34 +109,49 @@ def peers(
         where = places()
     else:
         where = [Place(name, build, delay) for name, build in scenarios.items() for delay in delays]
+    where = _chosen(where, only)
+    own = {f"{law} + lines": {"law": law, "filter": "separating-lines"} for law in laws}
+    sources = {name: _source(control["law"]) for name, control in own.items()}
+    for control in own.values():
+        try_out(contest(where[0], control, seed))
     cells = [
         Cell(
-            {"scenario": place.label, "delay": place.delay, "law": law, **setting},
-            partial(contest, place, LAWS[law] | setting),
+            {"scenario": place.label, "delay": place.delay, "group": place.group, "law": law}
+            | setting
+            | ({"source": sources[law]} if law in sources else {}),
+            partial(contest, place, control | setting),
             range(seed, seed + runs),
         )
         for place in where
-        for law in LAWS
-        for setting in settings(law, late=place.delay > 0.0)
+        for law, control in (LAWS | own).items()
+        for setting in settings(law, place.group)
     ]
     return Contest("peers", cells, row, COLUMNS, summary, sound)
 
 
-def settings(law: str, *, late: bool) -> Iterator[dict[str, float]]:
+def _chosen(where: Sequence[Place], only: Sequence[str]) -> list[Place]:
+    """Those that are asked for.
+
+    Raises:
+        UsageError: there are none.
+    """
+    chosen = [place for place in where if not only or any(part in place.label for part in only)]
+    if not chosen:
+        known = "; ".join(place.label for place in where)
+        raise UsageError(f"--only {' --only '.join(only)}: no scenario is called so; there are {known}")
+    return chosen
+
+
+def _source(law: str) -> str:
+    """Digest of the file that a user's law is in: what another one did is not its result."""
+    if ":" not in law:
+        raise UsageError(f"--law {law}: name it as module:Class, file.py:Class or entry-point:NAME")
+    path = inspect.getsourcefile(found(law))
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16] if path else ""
+
+
+def settings(law: str, group: Group) -> Iterator[dict[str, float]]:
     """Everything that is tried with a law, as fields of `protocol.scenario.model.Control`."""
-    scan = (LATE_SCANS if late else SCANS).get(law, {})
+    scan = SCANS[group].get(law, {})
     for values in product(*scan.values()):
         yield dict(zip(scan, values, strict=True))
-
-
-def contest(place: Place, control: Mapping[str, Any], seed: int) -> Scenario:
-    """The scenario of `seed` with these fields of its control table; k and speed stay."""
-    scenario = place.build(seed)
-    return resolved(
-        replace(
-            scenario,
-            control=replace(scenario.control, **control),
-            link=Link(delay=place.delay),
-            time=replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK),
-        )
-    )

@@ -90,6 +90,14 @@ def test_elsewhere_it_is_along_the_way_and_as_long():
     assert abs(cross) < 1e-12
 
 
+@pytest.mark.parametrize("gap", [1.2, 1.6, 1.99])
+def test_a_way_leads_to_a_goal_that_is_nearer_to_a_thing_than_ways_keep(gap: float):
+    start, goal = (-0.5, 0.0), (0.1 + gap * RADIUS, 0.05)
+    corners = way(Route(way_points(ROOM, (BOX,), 2.0 * RADIUS)), start, goal)
+    assert corners[-1] == goal
+    assert all(clearance(BOX, *leg) >= RADIUS for leg in pairwise(corners))
+
+
 def test_of_two_passages_one_that_two_can_pass_is_taken():
     narrow, wide = 0.05, 0.2
     things = (

@@ -25,6 +25,7 @@ from deploy.library import (
 )
 from deploy.library.generate import generate
 from deploy.library.load import load
+from deploy.library.swaps import circle
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario
@@ -186,3 +187,14 @@ def test_commands_print_what_can_be_read_back(tmp_path: Path) -> None:
     assert '"robots"' in runner.invoke(app, ["schema"]).stdout
     failed = runner.invoke(app, ["show", "figure-1", "--set", "control.kk=3"])
     assert isinstance(failed.exception, ScenarioError)
+
+
+def test_rvo2s_circle_has_its_sizes_and_its_jitter_stays_small() -> None:
+    exact, off = circle(50), circle(50, 0.5, 3)
+    for one, other in zip(exact.robots, off.robots, strict=True):
+        assert math.hypot(*one.start) == pytest.approx(200.0)
+        assert one.goal == other.goal == pytest.approx((-one.start[0], -one.start[1]))
+        assert 0.0 < math.dist(one.start, other.start) <= 0.5
+    assert (exact.control.speed, exact.time.step, exact.robots[0].radius) == (2.0, 0.25, 1.5)
+    with pytest.raises(UsageError, match="jitter"):
+        circle(50, 0.6)

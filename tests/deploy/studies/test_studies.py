@@ -161,7 +161,7 @@ def test_peers_meet_the_same_scenarios(tmp_path: Path) -> None:
     pytest.importorskip("daqp")
     study = peers(1, scenarios={"head-on": head_on_apart}, delays=(0.0,))
     rows = execute(study, "local", RunLog(None), jobs=1).rows
-    assert [row["law"] for row in rows] == list(LAWS)
+    assert list(dict.fromkeys(row["law"] for row in rows)) == list(LAWS)
     assert study.sound(rows)
     by_law = {row["law"]: row for row in rows}
     assert by_law["orca"]["arrived"] == by_law["barrier"]["arrived"] == 1

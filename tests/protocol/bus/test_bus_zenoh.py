@@ -243,8 +243,9 @@ def test_a_flood_is_shed_and_counted(connect: Connect) -> None:
 def test_an_unreachable_router_is_named() -> None:
     nowhere = "tcp/127.0.0.1:9"
     begin = time.monotonic()
-    with pytest.raises(BusError, match=nowhere):
+    with pytest.raises(BusError, match=nowhere) as raised:
         ZenohBus(Connection(connect=(nowhere,), timeout=0.3))
+    assert ".rs" not in str(raised.value)
     assert time.monotonic() - begin < 3.0
 
 

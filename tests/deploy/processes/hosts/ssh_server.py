@@ -9,10 +9,11 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 
@@ -63,8 +64,8 @@ def free_ports(count: int) -> list[int]:
 
 
 @contextmanager
-def ssh_server(folder: Path) -> Iterator[Server]:
-    """Serve this user on 127.0.0.1, to whoever has the key in `folder`."""
+def ssh_server(folder: Path, environment: Mapping[str, str] = MappingProxyType({})) -> Iterator[Server]:
+    """Serve this user on 127.0.0.1, to whoever has the key in `folder`; shells there have `environment`."""
     assert SSHD is not None
     if os.geteuid() == 0:
         _SEPARATION.mkdir(mode=0o755, exist_ok=True)
@@ -72,7 +73,7 @@ def ssh_server(folder: Path) -> Iterator[Server]:
         subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / name)], check=True)
     (port,) = free_ports(1)
     config = folder / "sshd_config"
-    config.write_text(_config(folder, port))
+    config.write_text(_config(folder, port) + _set(environment))
     log = (folder / "sshd.log").open("w")
     process = subprocess.Popen([SSHD, "-D", "-e", "-f", str(config)], stderr=log)
     known = folder / "known_hosts"
@@ -103,6 +104,11 @@ PasswordAuthentication no
 PermitRootLogin yes
 MaxStartups 100
 """
+
+
+def _set(environment: Mapping[str, str]) -> str:
+    pairs = " ".join(f"{name}={value}" for name, value in environment.items())
+    return f"SetEnv {pairs}\n" if pairs else ""
 
 
 def _await(port: int, process: subprocess.Popen[bytes]) -> None:

@@ -19,7 +19,8 @@ from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, plain_numbers, runs
 from deploy.studies.charts.peers import peers
-from deploy.studies.peers.study import LAWS, NAMES, places
+from deploy.studies.peers.places import places
+from deploy.studies.peers.study import LAWS, NAMES
 from deploy.studies.study import Row
 
 
@@ -35,6 +36,7 @@ def contest_row(scenario: str, late: float, law: str, came: int, touched: int = 
         "nrl_mean": 1.2 if came else None,
         "time_mean": 10.0 if came else None,
         "step_us": 40.0,
+        "choice": "best",
         "scan": [{}] * tried,
     } | over
 
@@ -44,6 +46,7 @@ PEERS = [
     contest_row(scenario, late, law, came, touched)
     for scenario, late in (("swap 8", 0.0), ("swap 8, 50 ms late", 0.05), ("swap 12", 0.0))
     for law, came, touched in (
+        ("reciprocal + lines", 3, 0),
         ("gradient + lines", 3, 0),
         ("gradient", 1, 2),
         ("orca", 2, 0),
@@ -127,8 +130,8 @@ def test_every_run_has_a_mark_that_says_what_came_of_it() -> None:
 def test_means_over_some_of_the_runs_are_hollow() -> None:
     _, nrl, time, step = peers(PEERS).axes
     for axes in (nrl, time):
-        assert (marks(axes, full), marks(axes, hollow)) == (3, 6)
-    assert (marks(step, full), marks(step, hollow)) == (12, 0)
+        assert (marks(axes, full), marks(axes, hollow)) == (6, 6)
+    assert (marks(step, full), marks(step, hollow)) == (15, 0)
 
 
 def test_the_words_above_say_how_many_runs_and_which_settings() -> None:

@@ -34,13 +34,13 @@ LAST = report(verdict="interrupted", reason=ENOUGH)
 def samples(handles: list[float], megabytes: float = 0.0) -> Samples:
     """Ten samples of one process whose memory rises by `megabytes` from one to the next."""
     count = range(len(handles))
-    series = {name: array("d", [7.0] * len(handles)) for name in ("resident_mb", "threads")}
+    series = {name: array("d", [7.0] * len(handles)) for name in ("private_mb", "resident_mb", "threads")}
     series |= {
         "time": array("d", count),
         "pid": array("d", [1.0] * len(handles)),
         "handles": array("d", handles),
     }
-    series["private_mb"] = array("d", [5.0 + megabytes * n for n in count])
+    series["anonymous_mb"] = array("d", [5.0 + megabytes * n for n in count])
     return Samples(1.0, {"robot-1": series})
 
 
@@ -104,7 +104,7 @@ def test_a_short_trial() -> None:
     assert outcome["ended"] == ENOUGH
     assert outcome["ticks"] > 5
     assert outcome["processes"].keys() == {"router", "world", "robot-1", "robot-2", "robot-3", LAUNCHER}
-    assert len(outcome["samples"]["world"]["private_mb"]) >= 3
+    assert len(outcome["samples"]["world"]["anonymous_mb"]) >= 3
     assert "nothing touched" not in failures(outcome)
 
 

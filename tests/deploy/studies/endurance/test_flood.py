@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from deploy.run.fleet import ENOUGH
-from deploy.studies.endurance.flood import Plan, flood, result
+from deploy.studies.endurance.flood import Flooding, Plan, flood, result
 from deploy.studies.endurance.flooder import Flooded
 from deploy.studies.endurance.garbage import garbage
 from deploy.studies.endurance.intervals import SETTLING, Intervals
@@ -95,15 +95,15 @@ def test_without_rules_the_rate_is_reported_and_rejections_are_due() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(90)
-@pytest.mark.parametrize("secure", [True, False])
-def test_a_short_flood(secure: bool) -> None:
+@pytest.mark.parametrize("role", ["monitor", "robot", None])
+def test_a_short_flood(role: Flooding | None) -> None:
     """How fast it was is for a quiet machine to say."""
-    if secure:
+    if role:
         pytest.importorskip("cryptography")
     told: list[float] = []
-    outcome = flood(Plan(500.0, 3, 1, 1.0, secure=secure), told.append)
+    outcome = flood(Plan(500.0, 3, 1, 1.0, role is not None, role or "monitor"), told.append)
     assert set(failures(outcome)) <= {"flooded as asked", "at most 20% slower"}
     assert told[-1] == 1.0
     assert outcome["sent"] > 0
     assert len(outcome["ticks_per_second"]["flooded"]) == 1
-    assert bool(outcome["rejected"]) is not secure
+    assert bool(outcome["rejected"]) is (role != "monitor")

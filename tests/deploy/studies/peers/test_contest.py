@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,10 +11,14 @@ from typing import Any
 import pytest
 
 from deploy.library import swap
-from deploy.studies.peers.contest import best, row, sound, summary
-from deploy.studies.peers.study import LAWS, SCANS, contest, peers, places, settings
+from deploy.library.goal_sets import figure_3
+from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
+from deploy.studies.peers.places import Group, contest, places
+from deploy.studies.peers.study import LAWS, SCANS, peers, settings
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import execute
+from deploy.studies.study import Cell
+from protocol.errors import UsageError
 
 pytest.importorskip("pyrvo")
 pytest.importorskip("daqp")
@@ -28,6 +34,7 @@ def result(**over: Any) -> dict[str, Any]:
         "sim_time": 4.0,
         "ticks": 100,
         "robots_cpu_s": 0.01,
+        "least_time": 2.5,
     } | over
 
 
@@ -38,6 +45,7 @@ def test_a_row_counts_what_came_without_touching() -> None:
     found = row(labels, [result(), touched, stuck])
     assert (found["runs"], found["arrived"], found["collisions"], found["reached"]) == (3, 1, 1, 2)
     assert (found["time_mean"], found["nrl_mean"]) == (4.0, 1.2)
+    assert (found["time_error"], found["limit_mean"]) == (None, 1.6)
     assert found["setting"] == "horizon 2 s, noise 0.1"
     assert found["step_us"] == pytest.approx(50.0)
     assert row(labels, [{"verdict": "failed"}])["step_us"] is None
@@ -55,37 +63,108 @@ def test_every_setting_meets_the_same_scenarios_and_stays_in_the_row(tmp_path: P
     study = peers(1, 5, {"pair": partial(swap, 2, 0.01)}, (0.0, 0.1))
     with RunLog(tmp_path / "runs.jsonl") as log:
         rows = execute(study, "local", log, jobs=1).rows
-    assert [each["law"] for each in rows] == 2 * list(LAWS)
-    assert [each["scenario"] for each in rows][::4] == ["pair", "pair, 100 ms late"]
-    assert [len(each["scan"]) for each in rows] == [
-        len(list(settings(law, late=late))) for late in (False, True) for law in LAWS
+    top = [each for each in rows if each["choice"] == "best"]
+    assert [each["law"] for each in top] == 2 * list(LAWS)
+    assert [each["scenario"] for each in top][:: len(LAWS)] == ["pair", "pair, 100 ms late"]
+    assert [len(each["scan"]) for each in top] == [
+        len(list(settings(law, group))) for group in ("fresh", "late") for law in LAWS
+    ]
+    assert [(each["law"], each["group"]) for each in rows if each["choice"] == "single"] == [
+        (law, group) for group in ("fresh", "late") for law in SCANS[group]
     ]
     assert all(each["runs"] == 1 and each["step_us"] > 0.0 for each in rows)
+    limit = least_time(contest(places()[0], LAWS[REFERENCE], 5))
+    assert limit == pytest.approx(max(math.dist(r.start, r.goal) for r in figure_3("d", 5).robots) / 0.1)
+    assert all(each["limit_mean"] > 1.0 for each in rows if each["arrived"])
+    assert all(each["time_ratio"] == each["nrl_ratio"] == 1.0 for each in rows if each["law"] == REFERENCE)
     assert sound(rows)
     lines = summary(rows)
     assert [line.split(":")[0] for line in lines if not line.startswith(" ")] == list(LAWS)
-    assert len(lines) == len(LAWS) + 2 * len(SCANS)  # either method without and with delays
+    assert len(lines) == len(LAWS) + 2 * len(SCANS["fresh"])  # either method without and with delays
     with RunLog(tmp_path / "runs.jsonl") as log:
         again = execute(study, "local", log, jobs=1)
     assert (again.executed, again.rows) == (0, rows)
 
 
-@pytest.mark.parametrize("late", [False, True])
-def test_either_method_is_tried_with_as_many_settings(late: bool) -> None:
-    counts = {law: len(list(settings(law, late=late))) for law in LAWS}
+COURTESY = (
+    "from agents.laws.reciprocal import ReciprocalLaw as Inner\n"
+    + """
+class Courtesy:
+    def __init__(self, scenario, robot):
+        self.law = Inner(scenario, robot)
+
+    def velocity(self, view):
+        return self.law.velocity(view)
+"""
+)
+
+
+def test_a_law_of_the_users_runs_beside_the_others(tmp_path: Path) -> None:
+    file = tmp_path / "courtesy.py"
+    file.write_text(COURTESY, encoding="utf-8")
+    name = f"{file}:Courtesy"
+    study = peers(2, 5, {"pair": partial(swap, 2, 0.01)}, (0.0,), laws=[name])
+    kept = [cell for cell in study.cells if cell.labels["law"] in (REFERENCE, f"{name} + lines")]
+    rows = execute(replace(study, cells=kept), "local", RunLog(None), jobs=1).rows
+    assert [each["law"] for each in rows] == [REFERENCE, f"{name} + lines"]
+    assert [each["paired"] for each in rows] == [2, 2]
+    assert rows[1]["time_ratio"] == pytest.approx(1.0, abs=0.1)
+    before = kept[1].labels["source"]
+    file.write_text(COURTESY + "\n", encoding="utf-8")
+    again = peers(2, 5, {"pair": partial(swap, 2, 0.01)}, (0.0,), laws=[name])
+    assert {cell.labels.get("source") for cell in again.cells} - {None} != {before}
+
+
+def test_pairs_are_runs_from_the_same_start() -> None:
+    """The second arrives in another run than the first, besides one; only that one counts."""
+    labels = {"scenario": "s", "delay": 0.0, "group": "fresh"}
+    cells = [
+        Cell({**labels, "law": REFERENCE}, partial(swap, 2, 0.01), [0, 1]),
+        Cell({**labels, "law": "gradient"}, partial(swap, 2, 0.01), [0, 1]),
+    ]
+    stuck = result(verdict="timeout")
+    results = {(0, 0): result(), (0, 1): result(sim_time=9.0), (1, 0): result(sim_time=6.0), (1, 1): stuck}
+    rows = Contest("peers", cells, row, {}).rows(results)
+    assert (rows[1]["paired"], rows[1]["time_ratio"], rows[1]["time_ratio_error"]) == (1, 1.5, None)
+
+
+def test_only_named_places_are_visited() -> None:
+    labels = {cell.labels["scenario"] for cell in peers(1, only=["swap 1", "Blocks"]).cells}
+    assert {"swap 10", "swap 12", "swap 10, 300 ms late", "Blocks"} <= labels
+    assert not any(label.startswith(("tight", "random")) for label in labels)
+    with pytest.raises(UsageError, match="swap 24"):
+        peers(1, only=["swop"])
+
+
+@pytest.mark.parametrize("group", SCANS)
+def test_either_method_is_tried_with_as_many_settings(group: Group) -> None:
+    counts = {law: len(list(settings(law, group))) for law in LAWS}
     assert counts["orca"] == counts["barrier"] > counts["gradient"] == counts["gradient + lines"] == 1
 
 
-def test_a_summary_names_the_single_setting_that_arrives_most() -> None:
-    def tried(setting: str, arrived: int, touched: int) -> dict[str, Any]:
-        return {"setting": setting, "runs": 3, "arrived": arrived, "collisions": touched}
-
-    scans = [[tried("a", 3, 0), tried("b", 0, 3)], [tried("a", 1, 1), tried("b", 3, 0)]]
-    rows = [max(scan, key=lambda each: each["arrived"]) | {"scan": scan} for scan in scans]
-    rows = [row | {"law": "orca", "delay": 0.0} for row in rows]
+def test_the_single_setting_is_the_one_that_arrives_most_over_a_group() -> None:
+    """Best in each is another one; `b` arrives in three runs of four."""
+    cells = [
+        Cell(
+            {"scenario": place, "delay": 0.0, "group": "fresh", "law": "orca", "horizon": horizon},
+            partial(swap, 2, 0.01),
+            [0, 1],
+        )
+        for place in ("one", "other")
+        for horizon in (1.0, 2.0)
+    ]
+    came = {(0, 0): 1, (0, 1): 1, (1, 0): 1, (1, 1): 0, (2, 0): 0, (2, 1): 0, (3, 0): 1, (3, 1): 1}
+    results = {key: result(verdict="arrived" if each else "timeout") for key, each in came.items()}
+    rows = Contest("peers", cells, row, {}).rows(results)
+    assert [(each["choice"], each["setting"], each["arrived"]) for each in rows] == [
+        ("best", "horizon 1 s", 2),
+        ("single", "horizon 2 s", 1),
+        ("best", "horizon 2 s", 2),
+        ("single", "horizon 2 s", 2),
+    ]
     assert summary(rows) == [
-        "orca: 6 of 6 arrived, 0 collided",
-        "  without delay: a alone: 4 of 6 arrived, 1 collided; all 2 settings: 7 of 12 arrived, 4 collided",
+        "orca: 4 of 4 arrived, 0 collided",
+        "  fresh: horizon 2 s alone: 3 of 4 arrived, 0 collided; all 2 settings: 5 of 8 arrived, 0 collided",
     ]
 
 
@@ -96,10 +175,10 @@ def test_a_collision_behind_separating_lines_is_not_sound() -> None:
 
 def test_all_places_can_be_built_and_differ_only_in_the_law() -> None:
     labels = [place.label for place in places()]
-    assert len(set(labels)) == len(labels) == 20
+    assert len(set(labels)) == len(labels) == 28
     for place in places():
         one, other = (
-            contest(place, LAWS[law] | next(settings(law, late=False)), 3) for law in LAWS if law in SCANS
+            contest(place, LAWS[law] | next(settings(law, place.group)), 3) for law in SCANS[place.group]
         )
         assert (one.robots, one.link, one.time) == (other.robots, other.link, other.time)
         assert one.link.delay == place.delay

@@ -1,0 +1,213 @@
+"""Neighbours that lie well, hold connections open, or whose time is up: what a secured run makes of them."""
+
+from __future__ import annotations
+
+import json
+import socket
+import time
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from deploy.run.unjudged import unjudged
+from deploy.security.keystore import create
+from deploy.security.membership import Membership
+from deploy.security.roster import OPERATOR, Roster
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
+from protocol.errors import BusError
+from protocol.keys import robot_key, world_key
+from protocol.messages import Clock, Command, Health, Member, Message, Result, Standing, State, Tick, Truth
+from protocol.messages import Roster as Presences
+from protocol.scenario.model import Scenario
+from protocol.streams import STREAMS
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
+
+RUN = "guarded"
+SCENARIO = load("swap-4", ["control.speed=0.05"])
+AWAY = (5.0, 5.0)
+Lie = tuple[str, str, bytes]  # stream, key, payload
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("hostile") / "keys"
+    create(directory, Roster(RUN, SCENARIO.ids))
+    return directory
+
+
+def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
+    """What each receiver would take for a message, in everybody's name but one's own."""
+    ids = scenario.ids
+    nobody = Presences(1000 + tick, tuple(Member(i, 9, "gone", 0.03) for i in ids))
+    report = {**unjudged(scenario, None, 1.0), "verdict": "arrived", "run_number": 0}
+    world: dict[str, Message] = {
+        "result": Result(json.dumps(report)),
+        "clock": Clock(tick, 0.05 * tick, (), tuple(Standing(i, 1, AWAY) for i in ids), "collision"),
+        "truth": Truth(tick, ids, (AWAY,) * len(ids), -1.0, 1.0),
+    }
+    found = [(stream, world_key(RUN, stream), encode(message)) for stream, message in world.items()]
+    for robot in ids:
+        if robot == own:
+            continue
+        said: dict[str, Message] = {
+            "tick": Tick(robot, 1, tick, (), None, nobody, None, True),
+            "state": State(robot, 1, tick, AWAY, 0.0, 0.0, 0.0, (0.0, 0.0)),
+            "command": Command(robot, 1, tick, (0.05, 0.05)),
+            "health": Health(robot, 1, tick, 0.0, 0, 0, {}, (), ()),
+        }
+        found += [
+            (stream, robot_key(RUN, robot, stream), encode(message)) for stream, message in said.items()
+        ]
+    return found
+
+
+def requests(own: int | None) -> dict[str, bytes]:
+    """What a fleet could be told by somebody who may."""
+    pack = msgspec.msgpack.encode
+    other = next(robot for robot in SCENARIO.ids if robot != own)
+    return {
+        world_key(RUN, "halt"): pack({"halt": True}),
+        world_key(RUN, "fleet"): pack({"remove": other}),
+        world_key(RUN, "things"): pack({"place": {"center": [0.0, 0.0], "radius": 0.02}}),
+        robot_key(RUN, other, "goal"): pack({"points": [[0.1, 0.1]]}),
+        robot_key(RUN, other, "join"): b"",
+    }
+
+
+class Liar:
+    """One who has the certificate of a role, or none, and speaks for everybody else."""
+
+    def __init__(self, connection: Connection, own: int | None) -> None:
+        self.bus, self._own = ZenohBus(connection), own
+        self.answers: list[bytes] = []
+        self.told = 0
+        self._publish = {
+            key: self.bus.publisher(STREAMS[stream], key) for stream, key, _ in lies(SCENARIO, 0, own)
+        }
+
+    def lie(self, tick: int) -> None:
+        for _, key, payload in lies(SCENARIO, tick, self._own):
+            self._publish[key](payload)
+            self.told += 1
+
+    def ask(self) -> None:
+        for key, request in requests(self._own).items():
+            try:
+                self.answers.append(self.bus.ask(key, request, 0.2))
+            except BusError:
+                continue
+
+
+class LiedTo(Fleet):
+    """A fleet among liars, who speak in every tick."""
+
+    def __init__(self, options: RunOptions, roles: dict[str, int | None]) -> None:
+        super().__init__([SCENARIO], options, watch=self._lie)
+        self._roles, self.liars = roles, list[Liar]()
+
+    def _lie(self, clock: Clock) -> None:
+        if not self.liars and clock.tick >= 2:
+            for role, own in self._roles.items():
+                self.liars.append(Liar(self._connection(role), own))
+                self.liars[-1].ask()
+        for liar in self.liars:
+            liar.lie(clock.tick + 1)
+
+    def _connection(self, role: str) -> Connection:
+        observer = self.topology.observer()
+        if self._options.secure is None:
+            return observer
+        return Membership(self._options.secure).client(role, observer.connect)
+
+    def __exit__(self, *details: object) -> None:
+        for liar in self.liars:
+            liar.bus.close()
+        super().__exit__(*details)
+
+
+def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
+    alone = LocalFleet([SCENARIO]).execute()[0]
+    with LiedTo(RunOptions(run=RUN, secure=keys, speed=8.0), {"robot-2": 2, "monitor": None}) as fleet:
+        report = fleet.execute()[0]
+    assert all(liar.told > 100 and not liar.answers for liar in fleet.liars)
+    assert report["verdict"] == "arrived"
+    assert report["trajectory_sha256"] == alone["trajectory_sha256"]
+    assert report["messages"]["rejected"] == {}
+    assert fleet.rejected == {}
+
+
+def test_an_operator_gives_orders_and_says_nothing_in_anothers_name(keys: Path) -> None:
+    """Orders are what the role is for: the world carries them out."""
+    with Supervisor() as supervisor, ExitStack() as stack:
+        supervisor.start([table.router(Membership(keys).router())])
+        endpoint = supervisor.report(table.ROUTER, 20.0)
+        spy, operator, world = (
+            stack.enter_context(closing(ZenohBus(Membership(keys).client(role, (endpoint,)))))
+            for role in ("monitor", OPERATOR, "world")
+        )
+        for stream, key, _ in lies(SCENARIO, 1, None):
+            if stream in ("state", "clock", "truth", "result", "health"):
+                spy.subscribe(key)
+        liar = Liar(Membership(keys).client(OPERATOR, (endpoint,)), None)
+        stack.enter_context(closing(liar.bus))
+        liar.lie(1)
+        last = encode(Clock(7, 0.0, (), (), ""))
+        world.publisher(STREAMS["clock"], world_key(RUN, "clock"))(last)
+        event: Any = spy.receive(10.0)
+        assert event is not None
+        assert event.payload == last
+        assert operator.receive(0.0) is None
+
+
+def test_without_keys_the_same_lies_are_believed() -> None:
+    """What the test above forbids is possible where there are no rules: it could fail."""
+    with LiedTo(RunOptions(run=RUN, speed=8.0), {"anybody": None}) as fleet:
+        report = fleet.execute()[0]
+    (liar,) = fleet.liars
+    alone = LocalFleet([SCENARIO]).execute()[0]
+    assert liar.answers
+    assert report["trajectory_sha256"] != alone["trajectory_sha256"]
+
+
+def test_half_open_links_keep_nobody_out(keys: Path) -> None:
+    """Connections that say nothing, or begin a handshake and stop."""
+    with Supervisor() as supervisor, ExitStack() as stack:
+        supervisor.start([table.router(Membership(keys).router())])
+        endpoint = supervisor.report(table.ROUTER, 20.0)
+        host, _, port = endpoint.partition("/")[2].rpartition(":")
+        for n in range(400):
+            link = stack.enter_context(socket.create_connection((host, int(port))))
+            if n % 2:
+                link.send(b"\x16\x03\x01\x02\x00\x01\x00")
+        began = time.monotonic()
+        with closing(ZenohBus(Membership(keys).client("robot-1", (endpoint,)))):
+            assert time.monotonic() - began < 5.0
+
+
+def test_certificates_that_expire_during_the_run_end_it_standing(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    slow = load("swap-4", ["control.speed=0.002"])
+    create(tmp_path / "keys", Roster(RUN, slow.ids), days=5.0 / 86400.0)
+    options = RunOptions(mode="realtime", run=RUN, secure=tmp_path / "keys")
+    with Fleet([slow], options) as fleet:
+        began = time.monotonic()
+        report = fleet.execute(lambda: time.monotonic() > began + 40.0)[0]
+        assert time.monotonic() < began + 30.0
+    assert report["verdict"] == "aborted"
+    assert f"the certificates in {tmp_path / 'keys'} ended at" in report["reason"]
+    assert "make new ones" in report["reason"]
+    assert report["collisions"] == 0
+    assert any("links with them" in message for message in caplog.messages)
