@@ -45,11 +45,13 @@ def robot(
     """
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
-    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
+    name = _run(membership, run)
+    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here,
+    begin(f"robot-{robot_id}", name, log)  # or with its log
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.
     files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
-    arguments = [endpoint, _run(membership, run), str(robot_id), str(wait), *files]
+    arguments = [endpoint, name, str(robot_id), str(wait), *files]
     os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
