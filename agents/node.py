@@ -4,6 +4,7 @@ Lock-step: the State goes out when the Tick arrives, the Command when the States
 take part are there. When the world tells the same tick again, both go out again, or instead of the
 Command whose States are missing. Real time: both go out at once, and nobody is waited for. When a run
 ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
+A robot that is not simulated has a base, too: it shows its token once it knows where it is.
 """
 
 from __future__ import annotations
@@ -15,6 +16,11 @@ from collections.abc import Callable, Iterable
 from math import inf
 from typing import Final
 
+from msgspec.structs import replace
+
+from agents.bases.base import Base
+from agents.bases.choice import base_of
+from agents.bases.start import misplaced
 from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState
 from agents.robot import Robot
@@ -23,7 +29,7 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Health, Roster, State, Tick
+from protocol.messages import Health, Roster, Sense, State, Tick
 from protocol.requests import joining
 from protocol.streams import STREAMS
 
@@ -43,6 +49,7 @@ class RobotNode:
         robot: own id.
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
+        namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
 
@@ -59,6 +66,7 @@ class RobotNode:
         *,
         patience: float = PATIENCE,
         wait: float = PATIENCE,
+        namespace: str | None = None,
         say: Callable[[str], None] = lambda _: None,
         note: Callable[[str], None] = lambda _: None,
     ) -> None:
@@ -71,7 +79,11 @@ class RobotNode:
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._session = os.urandom(8).hex()
         self._lockstep = True
-        self._declared = self._over = self._noted = False
+        self._namespace = namespace
+        self._base: Base | None = None
+        self._founded = False  # whether the run had begun when this robot was admitted
+        self._said = ""  # the newest of what was said of the base
+        self._declared = self._announced = self._over = self._noted = False
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
@@ -79,7 +91,12 @@ class RobotNode:
         self._said_state = self._said_command = b""  # newest, as they were sent
         self._published = self._received = 0
         self._heard_world = self._reported = time.monotonic()
-        self.deadline = self._heard_world
+        self._due = self._heard_world
+
+    @property
+    def deadline(self) -> float:
+        """When `wake` wants to be called next, s, monotonic."""
+        return self._due if self._base is None else min(self._due, self._base.due)
 
     # -- joining
 
@@ -94,7 +111,7 @@ class RobotNode:
         now = time.monotonic()
         self._heard_world = now
         if isinstance(reply, joining.Wait):
-            self.deadline = now + min(max(0.0, reply.after), self._patience)
+            self._due = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
             self._note(f"the run is over: {reply.verdict}")
@@ -104,13 +121,13 @@ class RobotNode:
             self._refused += 1
             if self._refused >= _REFUSALS:
                 raise JoinError(reply.text)
-            self.deadline = now + 0.2
+            self._due = now + 0.2
 
     def _on_silence(self, error: Exception) -> None:
         """Nobody answers a request to join, or nobody who could be understood."""
         now = time.monotonic()
         if now <= self._heard_world + self._bearable:
-            self.deadline = now + _RETRY  # not there yet, cut off for a moment, or the reply was lost
+            self._due = now + _RETRY  # not there yet, cut off for a moment, or the reply was lost
         elif self._over:
             self.finished = True  # the world left first
         else:
@@ -137,12 +154,13 @@ class RobotNode:
             for index, spec in enumerate(others)
         }
         self._lockstep, self._away = admission.lockstep, admission.away
+        self._founded = admission.founded
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
         self._ended = self._over = self._noted = False
         self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
-        self.deadline = time.monotonic() + REPORT_PERIOD
+        self._due = time.monotonic() + REPORT_PERIOD
         self._listen(self._peers)
         if not self._declared:
             self._declare()
@@ -173,8 +191,18 @@ class RobotNode:
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
-        bus.announce(robot_key(run, robot, "alive"))
+        assert self.core is not None
+        self._base = base_of(self.core.scenario, robot, self._namespace)
+        if self._base is None:
+            self._announce()
+        else:
+            bus.subscribe(*self._base.keys)
+            self._tell_base = bus.foreign(self._base.tells)
         self._declared = True
+
+    def _announce(self) -> None:
+        self._bus.announce(robot_key(self._run, self._robot, "alive"))
+        self._announced = True
 
     # -- events
 
@@ -197,6 +225,10 @@ class RobotNode:
             self._say(f"the world of run {self._run!r} is gone; stands still")
 
     def _on_sample(self, key: str, payload: bytes) -> None:
+        base = self._base
+        if base is not None and key in base.keys:
+            base.hear(key, payload, time.monotonic())
+            return
         try:
             peer = self._peers.get(key)
             heard = None if peer is None else peer.read(payload)
@@ -236,7 +268,7 @@ class RobotNode:
         elif tick.incarnation == core.incarnation and tick.tick > core.tick:
             if tick.roster is not None:
                 self._meet(tick.roster)
-            self._said_state = encode(core.begin(tick))
+            self._said_state = encode(core.begin(tick, self._sense(core, tick)))
             if core.note and not self._noted:
                 self._noted = True
                 self._say(core.note)
@@ -246,9 +278,24 @@ class RobotNode:
             if core.complete or not self._lockstep:
                 self._command()
 
+    def _sense(self, core: Robot, tick: Tick) -> Sense | None:
+        """What the own base and localisation say as a tick begins, if it has its own."""
+        base = self._base
+        if base is None:
+            return None
+        if core.lost:
+            base.doubt(core.note)
+        sense = base.begin(tick, self._heard_world)
+        if base.anew:
+            core.begin_anew()
+        return sense
+
     def _command(self) -> None:
         assert self.core is not None
-        self._said_command = encode(self.core.command())
+        command = self.core.command()
+        if self._base is not None:
+            self._base.obey(command, time.monotonic())
+        self._said_command = encode(command)
         self._tell_command(self._said_command)
         self._published += 1
         self._commanded = True
@@ -272,15 +319,40 @@ class RobotNode:
         """This life is over; ask for the next. What still arrives is not for this life."""
         self._ended = True
         self._report()
-        self.deadline = time.monotonic()
+        self._due = time.monotonic()
+        if self._base is not None:
+            self._base.stand(self._due)
+            self._move(self._base, self._due)
 
     # -- time
 
     def wake(self, now: float) -> None:
+        base = self._base
+        if base is not None and now >= base.due:
+            self._move(base, now)
+        if base is None or now >= self._due:
+            self._look(now)
+
+    def _move(self, base: Base, now: float) -> None:
+        """Tell the own base what it has to be told by now, and people what is wrong with it."""
+        for payload in base.wake(now):
+            self._tell_base(payload)
+        trouble = base.note
+        if not self._announced and self.core is not None and not trouble:
+            known = base.place()
+            if known is not None and not self._founded:
+                trouble = misplaced(self.core.scenario, self._robot, *known)
+            if not trouble:
+                self._announce()
+        if trouble != self._said:
+            self._said = trouble
+            self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
+
+    def _look(self, now: float) -> None:
         if self.core is None or self._ended:
             self._join()
             return
-        self.deadline = now + REPORT_PERIOD
+        self._due = now + REPORT_PERIOD
         if now >= self._reported + REPORT_PERIOD:
             self._report()
         if now > self._alone_since + self._bearable:
@@ -296,4 +368,5 @@ class RobotNode:
     def _health(self) -> Health:
         core = self.core
         assert core is not None
-        return core.health(self._published, self._received, dict(self._rejected))
+        health = core.health(self._published, self._received, dict(self._rejected))
+        return replace(health, note=self._said) if self._said else health

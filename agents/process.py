@@ -21,11 +21,16 @@ SUCCESS, REFUSED, FAULT = 0, 2, 3
 
 
 def main(
-    connection: Connection, run: str, robot: int, wait: float = PATIENCE, beat: Heartbeat | None = None
+    connection: Connection,
+    run: str,
+    robot: int,
+    wait: float = PATIENCE,
+    beat: Heartbeat | None = None,
+    namespace: str | None = None,
 ) -> int:
     """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
 
-    `wait` is how long there may be no world yet, s.
+    `wait` is how long there may be no world yet, s; `namespace` as of `RobotNode`.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
@@ -33,7 +38,15 @@ def main(
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
-            node = RobotNode(bus, checked_run(run), robot, wait=wait, say=LOG.warning, note=LOG.info)
+            node = RobotNode(
+                bus,
+                checked_run(run),
+                robot,
+                wait=wait,
+                namespace=namespace,
+                say=LOG.warning,
+                note=LOG.info,
+            )
             drive(node, bus, beat=beat)
     except Stop:
         return SUCCESS
@@ -47,10 +60,10 @@ def main(
 
 
 if __name__ == "__main__":
-    endpoint, run_name, identity, waits, keys, alive, logs = sys.argv[1:]
+    endpoint, run_name, identity, waits, keys, alive, logs, base, topics = sys.argv[1:]
     entitle(f"robot {identity}", run_name)
     log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)
-    sys.exit(main(router, run_name, int(identity), float(waits), sign))
+    sys.exit(main(router, run_name, int(identity), float(waits), sign, topics if base else None))

@@ -22,7 +22,7 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
-from protocol.messages import Answer, Command, Health, Proposal, Roster, Sense, State, Tick
+from protocol.messages import Answer, Command, Health, Proposal, Report, Roster, Sense, State, Tick
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -59,9 +59,10 @@ class Robot:
         sensing = scenario.sensing_of(robot)
         latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         trusting = sensing.contradiction == "newest"
-        self._estimate = Estimate(
-            self._body.reach, trusting, scenario.ticks(latest), coasts=not scenario.body_of(robot).ideal
-        )
+        self._oldest, self._trusting = scenario.ticks(latest), trusting
+        self._coasts = not scenario.body_of(robot).ideal
+        self._reports = scenario.is_external
+        self._estimate = self._nothing_known()
         self._boundary = boundary_of(scenario.workspace.shape, spec.radius)
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
@@ -77,7 +78,14 @@ class Robot:
         self._halted = False  # an emergency stop is in force
         self._open = False  # whether the tick's State is out and its Command is not
 
+    def _nothing_known(self) -> Estimate:
+        return Estimate(self._body.reach, self._trusting, self._oldest, coasts=self._coasts)
+
     # -- phase 1
+
+    def begin_anew(self) -> None:
+        """All that was known of where this robot is was void: only what it senses from here on counts."""
+        self._estimate = self._nothing_known()
 
     def begin(self, tick: Tick, sense: Sense | None = None) -> State:
         """Open a tick; returns the State to publish.
@@ -239,7 +247,13 @@ class Robot:
                 if things is not None:
                     wish = things.make_room(wish)
                 velocity = self._allowed(lines, position, wish)
-        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept)
+        report = self._report() if self._reports else None
+        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept, (), report)
+
+    def _report(self) -> Report | None:
+        """Where this robot knows itself to be."""
+        position = self._estimate.position
+        return None if position is None or self._estimate.lost else Report(position, self._estimate.bound)
 
     def _view(self, position: Vector) -> View:
         """What the law is given in this tick."""
@@ -282,6 +296,16 @@ class Robot:
         """Whether the world says that this incarnation is over."""
         roster = tick.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The run, as this robot was told of it."""
+        return self._scenario
+
+    @property
+    def lost(self) -> bool:
+        """Whether what it was told of where it is cannot be true, so that it stands."""
+        return self._estimate.lost
 
     @property
     def note(self) -> str:

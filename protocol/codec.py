@@ -60,6 +60,8 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = abs(message.velocity[0]) + abs(message.velocity[1])
+        if message.report is not None:
+            total += sum(map(abs, _command_numbers(message)))
     elif isinstance(message, Tick) and message.roster is None:
         total = 0.0 if message.sense is None else sum(map(abs, _sense_numbers(message.sense)))
         total += 0.0 if message.goal is None else abs(message.goal[0]) + abs(message.goal[1])
@@ -89,10 +91,15 @@ def _numbers(message: AnyMessage) -> Iterator[float]:
     if isinstance(message, State):
         return _state_numbers(message)
     if isinstance(message, Command):
-        return iter(message.velocity)
+        return iter(_command_numbers(message))
     if isinstance(message, Tick):
         return _tick_numbers(message)
     return _watched_numbers(message)
+
+
+def _command_numbers(command: Command) -> tuple[float, ...]:
+    report = command.report
+    return command.velocity if report is None else (*command.velocity, *report.position, report.bound)
 
 
 def _state_numbers(state: State) -> Iterator[float]:

@@ -139,6 +139,14 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
+    heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
+
+
+class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Where a robot that is not simulated knows itself to be."""
+
+    position: Vector  # m, centre of a set that contains the truth
+    bound: Size  # m, the truth is at most this far from `position`
 
 
 class State(Message, frozen=True, array_like=True, gc=False):
@@ -165,6 +173,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     velocity: Vector  # m/s, constant during the tick
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
+    report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):

@@ -39,7 +39,7 @@ class WorldNode:
         bus: a connection of its own.
         run: name of the run.
         scenarios: all with the same robot ids; k already numbers.
-        lockstep: whether ticks wait for the robots.
+        lockstep: whether ticks wait for the robots; for those that are not simulated they never do.
         gathering: s that robots have to join.
         patience: s that a lock-step tick waits for a command.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
@@ -74,6 +74,7 @@ class WorldNode:
     ) -> None:
         self.report: dict[str, Any] | None = None
         self.finished = False
+        lockstep = lockstep and not any(scenario.is_external for scenario in scenarios)
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal

@@ -30,19 +30,23 @@ def report(
     lives: Lives,
     sensors: Iterable[Sensor],
     orders: Iterable[tuple[int, Order, str]],
+    largest_bound: float | None = None,
 ) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
     lateral_deviation: largest distance of each robot from the segment between its start and its goal.
 
-    plant: what moved the disks, and the contacts that it reported by itself, if it can.
+    plant: what moved the disks, and the contacts that it reported by itself, if it can. Of bases outside
+    nobody knows the truth: everything here is judged by what robots reported of themselves, each time off by
+    no more than `reported_bound`, m, unless a stated bound is wrong.
 
     Args:
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
         lengths: path length of each robot that is or was there, m.
         orders: those of the scenario that were due: tick, order, and why it was refused or "".
+        largest_bound: by which a reported position may have been off, m; None where the truth is known.
     """
     step, truth = scenario.time.step, record.truth
     return {
@@ -61,6 +65,7 @@ def report(
         "plant": {
             "kind": scenario.world.plant,
             "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in touches.all[:LISTED]],
+            "reported_bound": largest_bound,
         },
         "nrl": normalised_length(record.goals, dict(lengths)),
         "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},

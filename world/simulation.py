@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
-from protocol.messages import Sense, Vector
+from protocol.messages import Report, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
@@ -18,9 +19,13 @@ class Simulation:
     Attributes:
         plant: what moves the disks.
         sensors: of position, by robot id.
+        bounds: by how much `places` are off, m, by robot id: not at all.
+        largest_bound: None, for the places are the truth.
     """
 
     def __init__(self, scenario: Scenario) -> None:
+        self.bounds: Mapping[int, float] = MappingProxyType({})
+        self.largest_bound: float | None = None
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {robot: Odometer(scenario, robot, self.plant.slips) for robot in scenario.ids}
@@ -37,8 +42,11 @@ class Simulation:
 
     @property
     def lengths(self) -> dict[int, float]:
-        """Path length of every robot that is or was there, m."""
-        return dict(zip(self.plant.ids, self.plant.lengths, strict=True)) | self._departed
+        """Path length of every robot that is or was there, m; of all that had the same id together."""
+        lengths = self._departed.copy()
+        for robot, length in zip(self.plant.ids, self.plant.lengths, strict=True):
+            lengths[robot] = lengths.get(robot, 0.0) + length
+        return lengths
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """What every robot is told of itself at the start of `tick`, those who do not listen included:
@@ -50,6 +58,9 @@ class Simulation:
             moved, bound, motion = self._odometers[robot].read(plant.report(index), tick)
             sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
         return sensed
+
+    def hear(self, robot: int, tick: int, report: Report | None) -> None:
+        """Robots that are simulated have nothing to report."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
@@ -72,11 +83,9 @@ class Simulation:
     def recast(self, scenario: Scenario) -> None:
         """Robots came and went: a new one is at its start."""
         plant = self.plant
-        self._departed |= {
-            robot: length
-            for robot, length in zip(plant.ids, plant.lengths, strict=True)
-            if robot not in scenario.ids
-        }
+        for robot, length in zip(plant.ids, plant.lengths, strict=True):
+            if robot not in scenario.ids:
+                self._departed[robot] = self._departed.get(robot, 0.0) + length
         plant.recast(scenario)
         self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {

@@ -28,6 +28,7 @@ from world.coordinator.inputs import (
     TakenAway,
     checksum,
 )
+from world.external import External
 from world.judge.referee import Referee
 from world.report import report
 from world.simulation import Simulation
@@ -43,7 +44,7 @@ class World:
 
     Attributes:
         coordinator: who takes part.
-        simulation: where the disks are, and what robots sense.
+        simulation: where the disks are, and what robots sense; of an external fleet, what it reports.
         referee: what happened, and how the run ended.
     """
 
@@ -51,7 +52,7 @@ class World:
         self, scenario: Scenario, incarnations: Mapping[int, int] | None = None, version: int = 0
     ) -> None:
         self.coordinator = Coordinator(scenario, incarnations or {}, version)
-        self.simulation = Simulation(scenario)
+        self.simulation = External(scenario) if scenario.is_external else Simulation(scenario)
         plant = self.simulation.plant
         self.referee = Referee(scenario, plant.positions, plant.parts)
 
@@ -114,7 +115,10 @@ class World:
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
-        return self.coordinator.accept(command)
+        taken = self.coordinator.accept(command)
+        if taken:
+            self.simulation.hear(command.robot, command.tick, command.report)
+        return taken
 
     def close_tick(self) -> None:
         """End the tick: move everything, judge, advance. Missing commands mean standing still."""
@@ -129,7 +133,7 @@ class World:
         else:
             simulation.move(coordinator.commands.velocities, self.tick)
         referee.touches.add(self.tick, simulation.plant.touched())
-        coordinator.close(simulation.resting())
+        coordinator.close(simulation.resting(), simulation.bounds)
         referee.record.add(simulation.plant.positions, simulation.plant.between)
         if coordinator.lives.settle():
             referee.record.surround(coordinator.lives.things.standing)
@@ -274,4 +278,5 @@ class World:
             lives=coordinator.lives,
             orders=coordinator.schedule.done,
             sensors=simulation.sensors.values(),
+            largest_bound=simulation.largest_bound,
         )

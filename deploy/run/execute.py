@@ -21,6 +21,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
+from protocol.errors import UsageError
 from protocol.log import LOG
 from protocol.scenario.model import Scenario
 
@@ -92,6 +93,8 @@ def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
 def _fleet(
     scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
 ) -> Fleet | LocalFleet:
+    if options.transport == "local" and scenario.is_external:
+        raise UsageError("bases outside are reached by the network: leave out --transport local")
     if options.transport == "local":
         return LocalFleet(
             [scenario],

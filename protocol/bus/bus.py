@@ -22,6 +22,9 @@ class Bus(Protocol):
     def publisher(self, stream: Stream, key: str) -> Publish:
         """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
 
+    def foreign(self, key: str) -> Publish:
+        """The same for a key of somebody who is not of this fleet; what cannot be sent at once is dropped."""
+
     def subscribe(self, *key_expressions: str) -> None:
         """Ask for samples under key expressions; under plain keys they cost least."""
 

@@ -103,6 +103,9 @@ class LocalBus:
         self._watches: list[re.Pattern[str]] = []
 
     def publisher(self, stream: Stream, key: str) -> Publish:  # noqa: ARG002
+        return self.foreign(key)
+
+    def foreign(self, key: str) -> Publish:
         network = self._network
         receivers: list[LocalBus] = []
         generation = -1

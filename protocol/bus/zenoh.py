@@ -87,6 +87,16 @@ class ZenohBus:
         self._declared.append(publisher)
         return publisher.put
 
+    def foreign(self, key: str) -> Publish:
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=zenoh.CongestionControl.DROP,
+            express=True,  # for one small message now and then there is nothing to wait for
+            allowed_destination=zenoh.Locality.REMOTE,
+        )
+        self._declared.append(publisher)
+        return publisher.put
+
     def subscribe(self, *key_expressions: str) -> None:
         # A key that was declared is a number in a sample; of any other the text is sent, and searched for.
         for each in key_expressions:

@@ -45,6 +45,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     scenario: Scenario
     oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
     away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
+    founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):

@@ -31,7 +31,7 @@ def _with_newcomer(order: Any, default: Any) -> Any:
 def _with_radius(robot: Any, default: Any) -> Any:
     if not isinstance(robot, dict) or "radius" in robot:
         return robot
-    body = _fields(robot.get("body", default))
+    body = fields_of(robot.get("body", default))
     radius, offset = body.get("radius"), body.get("offset", 0.0)
     if isinstance(radius, int | float) and isinstance(offset, int | float):
         return robot | {"radius": radius + offset}
@@ -40,13 +40,13 @@ def _with_radius(robot: Any, default: Any) -> Any:
 
 def body_findings(sound: Sound) -> Iterator[Finding]:
     """Everything that is wrong with bodies."""
-    yield from _wheels(("body",), _fields(sound.get("body")))
+    yield from _wheels(("body",), fields_of(sound.get("body")))
     physics = sound.get("world", "plant") == "mujoco"
     for robot in robots_of(sound):
         steps: Steps = (*robot, "body")
         own = sound.get(*steps)
-        yield from _wheels(steps, _fields(own))
-        body = _fields(sound.get("body") if own is None else own)
+        yield from _wheels(steps, fields_of(own))
+        body = fields_of(sound.get("body") if own is None else own)
         yield from _hull((*robot, "radius"), body, sound.get(*robot, "radius"))
         if physics and body and body.get("kind") != "differential-drive":
             yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
@@ -69,7 +69,7 @@ def robots_of(sound: Sound) -> list[Steps]:
     ]
 
 
-def _fields(body: Any) -> dict[str, Any]:
+def fields_of(body: Any) -> dict[str, Any]:
     """What is known of a body, by name or as a table; without one, a point."""
     if isinstance(body, dict):
         return body

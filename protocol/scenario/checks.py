@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from protocol.geometry import Disk, Shape
+from protocol.scenario.base_checks import base_findings
 from protocol.scenario.body_checks import body_findings
 from protocol.scenario.fault_checks import fault_findings
 from protocol.scenario.model import Time
@@ -57,6 +58,7 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         *space_findings(sound, room, _placed(disks)),
         *_times(sound),
         *body_findings(sound),
+        *base_findings(sound),
         *fault_findings(sound, named_robots(sound, known)),
         *order_findings(sound, room, known),
     ]

@@ -14,6 +14,7 @@ from annotated_types import Ge, Le, Len, Predicate
 
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.scenario.base import Base
 from protocol.scenario.body import PRESETS, Body, Preset
 from protocol.scenario.ranges import (
     STRICT,
@@ -204,6 +205,7 @@ class RobotSpec:
     goal: Point  # m
     heading: Angle = 0.0  # rad, at the start
     body: Preset | Body | None = None  # the scenario's, unless given
+    base: Base | None = None  # the scenario's, unless given
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,10 +237,11 @@ class Order:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What moves the disks: formulas, or a physics engine (extra `mujoco`)."""
+    """What moves the disks: formulas, a physics engine (extra `mujoco`), or bases outside, in real time."""
 
     __pydantic_config__ = STRICT
-    plant: Literal["integrator", "mujoco"] = "integrator"
+    plant: Literal["integrator", "mujoco", "external"] = "integrator"
+    lease: Positive = 0.5  # s, external: a robot stands that has not heard of the coordinator for so long
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,6 +262,7 @@ class Scenario:
     actuation: Actuation = Actuation()
     world: World = World()
     body: Preset | Body = "point"  # of every robot that has none of its own
+    base: Base | None = None  # of every robot that has none of its own
     things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
     orders: Annotated[tuple[Order, ...], Len(0, 1000)] = ()
 
@@ -305,7 +309,19 @@ class Scenario:
         """What carries the disk of a robot."""
         own = self.spec(robot).body
         body = self.body if own is None else own
-        return PRESETS[body] if isinstance(body, str) else body
+        plain, base = PRESETS[body] if isinstance(body, str) else body, self.base_of(robot)
+        return plain if base is None else base.carries(plain)
+
+    def base_of(self, robot: int) -> Base | None:
+        """What moves a robot that is not simulated."""
+        own = self.spec(robot).base
+        base = self.base if own is None else own
+        return Base() if base is None and self.is_external else base
+
+    @property
+    def is_external(self) -> bool:
+        """Whether the fleet is not simulated."""
+        return self.world.plant == "external"
 
     def sensing_of(self, robot: int) -> Sensing:
         """How this robot is measured: the last entry that names it, or that names nobody."""

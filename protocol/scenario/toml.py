@@ -28,6 +28,8 @@ def document_of(scenario: Scenario) -> Document:
             document[key] = value
     if scenario.body != "point":
         document["body"] = _plain(scenario.body)
+    if scenario.base is not None:
+        document["base"] = _plain(scenario.base)
     document["robots"] = _plain(scenario.robots)
     return document
 

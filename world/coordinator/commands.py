@@ -12,6 +12,12 @@ from world.coordinator.lives import Lives
 class Commands:
     """A command counts for the open tick only, from an active life, once.
 
+    One that comes too late is still a sign of life where a robot obeys its own commands.
+
+    Args:
+        lives: whose they are.
+        external: whether robots obey their own commands.
+
     Attributes:
         velocities: taken in this tick, m/s, by robot.
         waiting: robots that still owe one.
@@ -21,13 +27,13 @@ class Commands:
             life), fenced, inactive, duplicate, unknown.
     """
 
-    def __init__(self, lives: Lives) -> None:
+    def __init__(self, lives: Lives, external: bool = False) -> None:
         self.velocities: dict[int, Vector] = {}
         self.lacking: dict[int, tuple[int, ...]] = {}
         self.waiting: set[int] = set()
         self.missed = 0
         self.refused: Counter[str] = Counter()
-        self._lives = lives
+        self._lives, self._external = lives, external
         self._tick = 0
         self._open = False
 
@@ -54,7 +60,7 @@ class Commands:
         reason = self._refusal(command)
         if reason:
             self.refused[reason] += 1
-            return False
+            return reason == "late" and self._external and self._heard_late(command)
         if command.awaits:
             self.lacking[command.robot] = command.awaits
             return False
@@ -63,6 +69,14 @@ class Commands:
         self._lives.of[command.robot].heard = self._tick
         self._lives.acknowledge(command.robot, command.roster)
         return True
+
+    def _heard_late(self, command: Command) -> bool:
+        life = self._lives.of[command.robot]
+        news = command.tick > life.heard
+        if news:
+            life.heard = command.tick
+            self._lives.acknowledge(command.robot, command.roster)
+        return news
 
     def _refusal(self, command: Command) -> str:
         life = self._lives.of.get(command.robot)

@@ -46,7 +46,7 @@ class Coordinator:
         self.told: dict[int, Tick] | None = None
         self.note: Callable[[Input], None] | None = None
         self.lives = Lives(scenario, incarnations, version)
-        self.commands = Commands(self.lives)
+        self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
         self.schedule = Schedule(scenario)
@@ -228,15 +228,18 @@ class Coordinator:
             self.noted(command)
         return taken
 
-    def close(self, resting: Mapping[int, Vector]) -> None:
+    def close(
+        self, resting: Mapping[int, Vector], bounds: Mapping[int, float] = MappingProxyType({})
+    ) -> None:
         """End the tick. Of those who have not commanded, whoever was silent for too long is fenced.
 
         Args:
             resting: robots that do not move until they hear another command, and where they are, m.
+            bounds: by how much that may be off, m, where it may.
         """
         for robot, position in resting.items():
             if robot not in self.commands.velocities:
-                self.lives.fence(self.tick, robot, position)
+                self.lives.fence(self.tick, robot, position, bounds.get(robot, 0.0))
         self.told = None
         self.tick += 1
 
@@ -246,7 +249,9 @@ class Coordinator:
         return self.missions.pending or self.membership.pending or self.schedule.pending
 
     def is_alone(self) -> bool:
-        """Whether robots are missing that will not come back."""
+        """Whether robots are missing that will not come back; of an external fleet nobody can tell."""
+        if self.scenario.is_external:
+            return False
         missing = len(self.lives.up) < len(self.scenario.ids) and not self.schedule.pending
         return missing and self.lives.gone_for_good(self.tick - 1)
 
@@ -255,6 +260,7 @@ class Coordinator:
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
         roster_for, goal = self.lives.roster_for, self.missions.goal
+        leased = self.scenario.is_external
         return {
             robot: Tick(
                 robot,
@@ -265,6 +271,7 @@ class Coordinator:
                 roster_for(robot),
                 goal(robot),
                 self.halted,
+                heard=life.heard if leased and life.heard >= 0 else None,
             )
             for robot, life in self.lives.listeners()
         }

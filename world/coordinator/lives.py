@@ -258,13 +258,14 @@ class Lives:
             self.applied.append((tick, fault))
             _EVENTS[fault.event](self.of[fault.robot])
 
-    def fence(self, tick: int, robot: int, position: Vector) -> None:
-        """Announce a life as down if it has been silent for long enough at the end of `tick`."""
+    def fence(self, tick: int, robot: int, position: Vector, bound: float) -> None:
+        """Announce a life as down, within `bound` of `position`, m, if it has been silent for long enough at
+        the end of `tick`."""
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
             if self._roster.is_live(robot):
-                self._roster.fence(robot, position)
+                self._roster.fence(robot, position, bound)
             self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
             if life.status is Status.UP:
                 life.status = Status.LOST

@@ -124,7 +124,8 @@ class Admissions:
 
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
-        return joining.Admission(slot.granted, self._lockstep, run.scenario, run.oldest, away)
+        founded = run.world.coordinator.founded
+        return joining.Admission(slot.granted, self._lockstep, run.scenario, run.oldest, away, founded)
 
     # -- who is there
 

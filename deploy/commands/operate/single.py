@@ -7,7 +7,7 @@ import os
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -37,12 +37,23 @@ def robot(
     secure: options.Secure = None,
     wait: Wait = _WAIT,
     alive: Alive = None,
+    base: Annotated[
+        Literal["ros2"] | None,
+        typer.Option(help="It is not simulated: its base is told what to do by ROS 2 messages over zenoh."),
+    ] = None,
+    namespace: Annotated[
+        str | None,
+        typer.Option(help="Of the base's topics; as the scenario has it, and else /bot and the id."),
+    ] = None,
     log: options.Log = None,
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
     Example: disknav robot 3 --run demo --router tcp/10.0.0.1:7447
+    Example: disknav robot 1 --run yard --base ros2 --namespace /bot1
     """
+    if namespace is not None and base is None:
+        raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
     name = _run(membership, run)
@@ -51,7 +62,8 @@ def robot(
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.
     files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
-    arguments = [endpoint, name, str(robot_id), str(wait), *files]
+    outside = [base or "", namespace or ""]
+    arguments = [endpoint, name, str(robot_id), str(wait), *files, *outside]
     os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
@@ -63,6 +75,10 @@ def world(
     seed: options.Seed = None,
     setting: options.Settings = None,
     secure: options.Secure = None,
+    plant: Annotated[
+        str | None,
+        typer.Option(help="What moves the robots: integrator, mujoco, or external, bases outside."),
+    ] = None,
     journal: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
@@ -84,7 +100,8 @@ def world(
     from world.shell.journal import Journal
 
     membership = Membership(secure)
-    loaded = load(scenario, setting or [], seed)
+    settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
+    loaded = load(scenario, settings, seed)
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = _run(membership, run)
     entitle("world", run_name)

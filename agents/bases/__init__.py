@@ -1,0 +1,1 @@
+"""Bases and localisations outside: what really moves a robot, and tells it where it is."""

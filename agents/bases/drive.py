@@ -1,0 +1,113 @@
+"""What a base is told from moment to moment, so that it does what `protocol.bodies.base` says of a body.
+
+A tick's command becomes `STEPS` velocities; the last one is held until the next tick, but not for ever: after
+the tick and the patience, or when the lease ends, whichever is earlier, the robot has the base brake. If this
+process dies instead, the base brakes by itself when its own timeout is over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from protocol.bodies.base import STEPS, Arc, Motion, chord, turned
+from protocol.bodies.base import Base as Kinematics
+from protocol.messages import BaseMotion, Vector
+from protocol.scenario.base import Base
+from protocol.scenario.body import Body
+
+_STILL: Vector = (0.0, 0.0)
+
+
+class Drive:
+    """One base's velocities, ahead and aside in its own frame, m/s.
+
+    Args:
+        body: with everything that comes late.
+        base: its times.
+        period: of a tick, s.
+
+    Attributes:
+        told: what the base is told at present.
+        due: when that changes, s; infinite if it does not.
+    """
+
+    def __init__(self, body: Body, base: Base, period: float) -> None:
+        self.told: Vector = _STILL
+        self.due = math.inf
+        self._kinematics = Kinematics(body, period)
+        self._hold, self._grace, self._part = body.hold, period + base.patience, period / STEPS
+        self._alone = base.timeout + base.latency  # s that the base goes on if this process dies
+        self._late = base.age + 2.0 * base.latency  # s for which wheels may do what was told before
+        self._plan: deque[tuple[float, Vector]] = deque()
+        self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
+        self._until = -math.inf  # s: from when on it brakes by itself
+
+    def advance(self, now: float) -> bool:
+        """Come to `now`; whether the base is to be told something else."""
+        before = self.told
+        while self._plan and self._plan[0][0] <= now:
+            when, self.told = self._plan.popleft()
+            self._past.append((when, self.told))
+        while len(self._past) > 1 and self._past[1][0] <= now - self._late:
+            self._past.popleft()
+        self.due = self._plan[0][0] if self._plan else math.inf
+        return self.told != before
+
+    def motion(self, heading: float, now: float) -> BaseMotion | None:
+        """What the base does as far as it was told; None if it stands.
+
+        Args:
+            heading: in the map, rad.
+            now: s.
+        """
+        self.advance(now)
+        velocity, hold = self.told, self._alone + max(0.0, self._until - now)
+        if velocity == _STILL:  # it may not have heard that yet
+            velocity, hold = self._past[0][1], self._alone
+        if velocity == _STILL:
+            return None
+        moving = Motion(heading, velocity[0], velocity[1], min(hold, self._hold))
+        arc = self._kinematics.halt(moving)
+        dx, dy = chord(arc, self._kinematics.turn(arc))
+        return BaseMotion(moving.velocity, heading, turned(dx, dy, heading))
+
+    def turning(self) -> float:
+        """How fast the base turns as it was told, rad/s."""
+        return self._kinematics.turn(Arc(*self.told, 1.0))
+
+    def command(self, velocity: Vector, heading: float, now: float, until: float) -> None:
+        """Do this from `now` on, of a tick that begins.
+
+        Args:
+            velocity: of the control point in the map, m/s; zero means to brake.
+            heading: in the map, rad.
+            now: s.
+            until: end of the lease, s.
+        """
+        self.advance(now)
+        motion = Motion(heading, *self.told)
+        self._until = min(now + self._grace, until)
+        plan: list[tuple[float, Vector]] = []
+        if velocity != _STILL:
+            ahead, aside = self._kinematics.limited(motion, velocity)
+            arcs = self._kinematics.drive(motion, ahead, aside)
+            plan = [(now + n * self._part, (arc.ahead, arc.aside)) for n, arc in enumerate(arcs)]
+            plan.append((now + STEPS * self._part, (ahead, aside)))
+            plan = [step for step in plan if step[0] < self._until]
+        else:
+            self._until = now
+        self._plan = deque([*plan, *self._brake(max(now, self._until), plan[-1][1] if plan else self.told)])
+        self.due = self._plan[0][0] if self._plan else math.inf
+
+    def _brake(self, begin: float, velocity: Vector) -> list[tuple[float, Vector]]:
+        """From a velocity to rest."""
+        kinematics = self._kinematics
+        steps: list[tuple[float, Vector]] = []
+        coasting = Motion(0.0, *velocity)
+        while not coasting.stands:
+            arc = kinematics.coast(coasting, self._part)
+            share = arc.duration / self._part
+            steps.append((begin + len(steps) * self._part, (share * arc.ahead, share * arc.aside)))
+            coasting = kinematics.coasted(coasting, self._part)
+        return [*steps, (begin + len(steps) * self._part, _STILL)] if steps else []

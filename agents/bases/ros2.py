@@ -1,0 +1,128 @@
+"""A base that speaks ROS 2 as zenoh-bridge-ros2dds carries it: keys are `<namespace>/<topic>`, payloads CDR.
+
+Nothing here knows ROS; what it takes are the four messages of `agents.bases.ros_messages`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from agents.bases.drive import Drive
+from agents.bases.lease import Lease
+from agents.bases.ros_messages import (
+    Header,
+    StampedVelocity,
+    Velocity,
+    encode_twist,
+    encode_twist_stamped,
+)
+from agents.bases.senses import Senses
+from protocol.messages import Command, Sense, Tick, Vector
+from protocol.scenario.base import Base
+from protocol.scenario.model import Scenario
+
+_OFTEN: Final = 3.0  # velocities in the base's own timeout, at least
+_STILL: Vector = (0.0, 0.0)
+
+
+class Ros2Base:
+    """See `agents.bases.base.Base`.
+
+    Args:
+        scenario: the run.
+        robot: own id.
+        base: its table.
+        clock: wall-clock time for the stamps of velocities, ns.
+    """
+
+    def __init__(
+        self, scenario: Scenario, robot: int, base: Base, clock: Callable[[], int] = time.time_ns
+    ) -> None:
+        body = scenario.body_of(robot)
+        self._odometry, self._pose = base.key(robot, base.odometry), base.key(robot, base.pose)
+        self.keys: tuple[str, ...] = (self._odometry, self._pose)
+        self.tells = base.key(robot, base.velocity)
+        self.due = 0.0
+        self._base, self._offset = base, body.offset
+        self._clock = clock
+        self._every = base.timeout / _OFTEN
+        self._senses = Senses(scenario, robot, base)
+        self._drive = Drive(body, base, scenario.time.step)
+        self._duration = scenario.world.lease
+        self._lease, self._life = Lease(self._duration), 0
+        self._heading = 0.0  # in the map as the present tick's command comes into effect, rad
+        self._blind = True
+
+    @property
+    def note(self) -> str:
+        """Why nothing can be relied on."""
+        return self._senses.note
+
+    @property
+    def anew(self) -> bool:
+        """Whether what the robot knew was void before the last `begin`."""
+        return self._senses.anew
+
+    def hear(self, key: str, payload: bytes, now: float) -> None:
+        """See `agents.bases.base.Base`."""
+        if key == self._odometry:
+            self._senses.on_odometry(payload, now)
+        elif key == self._pose:
+            self._senses.on_pose(payload)
+
+    def place(self) -> tuple[Vector, float] | None:
+        """See `agents.bases.base.Base`."""
+        return self._senses.place()
+
+    def begin(self, tick: Tick, now: float) -> Sense | None:
+        """See `agents.bases.base.Base`."""
+        if tick.incarnation != self._life:
+            self._lease, self._life = Lease(self._duration), tick.incarnation
+        self._lease.heard(tick.heard)
+        self._senses.anew = False
+        self._senses.look(now)
+        ahead = self._senses.age(now) + self._base.latency
+        self._heading = self._senses.heading() + self._drive.turning() * min(ahead, self._base.age)
+        sense = self._senses.read(tick.tick, self._drive.motion(self._heading, now), now)
+        self._blind = sense is None
+        return sense
+
+    def obey(self, command: Command, now: float) -> None:
+        """See `agents.bases.base.Base`."""
+        self._lease.sent(command.tick, now)
+        velocity = _STILL if self._blind else command.velocity
+        self._drive.command(velocity, self._heading, now, self._lease.until)
+        self.due = now
+
+    def doubt(self, why: str) -> None:
+        """See `agents.bases.base.Base`."""
+        self._senses.doubt(why)
+
+    def stand(self, now: float) -> None:
+        """See `agents.bases.base.Base`."""
+        self._drive.command(_STILL, self._heading, now, now)
+        self.due = now
+
+    def wake(self, now: float) -> Iterable[bytes]:
+        """See `agents.bases.base.Base`."""
+        self._senses.look(now)
+        if not self._senses.sound and self._drive.told != _STILL and not self._blind:
+            self._blind = True
+            self.stand(now)
+        self._drive.advance(now)
+        self.due = min(now + self._every, self._drive.due)
+        return (self._message(),)
+
+    def _message(self) -> bytes:
+        ahead, aside = self._drive.told
+        if self._offset > 0.0:
+            velocity = Velocity((ahead, 0.0, 0.0), (0.0, 0.0, aside / self._offset))
+        else:
+            velocity = Velocity((ahead, aside, 0.0), (0.0, 0.0, 0.0))
+        if self._base.stamped:
+            return encode_twist_stamped(
+                StampedVelocity(Header(self._clock(), self._base.base_frame), velocity)
+            )
+        return encode_twist(velocity)

@@ -1,0 +1,312 @@
+"""A floor with real bases, in virtual time: nothing on it knows of this project's models of them.
+
+Wheels are integrated in small steps: they follow what they are told with a lag, within their acceleration,
+and slip; a base that hears nothing for its timeout brakes. Everything that is sent takes a random time.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import count
+
+from agents.bases.ros2 import Ros2Base
+from agents.bases.ros_messages import (
+    NANO,
+    Header,
+    Odometry,
+    Pose,
+    StampedPose,
+    Velocity,
+    decode_twist,
+    encode_odometry,
+    encode_pose,
+)
+from agents.peers.state import addressed_to
+from agents.robot import Robot
+from protocol.messages import Command, State, Tick
+from protocol.scenario.model import Scenario
+from world.world import World
+
+STEP = 0.005  # s, of the wheels
+SERVO = 0.010  # s, by which wheels lag
+EPOCH = 1_700_000_000 * NANO  # of the bases' clocks, which nobody else has
+Vector = tuple[float, float]
+Event = Callable[[], None]
+
+
+def turn(angle: float) -> tuple[float, float, float, float]:
+    return (0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle))
+
+
+class Wheels:
+    """One base on the floor: axle's middle, direction, and the speeds of two wheels."""
+
+    def __init__(self, scenario: Scenario, robot: int, rng: random.Random) -> None:
+        spec, self.body, self.table = scenario.spec(robot), scenario.body_of(robot), scenario.base_of(robot)
+        assert self.table is not None
+        self.sensing = scenario.sensing_of(robot)
+        self.rng = rng
+        self.yaw = spec.heading
+        self.x = spec.start[0] - self.body.offset * math.cos(self.yaw)
+        self.y = spec.start[1] - self.body.offset * math.sin(self.yaw)
+        self.left = self.right = 0.0
+        self.aims: Vector = (0.0, 0.0)  # of the wheels
+        self.heard = -math.inf
+        self.scale = 1.0 + rng.uniform(-0.8, 0.8) * self.body.odometry  # of odometry's lengths
+        self.ox, self.oy, self.oyaw = rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-3, 3)
+        self.dead = False
+
+    @property
+    def control(self) -> Vector:
+        """Where the control point is, m."""
+        lead = self.body.offset
+        return self.x + lead * math.cos(self.yaw), self.y + lead * math.sin(self.yaw)
+
+    def hear(self, payload: bytes, now: float) -> None:
+        velocity = decode_twist(payload)
+        across = 0.5 * velocity.angular[2] * self.body.track
+        self.aims, self.heard = (velocity.linear[0] - across, velocity.linear[0] + across), now
+
+    def roll(self, now: float) -> None:
+        """Go on for a step."""
+        assert self.table is not None
+        if self.dead:
+            return
+        if now - self.heard > self.table.timeout:
+            self.aims = (0.0, 0.0)
+        most = self.body.acceleration * STEP
+        for name, aim in zip(("left", "right"), self.aims, strict=True):
+            speed = getattr(self, name)
+            wanted = (aim - speed) * (1.0 - math.exp(-STEP / SERVO))
+            setattr(self, name, speed + max(-most, min(most, wanted)))
+        ahead, rate = 0.5 * (self.left + self.right), (self.right - self.left) / self.body.track
+        middle = self.yaw + 0.5 * rate * STEP
+        dx, dy = ahead * STEP * math.cos(middle), ahead * STEP * math.sin(middle)
+        self.x, self.y, self.yaw = self.x + dx, self.y + dy, self.yaw + rate * STEP
+        askew = self.oyaw - self.yaw + rate * STEP
+        self.ox += self.scale * (dx * math.cos(askew) - dy * math.sin(askew))
+        self.oy += self.scale * (dx * math.sin(askew) + dy * math.cos(askew))
+        self.oyaw += rate * STEP
+
+    def odometry(self, now: float) -> Odometry:
+        ahead, rate = 0.5 * (self.left + self.right), (self.right - self.left) / self.body.track
+        return Odometry(
+            Header(EPOCH + round(now * NANO), "odom"),
+            "base_link",
+            Pose((self.ox, self.oy, 0.0), turn(self.oyaw)),
+            Velocity((ahead, 0.0, 0.0), (0.0, 0.0, rate)),
+        )
+
+    def pose(self, now: float) -> StampedPose:
+        size, angle = self.sensing.bound * math.sqrt(self.rng.random()), self.rng.uniform(0.0, math.tau)
+        askew = self.rng.uniform(-0.9, 0.9) * self.sensing.heading
+        place = (self.x + size * math.cos(angle), self.y + size * math.sin(angle), 0.0)
+        return StampedPose(Header(EPOCH + round(now * NANO), "map"), Pose(place, turn(self.yaw + askew)))
+
+
+@dataclass
+class Crew:
+    """One robot's process."""
+
+    core: Robot
+    base: Ros2Base
+    wheels: Wheels
+    alive: bool = True  # the process
+    frozen: list[Event] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    truths: dict[int, Vector] = field(default_factory=dict)  # of the control point, m, by ms
+
+
+class Floor:
+    """A coordinator, its robots, their bases, and a network between them.
+
+    Args:
+        scenario: of an external fleet.
+        seed: of all delays and losses.
+        delay: s that a message of the fleet takes at most; those of a base take its `latency` at most.
+        loss: share of the fleet's messages that are lost.
+        odometry: changes what a base says, by robot, time and message; None loses it.
+        pose: the same of a localisation.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        seed: int = 0,
+        *,
+        delay: float = 0.03,
+        loss: float = 0.0,
+        odometry: Callable[[int, float, Odometry], Odometry | None] = lambda _r, _t, m: m,
+        pose: Callable[[int, float, StampedPose], StampedPose | None] = lambda _r, _t, m: m,
+    ) -> None:
+        self.now = 0.0
+        self.rng = random.Random(seed)
+        self.scenario, self.delay, self.loss = scenario, delay, loss
+        self.world = World(scenario)
+        self.cut = False  # whether nothing passes between coordinator and robots
+        self.closest = math.inf  # m, smallest gap between any two disks so far
+        self.excess = -math.inf  # m, by which a truth was outside the set that its robot knew
+        self._events: list[tuple[float, int, Event]] = []
+        self._number = count()
+        self._odometry, self._pose = odometry, pose
+        self.crews: dict[int, Crew] = {}
+        for robot in scenario.ids:
+            table = scenario.base_of(robot)
+            assert table is not None
+            core = Robot(scenario, robot, self.world.coordinator.join(robot))
+            self.crews[robot] = Crew(
+                core, Ros2Base(scenario, robot, table), Wheels(scenario, robot, self.rng)
+            )
+            self._wake(robot)
+            self._later(self.rng.randrange(20) * 1e-3, lambda robot=robot: self._speak(robot))
+            self._later(self.rng.randrange(50) * 1e-3, lambda robot=robot: self._locate(robot))
+        self._later(0.0, self._roll)
+        self._later(1.0, self._tick)
+
+    def run(self, until: float) -> Floor:
+        """Go on, until a time or the end of the run."""
+        while self._events and self._events[0][0] <= until and not self.world.verdict:
+            self.now, _, event = heapq.heappop(self._events)
+            event()
+        return self
+
+    def moving(self) -> list[int]:
+        """Robots whose wheels turn."""
+        return [
+            r for r, crew in self.crews.items() if max(abs(crew.wheels.left), abs(crew.wheels.right)) > 1e-3
+        ]
+
+    # -- time
+
+    def _later(self, delay: float, event: Event) -> None:
+        heapq.heappush(self._events, (self.now + delay, next(self._number), event))
+
+    def _roll(self) -> None:
+        for crew in self.crews.values():
+            crew.wheels.roll(self.now)
+        places = [(crew.wheels.control, crew.core.robot) for crew in self.crews.values()]
+        for n, (place, robot) in enumerate(places):
+            for other, peer in places[:n]:
+                radii = self.scenario.spec(robot).radius + self.scenario.spec(peer).radius
+                self.closest = min(self.closest, math.dist(place, other) - radii)
+        self._later(STEP, self._roll)
+
+    # -- the bases
+
+    def _speak(self, robot: int) -> None:
+        crew = self.crews[robot]
+        crew.truths[round(self.now * 1000)] = crew.wheels.control
+        message = (
+            None if crew.wheels.dead else self._odometry(robot, self.now, crew.wheels.odometry(self.now))
+        )
+        if message is not None:
+            self._to_robot(crew, lambda payload=encode_odometry(message): self._hear(crew, "odom", payload))
+        self._later(0.02, lambda: self._speak(robot))
+
+    def _locate(self, robot: int) -> None:
+        crew = self.crews[robot]
+        message = self._pose(robot, self.now, crew.wheels.pose(self.now))
+        if message is not None:
+            self._to_robot(crew, lambda payload=encode_pose(message): self._hear(crew, "pose", payload))
+        self._later(0.05, lambda: self._locate(robot))
+
+    def _hear(self, crew: Crew, topic: str, payload: bytes) -> None:
+        crew.base.hear(f"bot{crew.core.robot}/{topic}", payload, self.now)
+
+    def _to_robot(self, crew: Crew, event: Event) -> None:
+        table = self.scenario.base_of(crew.core.robot)
+        assert table is not None
+        # in order, as a link has it
+        self._later(0.5 * table.latency, lambda: self._if_alive(crew, event))
+
+    def _if_alive(self, crew: Crew, event: Event) -> None:
+        if crew.alive:
+            event()
+        else:
+            crew.frozen.append(event)
+
+    def thaw(self, robot: int) -> None:
+        """A process that was stopped goes on with all that it has missed."""
+        crew = self.crews[robot]
+        crew.alive, events, crew.frozen = True, crew.frozen, []
+        for event in events:
+            event()
+
+    def _wake(self, robot: int) -> None:
+        crew = self.crews[robot]
+        table = self.scenario.base_of(robot)
+        assert table is not None
+        if crew.alive and self.now >= crew.base.due:
+            for payload in crew.base.wake(self.now):
+                self._later(
+                    self.rng.uniform(0.0, table.latency),
+                    lambda payload=payload: crew.wheels.hear(payload, self.now),
+                )
+            if crew.base.note != (crew.notes[-1] if crew.notes else None):
+                crew.notes.append(crew.base.note)
+        self._later(0.005, lambda: self._wake(robot))
+
+    # -- the fleet
+
+    def _send(self, event: Event) -> None:
+        if self.rng.random() >= self.loss:
+            self._later(self.rng.uniform(0.0, self.delay), event)
+
+    def _tick(self) -> None:
+        if self.world.is_open:
+            self.world.close_tick()
+        if not self.world.verdict:
+            for robot, tick in self.world.open_tick().items():
+                crew = self.crews[robot]
+                if not self.cut:
+                    self._send(
+                        lambda crew=crew, tick=tick: self._if_alive(crew, lambda: self._begin(crew, tick))
+                    )
+        self._later(self.scenario.time.step, self._tick)
+
+    def _begin(self, crew: Crew, tick: Tick) -> None:
+        core, base = crew.core, crew.base
+        if core.has_ended(tick):  # begin another life
+            base.stand(self.now)
+            crew.core = Robot(self.scenario, core.robot, self.world.coordinator.join(core.robot))
+            return
+        if tick.tick <= core.tick or tick.incarnation != core.incarnation:
+            return
+        if core.lost:
+            base.doubt(core.note)
+        sense = base.begin(tick, self.now)
+        if base.anew:
+            core.begin_anew()
+        state = core.begin(tick, sense)
+        if sense is not None and state.position is not None:
+            self._check(crew, state)
+        for peer in self.crews.values():
+            if peer is not crew:
+                self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
+        command = core.command()
+        base.obey(command, self.now)
+        if not self.cut:
+            self._send(lambda: self._accept(command))
+
+    def _tell(self, peer: Crew, state: State) -> None:
+        radius = self.scenario.spec(state.robot).radius
+        peer.core.on_state(addressed_to(peer.core.robot, state, radius, self._index(peer, state.robot)))
+
+    def _index(self, peer: Crew, robot: int) -> int:
+        return [other for other in self.scenario.ids if other != peer.core.robot].index(robot)
+
+    def _accept(self, command: Command) -> None:
+        if not self.cut:
+            self.world.accept(command)
+
+    def _check(self, crew: Crew, state: State) -> None:
+        """The truth of when the newest odometry was said is in the set that the robot knows."""
+        newest = crew.base._senses._odometer.newest
+        assert newest is not None
+        assert state.position is not None
+        truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
+        self.excess = max(self.excess, math.dist(state.position, truth) - state.bound)

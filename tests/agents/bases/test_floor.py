@@ -1,0 +1,191 @@
+"""Robots with bases outside, in virtual time: whatever is late, lost, wrong or dead, nothing touches."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from itertools import count
+
+import pytest
+
+from agents.bases.odometer import Odometer
+from agents.bases.ros_messages import NANO, Odometry, StampedPose
+from deploy.library.load import load
+from protocol.scenario.base import Base
+from tests.agents.bases.floor import Floor
+
+SETTINGS = (
+    "world.plant=external",
+    "time.step=0.1",
+    "sensing.noise=0.003",
+    "sensing.noise_bound=0.006",
+    "sensing.heading=0.03",
+    "time.limit=120",
+    "time.tolerance=0.03",
+    "control.speed=0.2",
+)
+FROM, UNTIL = 8.0, 10.0  # s, of what goes wrong
+STOPPED = 1.2  # s after which a base that is left alone stands: silence, hold, braking
+
+
+def fleet(count, *settings):
+    return load(f"turtlebots-{count}", [*SETTINGS, *settings], 1)
+
+
+PAIR = fleet(2)
+
+
+def test_six_robots_swap_although_messages_are_late_and_lost():
+    floor = Floor(fleet(6), 3, delay=0.1, loss=0.1).run(120.0)
+    report = floor.world.report()
+    assert report["verdict"] == "arrived"
+    assert floor.closest > 0.0
+    assert floor.excess <= 0.0  # each robot's set held the truth all the time
+    assert report["plant"]["kind"] == "external"
+    assert 0.0 < report["plant"]["reported_bound"] < 0.02  # as the result says of what it was judged by
+    assert report["min_clearance"] == pytest.approx(floor.closest, abs=2 * report["plant"]["reported_bound"])
+
+
+def test_commands_that_come_when_their_tick_is_over_are_signs_of_life():
+    floor = Floor(PAIR, 1, delay=0.3).run(120.0)
+    assert floor.world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
+def turned_over(message):
+    return replace_pose(message, orientation=(1.0, 0.0, 0.0, 0.0))
+
+
+def replace_pose(message, **changes):
+    return message._replace(pose=message.pose._replace(**changes))
+
+
+def shifted(message, by):
+    x, y, z = message.pose.position
+    return replace_pose(message, position=(x + by, y, z))
+
+
+def stamped(message, by):
+    return message._replace(header=message.header._replace(stamp=message.header.stamp + round(by * NANO)))
+
+
+def framed(message, frame):
+    return message._replace(header=message.header._replace(frame=frame))
+
+
+ODOMETRY = {
+    "jumps": (lambda m: shifted(m, 0.5), r"odometry jumps by 0\.5"),
+    "stops": (lambda _: None, r"no odometry for 0\.5 s"),
+    "goes back in time": (lambda m: stamped(m, -1.0), r"odometry goes back in time by 0\.98"),
+    "is no number": (lambda m: shifted(m, math.nan), "odometry that is no number"),
+    "has an infinite velocity": (
+        lambda m: m._replace(velocity=m.velocity._replace(linear=(math.inf, 0.0, 0.0))),
+        "odometry that is no number",
+    ),
+    "is upside down": (turned_over, "not in the plane"),
+    "is in another frame": (lambda m: framed(m, "map"), "odometry of 'base_link' in 'map'"),
+    "is of another frame": (lambda m: m._replace(child="laser"), "odometry of 'laser' in 'odom'"),
+}
+POSE = {
+    "contradicts odometry": (
+        lambda m: shifted(m, 0.1),
+        r"a pose and odometry exclude each other by 0\.0\d+ m",
+    ),
+    "goes back in time": (lambda m: stamped(m, -1.0), "the pose goes back in time by 0"),
+    "is no number": (lambda m: shifted(m, math.nan), "a pose that is no number"),
+    "is in another frame": (lambda m: framed(m, "world"), "a pose in 'world', not in 'map'"),
+}
+
+
+def during(change):
+    """Change every other message to robot 1 for a while; or all, if that is to lose them."""
+    number = count()
+
+    def changed(robot: int, now: float, message: Odometry | StampedPose):
+        if robot != 1 or not FROM <= now < UNTIL:
+            return message
+        other = change(message)
+        return message if other is not None and next(number) % 2 else other
+
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("stream", "what"), [("odometry", what) for what in ODOMETRY] + [("pose", what) for what in POSE]
+)
+def test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on(stream, what):
+    change, says = (ODOMETRY if stream == "odometry" else POSE)[what]
+    floor = Floor(PAIR, 2, **{stream: during(change)}).run(FROM)
+    assert floor.moving() == [1, 2]
+    floor.run(FROM + STOPPED)
+    crew = floor.crews[1]
+    assert 1 not in floor.moving()
+    assert crew.base.note
+    assert any(re.search(says, note) for note in crew.notes), crew.notes
+    floor.run(120.0)
+    assert crew.notes[-1] == ""
+    assert floor.world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+    assert floor.excess <= 0.0
+
+
+def test_a_base_that_dies_is_stood_by_and_one_that_comes_back_is_driven_on():
+    floor = Floor(PAIR, 4).run(FROM)
+    floor.crews[1].wheels.dead = True
+    floor.run(FROM + 20.0)
+    assert floor.crews[1].base.note == "no odometry for 0.5 s"
+    assert floor.closest > 0.0
+    floor.crews[1].wheels.dead = False
+    assert floor.run(150.0).world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
+def test_a_robot_cut_off_from_its_coordinator_stands_within_hold_and_braking():
+    floor = Floor(fleet(4), 5).run(FROM)
+    floor.cut = True
+    body = floor.scenario.body_of(1)
+    floor.run(FROM + floor.delay + floor.scenario.time.step + body.hold + body.speed / body.acceleration)
+    assert floor.moving() == []
+    floor.run(FROM + 4.0)
+    assert len(floor.world.coordinator.standing) == 4
+    floor.cut = False
+    assert floor.run(200.0).world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_process_that_was_stopped_is_fenced_where_it_is_and_does_not_move_on_stale_ticks(seed):
+    floor = Floor(fleet(3), seed).run(FROM)
+    floor.crews[1].alive = False
+    floor.run(FROM + 3.0)
+    (member,) = [each for each in floor.world.coordinator.roster.members if each.status == "standing"]
+    place = floor.crews[1].wheels.control
+    assert member.robot == 1
+    assert math.dist(member.position, place) <= member.bound
+    floor.cut = True  # all that it has is what it missed
+    floor.thaw(1)
+    floor.run(FROM + 5.0)
+    assert math.dist(floor.crews[1].wheels.control, place) < 1e-6
+    floor.cut = False
+    floor.run(200.0)
+    assert floor.closest > 0.0
+
+
+def test_what_a_fast_base_can_do_is_no_jump():
+    body, base = PAIR.body_of(1), Base()
+    wheels = Floor(PAIR).crews[1].wheels
+    wheels.aims = (body.speed, 0.5 * body.speed)
+    odometer = Odometer(base, body)
+    for step in range(400):
+        wheels.heard = 0.005 * step
+        wheels.roll(0.005 * step)
+        if step % 4 == 0:
+            assert odometer.take(wheels.odometry(0.005 * step), 0.0) == ""
+    assert odometer.newest.way > 0.2
+
+
+def test_the_same_message_twice_is_the_same_message():
+    odometer, message = Odometer(Base(), PAIR.body_of(1)), Floor(PAIR).crews[1].wheels.odometry(1.0)
+    assert odometer.take(message, 0.0) == odometer.take(message, 0.1) == ""
+    assert replace(PAIR, name="x").base_of(1) == Base()

@@ -1,0 +1,127 @@
+"""Robots that are not simulated: nobody moves them here, and where they are is what they report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from protocol.errors import UsageError
+from protocol.messages import Report, Sense, Vector
+from protocol.scenario.model import RobotSpec, Scenario
+from world.sensing.position import Sensor
+
+
+class External:
+    """In place of `world.simulation.Simulation`: an external fleet as its coordinator sees it.
+
+    A robot moves only under its lease (`agents.bases.lease`). So whoever was not heard for the time of lease,
+    hold and braking stands, no further from its last report than it can have gone by then.
+
+    Attributes:
+        plant: the robots' disks as they are reported.
+        sensors: none.
+        bounds: by how much places are off, m, by robot id.
+        largest_bound: of all reports so far, m.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.plant = Reported(scenario)
+        self.sensors: dict[int, Sensor] = {}
+        self.bounds: dict[int, float] = {}
+        self.largest_bound: float | None = 0.0
+        self._step, self._speed = (
+            scenario.time.step,
+            scenario.control.speed * (1.0 + scenario.actuation.bound),
+        )
+        self._tick = 0
+        self._heard: dict[int, int] = {}  # tick of the newest Command, by robot
+        self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
+        self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
+        self._lease = scenario.world.lease
+
+    @property
+    def places(self) -> dict[int, Vector]:
+        """Where every disk's centre is by the newest report, m; before any, at its start."""
+        return dict(zip(self.plant.ids, self.plant.positions, strict=True))
+
+    def place(self, robot: int) -> Vector:
+        """Where one disk's centre is, m."""
+        return self.plant.positions[self.plant.ids.index(robot)]
+
+    @property
+    def lengths(self) -> dict[int, float]:
+        """Path length of every robot, m."""
+        return dict(zip(self.plant.ids, self.plant.lengths, strict=True))
+
+    def sense(self, tick: int) -> dict[int, Sense]:
+        """Nothing: bases speak for themselves."""
+        self._tick = tick
+        return {}
+
+    def hear(self, robot: int, tick: int, report: Report | None) -> None:
+        """A robot commands itself in a tick, and says where it was as that began, if it knows."""
+        self._heard[robot] = tick
+        if report is not None:
+            self._reports[robot] = tick, report
+            self.largest_bound = max(self.largest_bound or 0.0, report.bound)
+            self.plant.put(robot, report.position)
+
+    def move(self, commands: Mapping[int, Vector], tick: int) -> None:
+        """A tick is over; robots obey their own commands."""
+
+    def brake(self, tick: int) -> None:
+        """A tick is over in which robots were told to stand."""
+
+    def resting(self) -> dict[int, Vector]:
+        """Where robots stand that were not heard for so long that they surely do, m, by robot id."""
+        self.bounds = {}
+        resting = {}
+        for robot, (tick, report) in self._reports.items():
+            leased = self._lease + self._stops[robot]  # s after the newest Command
+            heard = self._heard[robot]
+            if (self._tick - heard) * self._step >= leased:
+                moved = (heard + 1 - tick) * self._step + leased
+                self.bounds[robot] = report.bound + self._speed * moved
+                resting[robot] = report.position
+        return resting
+
+    def recast(self, scenario: Scenario) -> None:  # noqa: ARG002
+        """Nobody comes or goes."""
+        raise UsageError(self.plant.fixed)
+
+
+class Reported:
+    """See `world.plants.plant.Plant`, which knows no more than what it is told."""
+
+    parts = 1
+    slips = True
+    fixed = "robots outside neither come nor go: stop the run, and begin another"
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.ids = scenario.ids
+        self.positions: list[Vector] = [scenario.spec(robot).start for robot in self.ids]
+        self.lengths = [0.0] * len(self.ids)
+        self.between: list[tuple[Vector, ...]] = []
+        self._known: set[int] = set()
+
+    def put(self, robot: int, position: Vector) -> None:
+        """A robot is there."""
+        index = self.ids.index(robot)
+        if robot in self._known:
+            self.lengths[index] += math.dist(self.positions[index], position)
+        self._known.add(robot)
+        self.positions[index] = position
+
+    def refusal(self, spec: RobotSpec) -> str:  # noqa: ARG002
+        """See `world.plants.plant.Plant`."""
+        return self.fixed
+
+    def touched(self) -> tuple[()]:
+        """Nobody feels a contact."""
+        return ()
+
+
+def _stopping(scenario: Scenario, robot: int) -> float:
+    """Time in which a robot's base stands when it is left alone, s."""
+    body = scenario.body_of(robot)
+    return body.hold + body.speed / body.acceleration
