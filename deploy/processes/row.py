@@ -9,7 +9,11 @@ from typing import NamedTuple
 import psutil
 
 from deploy.processes.backoff import Backoff
+from deploy.processes.fork_messages import MAX_NEWS
 from deploy.processes.table import Process
+
+_MOST = 1000  # reports that wait to be asked for
+_UNHEARD = 2 * MAX_NEWS  # characters of them
 
 
 class Exit(NamedTuple):
@@ -63,6 +67,16 @@ class Life:
     unheard: list[str] = field(default_factory=list)  # all reports that nobody has asked for
     cpu_s: float = 0.0  # of ended processes
     max_rss_mb: float = 0.0
+
+    def hear(self, text: str) -> None:
+        """Take a report, if its row makes any. Of what nobody asks for the newest is kept: a host that was
+        taken over may never stop."""
+        if not self.process.reports:
+            return
+        self.report = self.report or text
+        self.unheard.append(text)
+        while len(self.unheard) > _MOST or sum(map(len, self.unheard)) > _UNHEARD:
+            del self.unheard[0]
 
     @property
     def over(self) -> bool:

@@ -198,8 +198,7 @@ class Supervisor:
         if isinstance(news, Started):
             life.pid = news.pid
         elif isinstance(news, Report):
-            life.report = life.report or news.text
-            life.unheard.append(news.text)
+            life.hear(news.text)
         elif isinstance(news, Exited):
             del self._by_number[news.life]
             self._ended(life, news)

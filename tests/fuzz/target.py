@@ -17,7 +17,7 @@ class Target:
     draw: an input; plain values whose `repr` gives them back.
     read: what it does with that; whether it was accepted.
     declared: the one kind of exception that may come of it.
-    share: of all inputs, in parts of the sum of all shares.
+    share: of all inputs, in parts of the sum of all shares; what takes long has a small one.
     """
 
     draw: Callable[[Random], Any]

@@ -306,7 +306,12 @@ def _draw_text(rng: Random) -> str:
 
 
 def _draw_settings(rng: Random) -> list[str]:
-    return [damaged_text(rng.choice(_SETTINGS), rng.choice(_SETTINGS), rng) for _ in range(rng.randint(1, 3))]
+    return [_draw_setting(rng) for _ in range(rng.randint(1, 3))]
+
+
+def _draw_setting(rng: Random) -> str:
+    valid = rng.choice(_SETTINGS)
+    return damaged_text(valid, rng.choice(_SETTINGS), rng) if rng.randrange(4) else valid
 
 
 def _draw_file(rng: Random) -> bytes:
@@ -334,15 +339,15 @@ def _read_file(content: bytes) -> bool:
 
 
 TARGETS = {
-    "message": Target(_draw_message, _read_message, MessageError, 16),
-    "join": Target(_requested(_requests), _read_request, MessageError, 4),
-    "reply": Target(_requested(_replies), _read_reply, MessageError, 2),
-    "steer": Target(_requested(_steers), _read_steer, MessageError, 2),
+    "message": Target(_draw_message, _read_message, MessageError, 60),
+    "join": Target(_requested(_requests), _read_request, MessageError, 10),
+    "reply": Target(_requested(_replies), _read_reply, MessageError, 6),
+    "steer": Target(_requested(_steers), _read_steer, MessageError, 6),
     "event": Target(_draw_events, _take_part, MessageError, 2),
-    "key": Target(_draw_key, _read_key, KeyGrammarError, 4),
+    "key": Target(_draw_key, _read_key, KeyGrammarError, 16),
     "document": Target(_draw_document, lambda d: _same_again(parse_document(d)), ScenarioError, 4),
     "text": Target(_draw_text, lambda text: _same_again(parse_toml(text)), ScenarioError, 2),
-    "settings": Target(_draw_settings, _read_settings, ScenarioError, 2),
+    "settings": Target(_draw_settings, _read_settings, ScenarioError, 4),
     "file": Target(_draw_file, _read_file, ScenarioError, 2),
     **ORDERS,
     **HOSTS,

@@ -17,13 +17,14 @@ from tests.fuzz.targets import TARGETS
 def test_nothing_but_declared_errors() -> None:
     tally = campaign(0, range(8000))
     assert list(map(str, tally.findings.values())) == []
-    assert all(tally.accepted[name] and tally.refused[name] for name in TARGETS)
+    assert all(tally.accepted[name] for name in TARGETS)
+    assert all(tally.refused[name] for name in TARGETS.keys() - {"log"})  # that shows what it cannot read
 
 
 def test_an_input_is_drawn_from_its_number_alone() -> None:
     assert repr(drawn(3, 41)) == repr(drawn(3, 41))
     assert len({repr(drawn(3, n)) for n in range(200)}) > 150
-    assert {target_of(n) for n in range(20)} == set(TARGETS)
+    assert {target_of(n) for n in range(sum(each.share for each in TARGETS.values()))} == set(TARGETS)
 
 
 def test_a_find_is_saved(monkeypatch: pytest.MonkeyPatch, tmp_path, capsys) -> None:  # type: ignore[no-untyped-def]

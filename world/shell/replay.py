@@ -50,6 +50,8 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
         JournalError: the journal does not lead where it says it led.
     """
     head = journal.head
+    if head.number >= len(scenarios):
+        raise JournalError(f"the journal {journal.path} is of scenario {head.number} of {len(scenarios)}")
     run = Run(head.number, scenarios[head.number], head.incarnations, head.version)
     seated: dict[int, str] = {}
     sessions: dict[int, str] = {}

@@ -24,7 +24,9 @@ from protocol.errors import RecordingError, UsageError
 
 _HEAD = struct.Struct("<BQ")  # what every record begins with: opcode and length
 _FIRST = struct.Struct("<Q")  # what a chunk begins with: its smallest log time
-_DAMAGE = (McapError, ValueError, RuntimeError, struct.error, zstandard.ZstdError, MemoryError)
+_DAMAGE = (
+    McapError, ValueError, RuntimeError, OverflowError, struct.error, zstandard.ZstdError, MemoryError,
+)  # fmt: skip
 _NEVER = 1 << 64
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from deploy.processes.row import Exit
+from deploy.processes.row import Exit, Life
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
 from protocol.bus.connection import Connection
@@ -142,6 +142,19 @@ def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
         supervisor.report("mute", 0.05)
     with pytest.raises(ProcessError, match="broken ended at once"):
         supervisor.report("broken", PATIENCE)
+
+
+def test_reports_that_nobody_asks_for_do_not_pile_up() -> None:
+    life = Life(Process("router-left", "m:f", reports=True), 1)
+    life.hear("tcp/10.0.0.2:7447")
+    for number in range(40):
+        life.hear(str(number) * (1 << 20))
+    assert life.report == "tcp/10.0.0.2:7447"
+    assert sum(map(len, life.unheard)) <= 1 << 24
+    assert life.unheard[-1][:2] == "39"
+    mute = Life(Process("robot-3", "m:f"), 2)
+    mute.hear("a lie")
+    assert (mute.report, mute.unheard) == (None, [])
 
 
 def test_names_are_unique_and_known(supervisor: Supervisor) -> None:

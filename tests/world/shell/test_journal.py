@@ -18,6 +18,7 @@ from world.coordinator.inputs import Closed, Expected, Joined, Lost, Opened
 from world.shell import journal as module
 from world.shell import records
 from world.shell.journal import Began, Entry, Journal, Seated
+from world.shell.replay import resume
 
 SCENARIOS = [two()]
 COMMAND = Command(1, 1, 0, (0.02, -0.1))
@@ -135,6 +136,13 @@ def test_a_record_that_is_whole_and_no_text_is_refused(written: Path) -> None:
         file.write(records.record(b"\x91\x93\xa4seat\x01\xa1\xff"))
     with pytest.raises(JournalError, match="damaged at byte"):
         opened(written)
+
+
+def test_one_of_a_scenario_that_there_is_not_is_refused(path: Path) -> None:
+    journal = opened(path)
+    journal.begin(1, {}, 0, {})
+    with pytest.raises(JournalError, match="of scenario 1 of 1"):
+        resume(journal, SCENARIOS)
 
 
 def test_damage_is_named_by_its_place(written: Path) -> None:
