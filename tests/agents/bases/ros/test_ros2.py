@@ -148,10 +148,10 @@ def nearest(one: list[tuple[float, float, float]], other: list[tuple[float, floa
 
 
 @contextmanager
-def yard(folder: Path) -> Iterator[Yard]:
+def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
     interpreter = environment.python()
     domain = 1 + os.getpid() % 100
-    (folder / "yard.toml").write_text(write_toml(load("turtlebots-6", list(SETTINGS), 1)))
+    (folder / "yard.toml").write_text(write_toml(load(f"turtlebots-{count}", list(SETTINGS), 1)))
     scenario = read_scenario(folder / "yard.toml")
     processes = Processes(folder)
     with ExitStack() as stack:
