@@ -287,7 +287,7 @@ class Coordinator:
                 robot,
                 life.incarnation,
                 self.tick,
-                active if interest is None else interest.heard(robot, self.tick, everybody),
+                active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sensed.get(robot),
                 roster_for(robot),
                 goal(robot),
