@@ -276,13 +276,13 @@ class Floor:
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return
-        if core.lost:
-            base.doubt(core.note)
         sense = base.begin(tick, self.now)
-        if base.anew:
+        if base.begins_anew():
             core.begin_anew()
+        elif core.lost and not base.note:
+            base.doubt(core.note)
         state = core.begin(tick, sense)
-        if sense is not None and state.position is not None:
+        if sense is not None and state.position is not None and not base.note:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:
