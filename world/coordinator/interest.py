@@ -101,8 +101,8 @@ class Interest:
         return tuple(sorted(told.coming))
 
     def heard(self, robot: int, incarnation: int, tick: int, active: Container[int]) -> tuple[int, ...]:
-        """Which of the active robots this one hears in this tick, itself included: an incarnation that was told
-        of nobody hears nobody."""
+        """Which of the active robots this one hears in this tick, itself included; an incarnation that was
+        told of nobody hears nobody."""
         told = self._told.get(robot)
         if told is not None and told.coming is not told.near and tick >= told.since:
             told.near = told.coming
