@@ -221,7 +221,8 @@ class Coordinator:
         return not self.awaiting_join
 
     def tell_fenced(self) -> dict[int, Tick]:
-        """What those of the awaited are told who have to learn that they were fenced."""
+        """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
+        near: how often this is said depends on who joins when."""
         awaited = self.awaiting_join if self.founded else frozenset()
         return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in awaited}
 
@@ -232,7 +233,7 @@ class Coordinator:
         if self._interest is not None:
             goals = {spec.id: self.missions.goal(spec.id) or spec.goal for spec in self.scenario.robots}
             self._interest.open(self.tick, self.scenario, sensed, goals)
-        self.told = self._tell(self.active, sensed, self._post.deliver())
+        self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest)
         return self.told
 
     def accept(self, command: Command) -> bool:
@@ -275,9 +276,10 @@ class Coordinator:
         active: tuple[int, ...],
         sensed: Mapping[int, Sense] = MappingProxyType({}),
         letters: Mapping[int, tuple[State, ...]] = MappingProxyType({}),
+        interest: Interest | None = None,
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
-        roster_for, goal, interest = self.lives.roster_for, self.missions.goal, self._interest
+        roster_for, goal = self.lives.roster_for, self.missions.goal
         everybody = frozenset(active)
         leased = self.scenario.is_external
         return {
@@ -285,7 +287,7 @@ class Coordinator:
                 robot,
                 life.incarnation,
                 self.tick,
-                active if interest is None else interest.heard(robot, self.tick, everybody),
+                active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sensed.get(robot),
                 roster_for(robot),
                 goal(robot),
