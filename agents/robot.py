@@ -133,15 +133,16 @@ class Robot:
     def _locate(self) -> None:
         """Tell the lines where this robot is."""
         estimate, lines, things = self._estimate, self._lines, self._things
-        if estimate.position is None or lines is None or things is None:
+        if lines is None or things is None:
             return
         if estimate.shape is not None and self._filtered:
             self._confine(lines, things, estimate.shape)
-        if estimate.lost or self._blind:
-            lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
-            things.locate(estimate.position, inf)
+        position = estimate.position
+        if position is None or estimate.lost or self._blind:
+            lines.locate(self.tick, position or STILL, inf)  # nothing is surely satisfied
+            things.locate(position or STILL, inf)
         else:
-            known = (estimate.position, estimate.bound, estimate.shape, self._body.swept)
+            known = (position, estimate.bound, estimate.shape, self._body.swept)
             lines.locate(self.tick, *known)
             things.locate(*known)
 
