@@ -1,8 +1,8 @@
 """Many robots that never rest: commands missed, processor time, and contacts, by number of robots.
 
 All goals are random and renewed for ever, at the paper's density. In real time the world waits for nobody:
-what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and tick,
-measured after the first two seconds.
+what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and
+tick, measured after the first two seconds.
 
     python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
     python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep

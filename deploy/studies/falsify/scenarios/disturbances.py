@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from deploy.studies.falsify.scenarios.dice import Dice
-from protocol.scenario.model import Actuation, Link, Partition, Point, Sensing, Span
+from protocol.scenario.model import Actuation, Link, Network, Partition, Point, Scenario, Sensing, Span
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,14 @@ def one_sensing(dice: Dice, scale: Scale, robots: tuple[int, ...] | None = None)
         heading=dice.pick((0.0, 0.0, dice.log_uniform(1e-4, 0.5))),
         contradiction=dice.pick(("stand", "stand", "newest")),
     )
+
+
+def network(dice: Dice, scenario: Scenario) -> Network:
+    """Everybody hears everybody in two of three runs; in the others some, or nearly all, are far."""
+    if dice.chance(2.0 / 3.0):
+        return Network("all")
+    radius = min(spec.radius for spec in scenario.robots)
+    return Network("near", dice.pick((None, radius * dice.log_uniform(1e-3, 10.0))))
 
 
 def link(dice: Dice, scale: Scale) -> Link:

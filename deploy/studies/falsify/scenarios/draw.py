@@ -16,7 +16,7 @@ from typing import Literal
 from deploy.library.load import resolved
 from deploy.studies.falsify.scenarios.bodies import bodies
 from deploy.studies.falsify.scenarios.dice import Dice
-from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, sensing
+from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, network, sensing
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import sensible, stories
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
@@ -36,7 +36,7 @@ _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
 _FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
 _DENSITIES = (0.4, 0.35, 0.25, 0.12)
-_STREAM = 1
+_STREAM, _HEARING = 1, 2
 
 
 def drawn(seed: int, number: int) -> tuple[Scenario, int]:
@@ -49,7 +49,7 @@ def drawn(seed: int, number: int) -> tuple[Scenario, int]:
     for refused in count():
         scenario = _attempt(dice, f"falsify-{seed}-{number}")
         if scenario is not None:
-            return scenario, refused
+            return replace(scenario, network=network(Dice(seed, number, _HEARING), scenario)), refused
     raise AssertionError
 
 
