@@ -225,7 +225,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         until(
             lambda: processes.output("robot-3").rstrip().endswith("stands"), 10.0, "robot 3 does not notice"
         )
-        time.sleep(6.0)
+        time.sleep(4.0)
 
         # the emergency stop
         fleet.order("stop", "yard")
