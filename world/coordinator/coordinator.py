@@ -11,7 +11,18 @@ from types import MappingProxyType
 
 import msgspec
 
-from protocol.messages import Command, Roster, Sense, Standing, State, Summary, Thing, Tick, Vector
+from protocol.messages import (
+    Command,
+    PartPlace,
+    Roster,
+    Sense,
+    Standing,
+    State,
+    Summary,
+    Thing,
+    Tick,
+    Vector,
+)
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
@@ -19,6 +30,7 @@ from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
+from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
 from world.coordinator.post import Post
 from world.coordinator.schedule import Operated, Schedule
@@ -52,6 +64,7 @@ class Coordinator:
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
+        self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
         self._post = Post()
         self.schedule = Schedule(scenario)
@@ -97,6 +110,11 @@ class Coordinator:
     def things(self) -> tuple[Thing, ...]:
         """Things that came or went since the run began, as the roster has them."""
         return self.lives.things.changes
+
+    @property
+    def part_places(self) -> tuple[PartPlace, ...]:
+        """Where the parts of the scenario are."""
+        return self.parts.places
 
     @property
     def summary(self) -> Summary | None:
