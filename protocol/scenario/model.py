@@ -141,6 +141,7 @@ class Control:
     barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
     symmetry_noise: Probability | None = None  # orca, barrier: random part of the wish, of the speed limit
     margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
+    # Of any law.
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
 
