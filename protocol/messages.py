@@ -100,12 +100,21 @@ class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
         return ConvexPolygon(self.points)
 
 
+class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Where a part of the scenario is: on the floor, or on a robot."""
+
+    part: Id  # its number
+    thing: Count = 0  # as which it stands; of one that is carried, as which it is to appear, 0 for none
+    carrier: Count = 0  # the robot that has it, live or standing; 0 for none
+
+
 class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Who is there, in one numbered version; versions only grow."""
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
+    parts: tuple[PartPlace, ...] = ()  # all of the scenario, once the run is founded
 
 
 class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -133,13 +142,15 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # who is addressed
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    active: tuple[Id, ...]  # robots that state and command this tick
+    active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
     sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
+    near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
+    letters: tuple[State, ...] = ()  # what far peers say of lines to this robot alone
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -147,6 +158,14 @@ class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     position: Vector  # m, centre of a set that contains the truth
     bound: Size  # m, the truth is at most this far from `position`
+
+
+class Claim(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Which part a robot fetches or carries. Of two that claim one, the nearer has it, then the lower id."""
+
+    part: Id  # its number
+    cost: Size  # m, the way that is left to it; 0 once the robot carries it
+    radius: Size  # m, of the disk that the robot is with it, which peers leave room for
 
 
 class State(Message, frozen=True, array_like=True, gc=False):
@@ -162,6 +181,15 @@ class State(Message, frozen=True, array_like=True, gc=False):
     desired: Vector  # m/s, velocity that the law asks for, before the filter
     proposals: tuple[Proposal, ...] = ()  # lines that this robot owns and that are unanswered
     answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
+    claim: Claim | None = None  # what it fetches or carries
+
+
+class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a robot asks to do with a part; repeated until the roster says that it is done."""
+
+    part: Id  # its number
+    radius: Size  # m, of the disk around the own centre that is kept clear of everything else from now on
+    place: Vector | None = None  # m, where to put it down; nil: take it up
 
 
 class Command(Message, frozen=True, array_like=True, gc=False):
@@ -174,6 +202,8 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
+    letter: State | None = None  # what it says of lines to far peers; the world hands each its part
+    handles: Handling | None = None  # a part to be taken up or put down
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
@@ -194,6 +224,16 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
+    parts: tuple[PartPlace, ...] = ()  # where the parts of the scenario are
+
+
+class Summary(Message, frozen=True, array_like=True, gc=False):
+    """World to all robots where some are far from each other: where everybody was sensed to be."""
+
+    tick: Count  # the tick that begins; laws go by it from two ticks later on
+    robots: bytes  # ids of all, ascending, each as 4 bytes; here and below little-endian
+    positions: bytes  # m, x and y of each as last measured, two 64-bit floats
+    gammas: bytes  # m^2, squared distances to their goals, one 64-bit float each
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
@@ -241,4 +281,4 @@ class Result(Message, frozen=True, array_like=True, gc=False):
     report: str  # JSON text
 
 
-AnyMessage = Tick | State | Command | Clock | Truth | Health | GoalStatus | Result
+AnyMessage = Tick | State | Command | Clock | Summary | Truth | Health | GoalStatus | Result

@@ -42,8 +42,11 @@ class Simulation:
 
     @property
     def lengths(self) -> dict[int, float]:
-        """Path length of every robot that is or was there, m."""
-        return dict(zip(self.plant.ids, self.plant.lengths, strict=True)) | self._departed
+        """Path length of every robot that is or was there, m; of all that had the same id together."""
+        lengths = self._departed.copy()
+        for robot, length in zip(self.plant.ids, self.plant.lengths, strict=True):
+            lengths[robot] = lengths.get(robot, 0.0) + length
+        return lengths
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """What every robot is told of itself at the start of `tick`, those who do not listen included:
@@ -80,11 +83,9 @@ class Simulation:
     def recast(self, scenario: Scenario) -> None:
         """Robots came and went: a new one is at its start."""
         plant = self.plant
-        self._departed |= {
-            robot: length
-            for robot, length in zip(plant.ids, plant.lengths, strict=True)
-            if robot not in scenario.ids
-        }
+        for robot, length in zip(plant.ids, plant.lengths, strict=True):
+            if robot not in scenario.ids:
+                self._departed[robot] = self._departed.get(robot, 0.0) + length
         plant.recast(scenario)
         self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {

@@ -137,7 +137,9 @@ class RobotPair:
         if known is None or state.incarnation != known.incarnation:
             if not self.end.accept(state.incarnation):
                 return False
-            self.peer_restarted = self.peer_restarted or known is not None
+            self.peer_restarted = (
+                self.peer_restarted or known is not None or 0 < self.heard < state.incarnation
+            )
             self.heard = state.incarnation
             self.excused = False
             self.state = state
@@ -161,6 +163,13 @@ class RobotPair:
             self.nx, self.ny, self.limit = side.nx, side.ny, side.limit
             line = self.end.obeyed[0]
             self.offset = line.offset if self.owns else -line.offset
+
+    def resize(self, own_radius: float) -> None:
+        """This robot is another disk."""
+        self.own_radius = own_radius
+        if self.disk is not None:
+            self.disk.resize(own_radius)
+        self.renew()
 
     def on_member(self, member: Member) -> None:
         """A newer roster says something else of the peer than the one before."""

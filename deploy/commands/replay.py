@@ -62,7 +62,9 @@ def replay(
     if trajectory is not None:
         typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
-        typer.echo("no result was recorded, so there is no trajectory hash to compare with")
+        typer.echo(
+            "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
+        )
     if ros2 is not None:
         from deploy.recording.ros2 import export
 

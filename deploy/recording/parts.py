@@ -70,7 +70,7 @@ class Parts:
         self._open(path)
         file.finish(following=path.name)
         if self._file is not None:
-            self._file.begin(*self._begun)
+            self._file.begin(*self._begun, preceding=file.path.name)
 
     def _do(self, what: Callable[[RecordingFile], None], result: str | None = None) -> None:
         """Do something with the present file; if it cannot be written, close it, with `result`, for good."""

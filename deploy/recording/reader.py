@@ -101,6 +101,7 @@ class Recording:
         result: what `disknav run --json` writes, or what the world knew of it; None when the recording
             ended before that.
         counts: messages by key.
+        preceding: name of the file that this one goes on from; empty if it begins with the run.
         cut: a file was cut short, is damaged or lacks its next, or the disk was full; the rest is there.
     """
 
@@ -111,6 +112,7 @@ class Recording:
     entries: Entries
     counts: Counter[str]
     truths: Truths
+    preceding: str
     cut: bool
 
     @property
@@ -160,14 +162,15 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
     """
     path = Path(path)
     found = series(path)
-    scenario, run = _scenario(path, found), found.metadata.get("run", {}).get("name", "")
+    scenario, said = _scenario(path, found), found.metadata.get("run", {})
+    run, preceding = said.get("name", ""), said.get("preceding", "")
     result = found.metadata.get("result")
     with _by_this_version(path):
-        counts, truths = _looked_through(found, scenario, progress)
+        counts, truths = _looked_through(found, scenario, not preceding, progress)
         report = None if result is None else json.loads(result["json"])
     recorder = found.metadata.get("recorder")
     cut = found.cut or recorder is None or "ended" in recorder
-    return Recording(path, run, scenario, report, Entries(found), counts, truths, cut)
+    return Recording(path, run, scenario, report, Entries(found), counts, truths, preceding, cut)
 
 
 @contextmanager
@@ -192,17 +195,18 @@ def _scenario(path: Path, found: Contents | Series) -> Scenario:
 
 
 def _looked_through(
-    found: Contents | Series, scenario: Scenario, progress: Progress | None
+    found: Contents | Series, scenario: Scenario, whole: bool, progress: Progress | None
 ) -> tuple[Counter[str], Truths]:
     counts: Counter[int] = Counter()
-    first = World(scenario).truth  # what the scenario says before anybody moved
-    said = {0: _row(first)}
+    said: dict[int, np.ndarray] = {}
     for recorded in found.messages(progress):
         counts[recorded.channel_id] += 1
         if parse(found.topics[recorded.channel_id]).stream == "truth":
             truth = from_object(Truth, msgspec.json.decode(recorded.data))
             assert isinstance(truth, Truth)
             said[truth.tick] = _row(truth)
+    if whole or not said:
+        said.setdefault(0, _row(World(scenario).truth))  # what the scenario says before anybody moved
     ticks = sorted(said)
     rows = np.array([said[tick] for tick in ticks])
     positions = rows[:, 2:].reshape(len(ticks), -1, 2)

@@ -39,12 +39,12 @@ def published(recording: Recording, run: str | None = None) -> Iterator[Publishe
 
 
 def verify(recording: Recording) -> Trajectory | None:
-    """The recomputed trajectory; None when the recording has no result to compare it with.
+    """The recomputed trajectory; None when the recording has no result to compare it with, or no beginning.
 
     Raises:
         RecordingError: it is not the result's, or it cannot be recomputed.
     """
-    if recording.result is None:
+    if recording.result is None or recording.preceding:
         return None
     found, said = trajectory(recording), recording.result.get("trajectory_sha256")
     if found.sha256 != said:

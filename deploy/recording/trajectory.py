@@ -40,6 +40,10 @@ def trajectory(recording: Recording) -> Trajectory:
     Raises:
         RecordingError: a tick is missing that cannot be worked out either.
     """
+    if recording.preceding:
+        raise RecordingError(
+            f"{recording.path} goes on from {recording.preceding}: name the file with which the run begins"
+        )
     known = _known(recording)
     missing = set(range(max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None

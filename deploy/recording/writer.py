@@ -59,13 +59,17 @@ class RecordingFile:
                 f"cannot record to {path}: {error.strerror}; name a file that can be written"
             ) from error
 
-    def begin(self, run: str, scenario: Scenario) -> None:
-        """Say what is recorded; comes before every message, and is heard once."""
+    def begin(self, run: str, scenario: Scenario, preceding: str = "") -> None:
+        """Say what is recorded; comes before every message, and is heard once.
+
+        `preceding` is the name of the file that this one goes on from.
+        """
         if self._run:
             return
         self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
         with self._writing():
-            self._file.metadata("run", {"name": run, "protocol": str(VERSION)})
+            before = {"preceding": preceding} if preceding else {}
+            self._file.metadata("run", {"name": run, "protocol": str(VERSION), **before})
             self._file.metadata("scenario", {"json": _JSON.encode(scenario).decode()})
             self._pictures = Pictures(self._file, scenario)
             self._file.flush()

@@ -70,6 +70,7 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.IntType: "integer",
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",
+    msgspec.inspect.BytesType: "binary",
 }
 _INNER = (
     messages.Proposal,
@@ -79,6 +80,9 @@ _INNER = (
     messages.Roster,
     messages.Member,
     messages.Thing,
+    messages.PartPlace,
+    messages.Claim,
+    messages.Handling,
     messages.Standing,
 )
 

@@ -60,7 +60,8 @@ def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: 
     """What the control point passes along arcs, one after another, if it may miss them.
 
     Of the lag and the play there is only an even share in each of the first `rise` arcs; with none, all of it
-    at once. Each arc lies in the triangle of its ends and of the point where its tangents meet.
+    at once. Each arc lies in the triangle of its ends and of the point where its tangents meet; one that goes
+    around more than once, in its circle, with the margin of its end all around.
 
     Args:
         base: that describes them.
@@ -77,15 +78,20 @@ def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: 
         speed = math.hypot(arc.ahead, arc.aside)
         if speed == 0.0 or arc.duration == 0.0:
             continue
-        pieces = 1 + int(abs(base.turn(arc)) / _TURN)
-        piece = Arc(arc.ahead, arc.aside, arc.duration / pieces)
+        whole = abs(base.turn(arc))
+        around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # of the arc that a circle is
+        pieces = 1 + int(around * whole / _TURN)
+        piece = Arc(arc.ahead, arc.aside, around * arc.duration / pieces)
         turn = base.turn(piece)
+        step = speed * piece.duration
+        if around < 1.0:
+            way, step = way + speed * arc.duration, 0.0
         fastest = max(fastest, speed)
         late = (miss.lag * fastest + miss.play) * (min(1.0, (index + 1) / rise) if rise > 0 else 1.0)
         if late > 0.0 and rise == 0 and not xs:
             xs, ys, margins = [0.0], [0.0], [late]
         for _ in range(pieces):
-            way += speed * piece.duration
+            way += step
             cx, cy = chord(piece, turn)
             dx, dy = turned(cx, cy, heading)
             if turn != 0.0:
@@ -93,6 +99,12 @@ def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: 
                 tx, ty = turned(piece.ahead * tangent, piece.aside * tangent, heading)
                 _append(xs, ys, margins, x + tx, y + ty, miss.error * way + late)
             x, y, heading = x + dx, y + dy, heading + turn
+            _append(xs, ys, margins, x, y, miss.error * way + late)
+        if around < 1.0:  # the rest, from where the circle began
+            rest = Arc(arc.ahead, arc.aside, (1.0 - around) * arc.duration)
+            cx, cy = chord(rest, base.turn(rest))
+            dx, dy = turned(cx, cy, heading)
+            x, y, heading = x + dx, y + dy, heading + base.turn(rest)
             _append(xs, ys, margins, x, y, miss.error * way + late)
     return Sweep(xs, ys, margins)
 

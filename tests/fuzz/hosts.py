@@ -29,7 +29,7 @@ _HOST = Host("left", "127.0.0.1", ssh="left")
 _NEWS = [
     encode_news(Started(1, 4711)),
     encode_news(Report(1, "tcp/127.0.0.1:7447")),
-    encode_news(Exited(2, -9, 1.5, 42.0, "killed")),
+    encode_news(Exited(2, -9, 1.5, 42.0)),
 ]
 _LINE = {
     "run": "yard", "host": "", "role": "robot", "robot": 3, "time": "2026-01-02T03:04:05.678Z",
@@ -85,6 +85,7 @@ def _read_news(drawn: list[bytes]) -> bool:
             os.write(writing, said[:65_000])
             for news in host.news(0.0):
                 assert encode_news(news)
+                assert not getattr(news, "why", "")
     finally:
         os.close(reading)
         os.close(writing)

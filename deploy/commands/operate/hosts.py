@@ -33,8 +33,10 @@ def check(table: Table) -> None:
     """
     from rich.console import Console
     from rich.table import Table as Rows
+    from rich.text import Text
 
     from deploy.processes.hosts.check import check as look
+    from deploy.processes.hosts.relay import printable
     from deploy.processes.hosts.table import read_any_hosts
 
     found = read_any_hosts(table).hosts
@@ -45,7 +47,7 @@ def check(table: Table) -> None:
         rows.add_column(title)
     for host, about in zip(found, findings, strict=True):
         for each in about:
-            rows.add_row(host.name, MARKS[each.level], each.what, each.text)
+            rows.add_row(host.name, MARKS[each.level], each.what, Text(printable(each.text)))
     Console(soft_wrap=True, highlight=False).print(rows)
     fine = all(each.level != "bad" for about in findings for each in about)
     raise typer.Exit(EXIT_ARRIVED if fine else EXIT_OTHERWISE)

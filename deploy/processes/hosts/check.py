@@ -63,9 +63,9 @@ def _looked(host: Host, process: subprocess.Popen[bytes], began: float) -> list[
 
 
 def _facts(process: subprocess.Popen[bytes]) -> Facts:
-    said = b""
+    said, deadline = b"", time.monotonic() + _PATIENCE
     while True:
-        line = _line(process)
+        line = _line(process, deadline)
         try:
             return msgspec.json.decode(line, type=Facts)
         except DAMAGED:
@@ -74,10 +74,10 @@ def _facts(process: subprocess.Popen[bytes]) -> Facts:
                 raise _SilentError("it says a lot, and nothing that can be understood") from None
 
 
-def _line(process: subprocess.Popen[bytes]) -> bytes:
-    """The next line that a process prints."""
+def _line(process: subprocess.Popen[bytes], deadline: float) -> bytes:
+    """The next line that a process prints, until then (s, monotonic)."""
     assert process.stdout is not None
-    line, deadline = b"", time.monotonic() + _PATIENCE
+    line = b""
     while not line.endswith(b"\n"):
         if not select.select([process.stdout], [], [], max(0.0, deadline - time.monotonic()))[0]:
             raise _SilentError(f"no answer within {_PATIENCE:g} s")
@@ -127,7 +127,7 @@ def _offset(process: subprocess.Popen[bytes]) -> tuple[float, float]:
         try:
             process.stdin.write(b"\n")
             process.stdin.flush()
-            theirs = float(_line(process))
+            theirs = float(_line(process, asked + _PATIENCE))
         except (OSError, ValueError) as error:
             raise _SilentError(f"it does not tell its time: {error}") from None
         answered = time.monotonic()

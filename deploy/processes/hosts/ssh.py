@@ -12,7 +12,15 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from deploy.processes.fork_messages import MAX_NEWS, Beat, News, Request, Store, decode_news
+from deploy.processes.fork_messages import (
+    MAX_NEWS,
+    Beat,
+    Exited,
+    News,
+    Request,
+    Store,
+    decode_news,
+)
 from deploy.processes.hosts.frames import Frames
 from deploy.processes.hosts.relay import Relay
 from deploy.processes.hosts.remote import GREETING
@@ -97,7 +105,7 @@ class SshSpawner(Spawner):
             self._send(Beat())
         try:
             for message in self._frames.read(timeout):
-                yield decode_news(message)
+                yield _checked(decode_news(message))
         except (EOFError, ConnectionError):
             raise self._gone() from None
         except (OSError, ValueError, *DAMAGED) as error:
@@ -153,3 +161,10 @@ class SshSpawner(Spawner):
             return ProcessError(f"host {self.host.name}: the shell there finds no {self.host.command!r}")
         how = f"with status {status}; what it said stands above" if status >= 0 else f"by signal {-status}"
         return ProcessError(f"host {self.host.name} is gone: ssh ended {how}")
+
+
+def _checked(news: News) -> News:
+    """Raises ValueError if this is nothing that a fork server says; why a process ended, launchers say."""
+    if isinstance(news, Exited) and news.why:
+        raise ValueError("it says why a process ended")
+    return news

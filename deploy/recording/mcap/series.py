@@ -50,6 +50,10 @@ class Series:
                 yield message
 
 
+def _run(part: Contents) -> str:
+    return part.metadata.get("run", {}).get("name", "")
+
+
 def series(path: Path) -> Contents | Series:
     """Look through a file and those that follow it.
 
@@ -65,7 +69,7 @@ def series(path: Path) -> Contents | Series:
         except (UsageError, RecordingError):
             complete = False
             break
-        if path in seen or part.metadata.get("run") != parts[0].metadata.get("run"):
+        if path in seen or _run(part) != _run(parts[0]):
             complete = False  # another recording has taken the name
             break
         seen.add(path)

@@ -12,7 +12,7 @@ from deploy.output.json_output import check, is_standard_output, write_json
 from deploy.software.provenance import code_digest, provenance
 from deploy.studies.falsify.campaign import Campaign, Plan
 from deploy.studies.falsify.files import Files
-from deploy.studies.falsify.rows import listed, rows, table
+from deploy.studies.falsify.rows import done, listed, rows, table
 from deploy.studies.falsify.trial import Fresh, Trial, perform
 from deploy.studies.request import Request
 from deploy.studies.runners.cluster import Cluster
@@ -58,6 +58,7 @@ def falsify(request: Request, log_path: Path | None) -> int:
     )
     if not quiet:
         Console(width=None if sys.stdout.isatty() else 160).print(table(found, violations))
+        print(f"falsify: {len(campaign.findings)} violations in {done(campaign)} of {plan.runs} runs")
     if violations:
         return EXIT_OTHERWISE
     return EXIT_ARRIVED if complete else EXIT_INTERRUPTED

@@ -32,6 +32,11 @@ def rows(campaign: Campaign) -> list[dict[str, Any]]:
     return found
 
 
+def done(campaign: Campaign) -> int:
+    """How many runs are known, those of shrinking not counted."""
+    return sum(cell in _ORIGINS for cell, _ in campaign.results)
+
+
 def listed(findings: Sequence[Finding], files: Files) -> list[dict[str, Any]]:
     """Every violation, in plain types."""
     return [

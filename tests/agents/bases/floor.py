@@ -11,6 +11,7 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 
 from agents.bases.ros2 import Ros2Base
@@ -25,8 +26,11 @@ from agents.bases.ros_messages import (
     encode_odometry,
     encode_pose,
 )
+from agents.bodies.inertial import InertialBody
 from agents.peers.state import addressed_to
+from agents.polygon import DIRECTIONS
 from agents.robot import Robot
+from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Scenario
 from world.world import World
@@ -119,6 +123,7 @@ class Crew:
     frozen: list[Event] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     truths: dict[int, Vector] = field(default_factory=dict)  # of the control point, m, by ms
+    swept: tuple[Vector, Sweep | None] | None = None  # from where, and what; None: it stands
 
 
 class Floor:
@@ -147,9 +152,12 @@ class Floor:
         self.rng = random.Random(seed)
         self.scenario, self.delay, self.loss = scenario, delay, loss
         self.world = World(scenario)
+        self.late = 0  # robot whose Ticks are held back
+        self.held: list[Event] = []  # those
         self.cut = False  # whether nothing passes between coordinator and robots
         self.closest = math.inf  # m, smallest gap between any two disks so far
         self.excess = -math.inf  # m, by which a truth was outside the set that its robot knew
+        self.strayed = -math.inf  # m, by which wheels left what their filter counts on
         self._events: list[tuple[float, int, Event]] = []
         self._number = count()
         self._odometry, self._pose = odometry, pose
@@ -174,6 +182,12 @@ class Floor:
             event()
         return self
 
+    def release(self) -> None:
+        """What was held back arrives, one after another."""
+        for number, event in enumerate(self.held):
+            self._later(0.05 * number, event)
+        self.late, self.held = 0, []
+
     def moving(self) -> list[int]:
         """Robots whose wheels turn."""
         return [
@@ -193,7 +207,19 @@ class Floor:
             for other, peer in places[:n]:
                 radii = self.scenario.spec(robot).radius + self.scenario.spec(peer).radius
                 self.closest = min(self.closest, math.dist(place, other) - radii)
+        if round(self.now / STEP) % 4 == 0:
+            for crew in self.crews.values():
+                self._stray(crew)
         self._later(STEP, self._roll)
+
+    def _stray(self, crew: Crew) -> None:
+        if crew.swept is None:
+            return
+        (x, y), sweep = crew.swept
+        dx, dy = crew.wheels.control[0] - x, crew.wheels.control[1] - y
+        for nx, ny in DIRECTIONS:
+            allowed = 0.0 if sweep is None else sweep.extent(nx, ny)
+            self.strayed = max(self.strayed, nx * dx + ny * dy - allowed)
 
     # -- the bases
 
@@ -262,10 +288,11 @@ class Floor:
         if not self.world.verdict:
             for robot, tick in self.world.open_tick().items():
                 crew = self.crews[robot]
-                if not self.cut:
-                    self._send(
-                        lambda crew=crew, tick=tick: self._if_alive(crew, lambda: self._begin(crew, tick))
-                    )
+                begin = partial(self._if_alive, crew, partial(self._begin, crew, tick))
+                if robot == self.late:
+                    self.held.append(begin)
+                elif not self.cut:
+                    self._send(begin)
         self._later(self.scenario.time.step, self._tick)
 
     def _begin(self, crew: Crew, tick: Tick) -> None:
@@ -276,21 +303,31 @@ class Floor:
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return
-        if core.lost:
-            base.doubt(core.note)
         sense = base.begin(tick, self.now)
-        if base.anew:
+        if base.begins_anew():
             core.begin_anew()
+        elif core.lost and not base.note:
+            base.doubt(core.note)
         state = core.begin(tick, sense)
-        if sense is not None and state.position is not None:
+        if sense is not None and state.position is not None and not base.note:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:
                 self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
         command = core.command()
         base.obey(command, self.now)
+        crew.swept = None if sense is None or base.note else self._swept(crew, command)
         if not self.cut:
             self._send(lambda: self._accept(command))
+
+    def _swept(self, crew: Crew, command: Command) -> tuple[Vector, Sweep | None]:
+        """From where the newest odometry is, what its filter takes the base to pass."""
+        newest, body = crew.base._senses._odometer.newest, crew.core._body
+        assert newest is not None
+        assert isinstance(body, InertialBody)
+        moves = command.velocity != (0.0, 0.0) or body.swept is not None
+        truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
+        return truth, body._passed(command.velocity) if moves else None
 
     def _tell(self, peer: Crew, state: State) -> None:
         radius = self.scenario.spec(state.robot).radius

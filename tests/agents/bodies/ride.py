@@ -226,9 +226,8 @@ def drawn(kind: str, rng: Random) -> Body:
         return Body("point", error=error, lag=lag, play=play)
     if kind == "spinning":  # turns by several circles until it stands
         offset, track = rng.choice((0.01, 0.02, 0.05)), rng.uniform(0.03, 0.1)
-        return Body(
-            "differential-drive", 0.1, offset, track, 1.0, rng.choice((0.5, 2.0)), rng.choice((1.0, 3.0))
-        )
+        slows, holds = rng.choice((0.5, 2.0)), rng.choice((1.0, 3.0, 20.0))
+        return Body("differential-drive", 0.1, offset, track, 1.0, slows, holds, error, lag, play)
     hold = rng.choice((0.0, 0.0, 0.02, 0.1, 0.5))
     acceleration = rng.choice((0.1, 0.5, 2.0, 50.0))
     if kind == "omnidirectional":

@@ -1,24 +1,28 @@
 """Random runs of the models by the hundred thousand, or the table of rules, mutants and what finds them.
 
-python -m tests.agents.lines.campaign --runs 100000
+python -m tests.agents.lines.campaign --runs 100000 --log out/campaign.json
 python -m tests.agents.lines.campaign --model skirmish --runs 5000
 python -m tests.agents.lines.campaign --mutants
 
-Each run is drawn from its seed alone: --first N --runs 1 repeats one.
+Each run is drawn from its seed alone: --first N --runs 1 repeats one. With --log the same command goes on
+where it was stopped.
 Exit status: 0 no violation, and one for every mutant; 1 otherwise.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
+from pathlib import Path
 
 from deploy.output.bar import bar
 from tests.agents.lines import skirmish, walk
 from tests.agents.lines.mutants import MUTANTS, hunt
 from tests.agents.lines.product import Product
 
+_KEPT = 200  # runs after which it is noted how far it has come
 _MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of}
 
 
@@ -29,21 +33,41 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=100_000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
     parser.add_argument("--mutants", action="store_true", help="the product without each rule, instead")
+    parser.add_argument("--log", type=Path, help="file that says how far it has come")
     options = parser.parse_args()
-    return _table() if options.mutants else _runs(options.model, options.first, options.runs)
+    return _table() if options.mutants else _runs(options.model, options.first, options.runs, options.log)
 
 
-def _runs(model: str, first: int, runs: int) -> int:
-    product, violated, began = Product(), 0, time.monotonic()
+def _runs(model: str, first: int, runs: int, log: Path | None) -> int:
+    product, violated, began = Product(), _violated(model, first, log), time.monotonic()
+    known = len(violated)
     with bar(model) as show:
-        for number in range(runs):
+        for number in range(known, runs):
             violation = _MODELS[model](first + number, product)
+            violated.append(bool(violation))
             if violation:
-                violated += 1
                 print(f"seed {first + number}: {violation}", flush=True)
+            if log is not None and (len(violated) % _KEPT == 0 or len(violated) == runs):
+                kept = {"model": model, "first": first, "violated": "".join("01"[each] for each in violated)}
+                log.parent.mkdir(parents=True, exist_ok=True)
+                log.write_text(json.dumps(kept))
             show((number + 1) / runs)
-    print(f"{runs} runs of the {model} in {time.monotonic() - began:.0f} s, {violated} with a violation")
-    return int(violated > 0)
+    took = time.monotonic() - began
+    print(
+        f"{len(violated)} runs of the {model}, {sum(violated)} with a violation; {took:.0f} s for the last "
+        f"{len(violated) - known}"
+    )
+    return int(any(violated))
+
+
+def _violated(model: str, first: int, log: Path | None) -> list[bool]:
+    """Of every run that is known from before, whether there was a violation."""
+    if log is None or not log.exists():
+        return []
+    kept = json.loads(log.read_text())
+    if (kept["model"], kept["first"]) != (model, first):
+        raise SystemExit(f"{log} is of another campaign: {kept['model']} from seed {kept['first']} on")
+    return [each == "1" for each in kept["violated"]]
 
 
 def _table() -> int:

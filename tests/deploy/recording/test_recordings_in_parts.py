@@ -15,10 +15,11 @@ from mcap.reader import make_reader
 
 from deploy.recording.parts import Parts
 from deploy.recording.reader import read
+from deploy.recording.replay import verify
 from deploy.recording.rotation import Rotation, rotation
 from deploy.recording.trajectory import trajectory
 from protocol.codec import encode
-from protocol.errors import UsageError
+from protocol.errors import RecordingError, UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth
 from tests.deploy.recording.recorded import ROBOTS, scenario
@@ -79,7 +80,13 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     assert all(one.time <= other.time for one, other in pairwise(whole.entries))
     later = read(Path(named[1]))
     assert not later.cut
-    assert 1 < later.truths.ticks[1] < later.truths.ticks[-1] == 200
+    assert 1 < later.truths.ticks[0] < later.truths.ticks[-1] == 200
+    assert later.preceding == "r.mcap"
+    assert verify(later) is None
+    with pytest.raises(
+        RecordingError, match=r"goes on from r\.mcap: name the file with which the run begins"
+    ):
+        trajectory(later)
     Path(named[-1]).unlink()
     lacking = read(path)
     assert (lacking.cut, lacking.result) == (True, None)

@@ -52,6 +52,7 @@ def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any
     assert report["faults"]["given_up"] == []
     assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)
     assert report["positions"]["2"] == pytest.approx((0.0, -0.2), abs=0.006)
+    assert report["path_lengths"]["2"] > 0.1  # of both that had this id
 
 
 def test_a_run_is_not_over_while_orders_are_to_come() -> None:

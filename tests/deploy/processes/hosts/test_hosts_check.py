@@ -13,7 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import typer
 
+from deploy.commands.operate.hosts import check as command
 from deploy.processes.hosts import check as checking
 from deploy.processes.hosts import install as installing
 from deploy.processes.hosts.check import check
@@ -72,6 +74,36 @@ def test_a_host_that_says_nothing_is_not_waited_for(monkeypatch: pytest.MonkeyPa
     )  # it never says anything that can be understood
     (found,) = check(HERE)
     assert (found.what, found.level) == ("reach", "bad")
+
+
+def test_a_host_that_goes_on_and_on_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    slow = tmp_path / "slow"
+    slow.write_text("#!/bin/sh\nwhile :; do echo; sleep 0.1; done\n")
+    slow.chmod(0o700)
+    monkeypatch.setattr(checking, "_PATIENCE", 0.5)
+    monkeypatch.setattr(checking.sys, "executable", str(slow))
+    (found,) = check(HERE)
+    assert (found.what, found.level, found.text) == ("reach", "bad", "no answer within 0.5 s")
+
+
+def test_what_a_host_says_cannot_steer_the_terminal(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lie = '{"code": "0", "python": "3", "compiled": true, "free": 1, "port": "[/red] \\u001b[2J"}'
+    liar = tmp_path / "liar"
+    liar.write_text(f"#!/bin/sh\necho '{lie}'\nwhile read -r line; do echo 1.0; done\n")
+    liar.chmod(0o700)
+    monkeypatch.setattr(checking.sys, "executable", str(liar))
+    monkeypatch.setattr(checking, "_SPAN", 0.01)
+    table = tmp_path / "hosts.toml"
+    table.write_text('[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nrobots = [1]\n')
+    with pytest.raises(typer.Exit):
+        command(table)
+    shown = capsys.readouterr().out
+    assert "[/red]" in shown
+    assert "\x1b[2J" not in shown
 
 
 @pytest.mark.slow

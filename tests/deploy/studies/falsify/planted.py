@@ -24,7 +24,7 @@ _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
     *("agents.lines.ends", "agents.lines.robot_pair"),
-    *("agents.lines.entries", "agents.lines.separating_lines"),
+    *("agents.lines.entries", "agents.lines.far_talk", "agents.lines.separating_lines"),
     *(
         "agents.roster",
         "agents.peers.link",
@@ -83,16 +83,15 @@ def half_the_error(_: Modules, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Sensing, "bound", property(lambda self: 0.5 * whole(self)))  # type: ignore[misc]
 
 
-def sliding_along_the_wall(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """The wall is kept for an estimate, which may be outside, and then slides along where it is."""
+def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """The wall is kept for the estimate, as if that were exact."""
     boundary = modules["agents.lines.boundary"].RoundBoundary
 
     def cut(
-        self: Any, x: float, y: float, shape: Any, dx: float, dy: float, *, noise: float = 0.0, **more: Any
+        self: Any, x: float, y: float, _: Any, dx: float, dy: float, *, noise: float = 0.0, **more: Any
     ) -> Any:
         extra = noise * float(np.hypot(dx, dy))
-        inner = boundary(self.radius - (0.0 if shape is None else shape.radius))
-        return inner._cut_of_point(x, y, dx, dy, extra, more.get("tolerance", 0.0))
+        return self._cut_of_point(x, y, dx, dy, extra, more.get("tolerance", 0.0))
 
     boundary.cut = cut
 
