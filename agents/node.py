@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from math import inf
 from typing import Final
 
@@ -29,7 +29,7 @@ from protocol.bus.events import Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Health, Roster, Sense, State, Tick
+from protocol.messages import AnyMessage, Health, Roster, Sense, State, Summary, Tick
 from protocol.requests import joining
 from protocol.streams import STREAMS
 
@@ -87,6 +87,9 @@ class RobotNode:
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
+        self._radii: dict[int, float] = {}  # of all others, m
+        self._oldest: Mapping[int, int] = {}  # first incarnations in this run
+        self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
         self._heard: set[str] = set()  # keys of States that are subscribed to
         self._said_state = self._said_command = b""  # newest, as they were sent
         self._published = self._received = 0
@@ -147,12 +150,11 @@ class RobotNode:
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation)
         others = [spec for spec in admission.scenario.robots if spec.id != self._robot]
-        self._peers = {
-            robot_key(self._run, spec.id, "state"): PeerReader(
-                self._robot, spec.id, spec.radius, admission.oldest.get(spec.id, 0), index
-            )
-            for index, spec in enumerate(others)
-        }
+        self._radii = {spec.id: spec.radius for spec in others}
+        self._oldest, self._near = admission.oldest, frozenset()
+        self._peers = {}
+        for spec in () if admission.scenario.hears_near else others:
+            self._know(spec.id, spec.radius)
         self._lockstep, self._away = admission.lockstep, admission.away
         self._founded = admission.founded
         self._refused = self._published = self._received = 0
@@ -165,16 +167,38 @@ class RobotNode:
         if not self._declared:
             self._declare()
 
+    def _know(self, peer: int, radius: float) -> str:
+        """Be ready to read the States of a peer; their key."""
+        key = robot_key(self._run, peer, "state")
+        known = self._peers.get(key)
+        index = len(self._peers) if known is None else known.index
+        self._peers[key] = PeerReader(self._robot, peer, radius, self._oldest.get(peer, 0), index)
+        return key
+
     def _meet(self, roster: Roster) -> None:
         """Hear who has joined the fleet since this process was admitted."""
+        assert self.core is not None
         for member in roster.members:
-            key = robot_key(self._run, member.robot, "state")
-            known = self._peers.get(key)
-            if member.robot == self._robot or (known is not None and known.radius == member.radius):
+            peer, radius = member.robot, member.radius
+            if peer == self._robot or self._radii.get(peer) == radius:
                 continue
-            index = len(self._peers) if known is None else known.index
-            self._peers[key] = PeerReader(self._robot, member.robot, member.radius, index=index)
-            self._listen((key,))
+            self._radii[peer] = radius
+            if self.core.hears_everybody or robot_key(self._run, peer, "state") in self._peers:
+                self._listen((self._know(peer, radius),))
+
+    def _attend(self, near: Iterable[int]) -> None:
+        """Hear those who will be near, and for a while those who were."""
+        before, self._near = self._near, frozenset(near)
+        keys = {peer: robot_key(self._run, peer, "state") for peer in sorted(self._near | before)}
+        for peer, key in keys.items():
+            if peer in self._near and peer in self._radii and key not in self._peers:
+                self._know(peer, self._radii[peer])
+        kept = frozenset(keys.values())
+        self._listen([key for key in self._peers if key in kept])
+        for key in sorted(self._heard - kept):
+            self._bus.unsubscribe(key)
+            self._heard.discard(key)
+            self._peers.pop(key, None)
 
     def _listen(self, keys: Iterable[str]) -> None:
         """Subscribe to peers' States, once each: a later life may know of peers that the first did not."""
@@ -188,6 +212,7 @@ class RobotNode:
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
         bus.subscribe(robot_key(run, robot, "tick"))
+        bus.subscribe(world_key(run, "summary"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
@@ -243,10 +268,26 @@ class RobotNode:
         if heard is not None and peer is not None:
             if heard.incarnation >= peer.oldest:  # else it is of an earlier run
                 self._on_state(core, heard)
-        elif isinstance(message, Tick):
+        else:
+            self._on_message(core, message)
+
+    def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
+        """Anything but the State of a peer that is heard."""
+        if isinstance(message, Tick):
             self._on_tick(core, message)
-        elif isinstance(message, State):
+        elif isinstance(message, Summary):
+            self._on_summary(core, message)
+        elif isinstance(message, State) and core.hears_everybody:
             self._rejected["identity"] += 1  # of nobody who takes part
+
+    def _on_summary(self, core: Robot, summary: Summary) -> None:
+        try:
+            core.on_summary(summary)
+        except MessageError as error:
+            self._rejected[error.reason] += 1
+            return
+        if not self._commanded and core.complete:
+            self._command()
 
     def _on_state(self, core: Robot, state: PeerState) -> None:
         core.on_state(state)
@@ -268,6 +309,8 @@ class RobotNode:
         elif tick.incarnation == core.incarnation and tick.tick > core.tick:
             if tick.roster is not None:
                 self._meet(tick.roster)
+            if tick.near is not None:
+                self._attend(tick.near)
             self._said_state = encode(core.begin(tick, self._sense(core, tick)))
             if core.note and not self._noted:
                 self._noted = True
@@ -306,7 +349,7 @@ class RobotNode:
         """The world waits: say at least why there is no Command."""
         if core.complete:
             self._command()
-        else:
+        elif core.lacks_states:
             self._tell_command(encode(core.complaint()))
 
     def _repeat(self) -> None:

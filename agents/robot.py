@@ -17,12 +17,15 @@ from agents.laws import View, choose
 from agents.lines.boundary import boundary_of
 from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
+from agents.peers.attention import Attention
+from agents.peers.far import FarPicture
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
-from agents.peers.state import PeerState
+from agents.peers.state import FAR, PeerState, addressed_to
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
-from protocol.messages import Answer, Command, Health, Proposal, Report, Roster, Sense, State, Tick
+from protocol.interest import period, urgent
+from protocol.messages import Answer, Command, Health, Proposal, Report, Roster, Sense, State, Summary, Tick
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -67,6 +70,9 @@ class Robot:
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
+        self._attention = Attention()
+        self._picture: FarPicture | None = None  # newest
+        self._painted = -1  # tick of the picture that law and lines go by
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
         self._lines: SeparatingLines | None = None
@@ -101,6 +107,15 @@ class Robot:
         self._on_sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
             self._on_roster(tick.roster)
+        if tick.near is not None:
+            summed_up = tick.tick % period(self._scenario) == 0
+            self._attention.announce(tick.tick, tick.near, summed_up=summed_up)
+        if self._attention.turn(tick.tick):
+            self._neighbours.attend(self._attention.near)
+            if self._lines is not None:
+                self._lines.attend(self._attention.near)
+        for letter in tick.letters:
+            self._on_letter(letter)
         if self._lines is not None:
             self._take_over(self._lines, self.tick - 1)
         self._open = True
@@ -168,6 +183,7 @@ class Robot:
                 reach=self._body.reach,
                 members=news,
                 starts=starts if founding else None,
+                urgent=urgent(scenario) if scenario.hears_near else None,
             )
             self._locate()
         else:
@@ -225,10 +241,38 @@ class Robot:
         if tick > self.tick and tick > self._ahead.get(robot, -1):
             self._ahead[robot] = tick
 
+    def on_summary(self, summary: Summary) -> None:
+        """The world says where everybody is, for a tick that begins soon.
+
+        Raises:
+            MessageError: it is not made as a summary is.
+        """
+        if self._picture is None or summary.tick > self._picture.tick:
+            self._picture = FarPicture(summary, self._neighbours.radii, self._picture)
+
+    def _on_letter(self, letter: State) -> None:
+        """A far peer speaks by way of the world; the link's faults are between robots, however they speak."""
+        radius = self._neighbours.radii.get(letter.robot)
+        if radius is not None:
+            self._link.put(addressed_to(self.robot, letter, radius, FAR))
+
     @property
     def complete(self) -> bool:
-        """Whether the States of all that take part in this tick have arrived."""
-        return not self._awaited
+        """Whether the States of all whom this robot hears in this tick have arrived, and the summary due."""
+        picture = self._picture
+        return not self._awaited and (
+            self._attention.due < 0 or (picture is not None and picture.tick >= self._attention.due)
+        )
+
+    @property
+    def lacks_states(self) -> bool:
+        """Whether States are missing."""
+        return bool(self._awaited)
+
+    @property
+    def hears_everybody(self) -> bool:
+        """Whether nobody has said who is near."""
+        return self._attention.everybody
 
     # -- phase 2
 
@@ -237,8 +281,11 @@ class Robot:
         self._open = False
         lines, things, position = self._lines, self._things, self._estimate.position
         velocity = self._desired = STILL
+        letter: State | None = None
         if lines is not None:
             self._take_over(lines, self.tick)
+            self._look_afar(lines)
+            letter = self._letter(lines)  # before the velocity, which has to keep to all that is offered
             if not self._filtered or (lines.keeps_clear and things is not None and things.keeps_clear):
                 self._kept = self._roster.version
             if position is not None and not self._halted:
@@ -248,12 +295,45 @@ class Robot:
                     wish = things.make_room(wish)
                 velocity = self._allowed(lines, position, wish)
         report = self._report() if self._reports else None
-        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept, (), report)
+        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter)
 
     def _report(self) -> Report | None:
         """Where this robot knows itself to be."""
         position = self._estimate.position
         return None if position is None or self._estimate.lost else Report(position, self._estimate.bound)
+
+    def _look_afar(self, lines: SeparatingLines) -> None:
+        """Take in the newest summary that is due, if it is news."""
+        picture, position, due = self._picture, self._estimate.position, self._attention.due
+        if picture is None or position is None or not self._painted < due <= picture.tick:
+            return
+        self._painted = picture.tick
+        lines.survey(picture)
+        neighbours = self._neighbours
+        known = {self.robot, *self._attention.near, *neighbours.standing}
+        radius = self._radii[self.robot]
+        neighbours.far = picture.field(position, radius, known)
+
+    def _letter(self, lines: SeparatingLines) -> State | None:
+        """What is to be said to far peers, if anything."""
+        if self._attention.everybody or not self._filtered:
+            return None
+        proposals, answers = lines.letters()
+        if not proposals and not answers:
+            return None
+        estimate = self._estimate
+        return State(
+            self.robot,
+            self.incarnation,
+            self.tick,
+            estimate.position,
+            estimate.bound,
+            0.0,
+            0.0,
+            STILL,
+            proposals,
+            answers,
+        )
 
     def _view(self, position: Vector) -> View:
         """What the law is given in this tick."""
@@ -277,8 +357,11 @@ class Robot:
             self._learn(lines, state)
 
     def _learn(self, lines: SeparatingLines, state: PeerState) -> None:
-        self._neighbours.on_state(state)
-        lines.on_state(state)
+        if state.index == FAR:
+            lines.on_letter(state)
+        elif self._attention.counts(state.robot, state.tick):
+            self._neighbours.on_state(state)
+            lines.on_state(state)
 
     def _allowed(self, lines: SeparatingLines, position: Vector, desired: Vector) -> Vector:
         """The velocity nearest to the desired one that keeps to all lines, the workspace and the limit."""

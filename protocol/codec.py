@@ -20,6 +20,7 @@ from protocol.messages import (
     Health,
     Sense,
     State,
+    Summary,
     Tick,
     Truth,
 )
@@ -60,9 +61,11 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = abs(message.velocity[0]) + abs(message.velocity[1])
-        if message.report is not None:
+        if message.report is not None or message.letter is not None:
             total += sum(map(abs, _command_numbers(message)))
-    elif isinstance(message, Tick) and message.roster is None:
+    elif isinstance(message, Summary):
+        total = 0.0  # whoever unpacks it looks at its numbers
+    elif isinstance(message, Tick) and message.roster is None and not message.letters:
         total = 0.0 if message.sense is None else sum(map(abs, _sense_numbers(message.sense)))
         total += 0.0 if message.goal is None else abs(message.goal[0]) + abs(message.goal[1])
     else:
@@ -91,15 +94,18 @@ def _numbers(message: AnyMessage) -> Iterator[float]:
     if isinstance(message, State):
         return _state_numbers(message)
     if isinstance(message, Command):
-        return iter(_command_numbers(message))
+        return _command_numbers(message)
     if isinstance(message, Tick):
         return _tick_numbers(message)
     return _watched_numbers(message)
 
 
-def _command_numbers(command: Command) -> tuple[float, ...]:
-    report = command.report
-    return command.velocity if report is None else (*command.velocity, *report.position, report.bound)
+def _command_numbers(command: Command) -> Iterator[float]:
+    yield from command.velocity
+    if command.report is not None:
+        yield from (*command.report.position, command.report.bound)
+    if command.letter is not None:
+        yield from _state_numbers(command.letter)
 
 
 def _state_numbers(state: State) -> Iterator[float]:
@@ -131,6 +137,8 @@ def _tick_numbers(tick: Tick) -> Iterator[float]:
     yield from tick.goal or ()
     for member in () if tick.roster is None else tick.roster.members:
         yield from (member.radius, member.bound, *(member.position or ()))
+    for letter in tick.letters:
+        yield from _state_numbers(letter)
 
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:

@@ -7,7 +7,7 @@ Grammar::
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer >= 1, no leading zero    a robot writes under its own id only
     robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
-    world-stream = "clock" | "truth" | "result" | "scenario" | "steering" | "halt"
+    world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "halt"
                    | "fleet" | "things" | "alive"
 
 `alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering`, `halt`, `fleet` and `things` are
@@ -24,7 +24,10 @@ from typing import NamedTuple
 from protocol.errors import KeyGrammarError
 
 ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join", "alive")
-WORLD_STREAMS = ("clock", "truth", "result", "scenario", "steering", "halt", "fleet", "things", "alive")
+WORLD_STREAMS = (
+    *("clock", "truth", "summary", "result"),
+    *("scenario", "steering", "halt", "fleet", "things", "alive"),
+)
 
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(

@@ -112,7 +112,8 @@ def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
     try:
         handler = logging.StreamHandler() if file is None else _file(file)
     except OSError as error:
-        raise UsageError(f"--log: {error}") from error
+        text = f"cannot log to {file}: {error.strerror}; name a folder that can be written"
+        raise UsageError(text) from error
     handler.setFormatter(_Lines(speaker))
     return handler
 

@@ -133,13 +133,15 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # who is addressed
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    active: tuple[Id, ...]  # robots that state and command this tick
+    active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
     sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
+    near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
+    letters: tuple[State, ...] = ()  # what far peers say of lines to this robot alone
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -174,6 +176,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
+    letter: State | None = None  # what it says of lines to far peers; the world hands each its part
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
@@ -194,6 +197,15 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
+
+
+class Summary(Message, frozen=True, array_like=True, gc=False):
+    """World to all robots where some are far from each other: where everybody was sensed to be."""
+
+    tick: Count  # the tick that begins; laws go by it from two ticks later on
+    robots: bytes  # ids of all, ascending, each as 4 bytes; here and below little-endian
+    positions: bytes  # m, x and y of each as last measured, two 64-bit floats
+    gammas: bytes  # m^2, squared distances to their goals, one 64-bit float each
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
@@ -241,4 +253,4 @@ class Result(Message, frozen=True, array_like=True, gc=False):
     report: str  # JSON text
 
 
-AnyMessage = Tick | State | Command | Clock | Truth | Health | GoalStatus | Result
+AnyMessage = Tick | State | Command | Clock | Summary | Truth | Health | GoalStatus | Result

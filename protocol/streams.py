@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Tick, Truth
+from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Summary, Tick, Truth
 
 
 class Stream(NamedTuple):
@@ -40,7 +40,17 @@ _EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0
 _STREAMS = (
     Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 256 * 1024),
     Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
-    Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 1024),
+    Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 8 * 1024),
+    Stream(
+        "summary",
+        Summary,
+        "world",
+        ("robots",),
+        "every 0.5 s of simulated time, where some robots are far from each other",
+        True,
+        False,
+        64 * 1024,
+    ),
     Stream(
         "clock",
         Clock,

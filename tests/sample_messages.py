@@ -21,6 +21,7 @@ from protocol.messages import (
     Sense,
     Standing,
     State,
+    Summary,
     Tick,
     Truth,
 )
@@ -55,14 +56,26 @@ proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, n
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
+states = st.builds(State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers)
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "tick": st.builds(
-        Tick, ids, counts, counts, several(ids), senses, rosters, positions, st.booleans(), st.booleans()
+        Tick,
+        ids,
+        counts,
+        counts,
+        several(ids),
+        senses,
+        rosters,
+        positions,
+        st.booleans(),
+        st.booleans(),
+        near=st.none() | several(ids),
+        letters=several(states),
     ),
-    "state": st.builds(
-        State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers
+    "state": states,
+    "command": st.builds(
+        Command, ids, counts, counts, vectors, counts, several(ids), letter=st.none() | states
     ),
-    "command": st.builds(Command, ids, counts, counts, vectors, counts),
     "clock": st.builds(
         Clock,
         counts,
@@ -75,6 +88,9 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         numbers,
         st.text(max_size=9),
         st.booleans(),
+    ),
+    "summary": st.builds(
+        Summary, counts, st.binary(max_size=8), st.binary(max_size=32), st.binary(max_size=16)
     ),
     "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
     "health": st.builds(
@@ -120,6 +136,7 @@ ONE: dict[str, Message] = {
     ),
     "command": Command(1, 2, 3, (0.1, 0.2), 4),
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
+    "summary": Summary(3, bytes((1, 0, 0, 0)), bytes(16), bytes(8)),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
     "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),

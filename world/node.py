@@ -9,15 +9,16 @@ With a journal the node goes on where another one died: the tick that was open t
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
+from protocol.interest import LEAD
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
-from protocol.messages import Command
+from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
@@ -97,7 +98,7 @@ class WorldNode:
         self._failures = FailureDetector(
             self._admissions,
             self._pacing,
-            self._publishers.ticks,
+            self._tell_again,
             gathering=gathering,
             patience=patience,
             grace=0.0 if past is None else GRACE,
@@ -264,9 +265,20 @@ class WorldNode:
             if self._journal is not None:
                 self._journal.note(Began(time.time()))
         self._pacing.begin(run.world.tick, run.scenario.time.step)
+        summary = run.world.coordinator.summary
+        if summary is not None and summary.tick == run.world.tick:
+            self._publishers.summary(summary)
         self._publishers.ticks(ticks)  # first: the robots compute while this process judges
         self._inform(due=run.world.tick == 0 or run.is_marked() or not self._lockstep)
         return True
+
+    def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
+        """What was told may have been lost; the summary too, if it counts for this tick."""
+        world = self._run.world
+        summary = world.coordinator.summary
+        if summary is not None and world.tick <= summary.tick + LEAD:
+            self._publishers.summary(summary)
+        self._publishers.ticks(ticks)
 
     def _inform(self, *, due: bool) -> None:
         """Tell those who watch, if it is `due` for its own sake or again."""

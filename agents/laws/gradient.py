@@ -9,6 +9,7 @@ from agents.laws.view import View
 from agents.navigation import pace
 from agents.navigation.attraction import Attraction
 from agents.navigation.deadlock import Progress, barred, circling
+from agents.navigation.far_field import NOTHING
 from agents.navigation.flow import Flow, desired_velocity
 from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
@@ -47,8 +48,10 @@ class GradientLaw:
         self.obstacles: list[Peer] = []
         self._peers: list[Peer] = []
         self._moving: list[PeerState] = []
+        self._far = NOTHING
         self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._away = self._scale = self._free = 0.0
+        self._late = 0  # ticks since it was known where far peers are
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
@@ -66,8 +69,10 @@ class GradientLaw:
         if view.goal != self._goal and self._progress is not None:
             self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
         self._goal, self.aim = view.goal, self._aim(view)
-        k = grown(self._k, self._robots, len(others) + 1)
-        self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers)
+        self._far = view.neighbours.far
+        self._late = view.tick - self._far.tick
+        k = grown(self._k, self._robots, len(others) + self._far.count + 1)
+        self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers, self._far)
         gx, gy = self.aim
         self._begin = self._slice.gradient(x, y)
         self._away = math.hypot(x - gx, y - gy)
@@ -113,7 +118,7 @@ class GradientLaw:
         """How strongly to escape from a deadlock, 0 to 1, if `wanted` (m/s) is what a law desired last."""
         if self._progress is None:
             return 0.0
-        gamma, oldest = 0.0, view.tick
+        gamma, oldest = self._far.gamma, view.tick
         for peer in self._peers:
             gamma += peer.gamma
         for state in self._moving:
@@ -130,7 +135,9 @@ class GradientLaw:
     def _pace(self, slice_norm: float) -> float:
         if not self._common:
             return pace.own_pace(self._max_rate)
-        gamma = self._away**2
+        # Of who is far the attraction alone is known, and from a while ago: nobody is slowed by what was.
+        far = max(0.0, math.sqrt(self._far.largest) - self._speed * self._period * self._late)
+        gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, 2.0 * far)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
         return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)

@@ -133,7 +133,9 @@ class RobotPair:
         if known is None or state.incarnation != known.incarnation:
             if not self.end.accept(state.incarnation):
                 return False
-            self.peer_restarted = self.peer_restarted or known is not None
+            self.peer_restarted = (
+                self.peer_restarted or known is not None or 0 < self.heard < state.incarnation
+            )
             self.heard = state.incarnation
             self.excused = False
             self.state = state

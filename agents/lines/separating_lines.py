@@ -17,14 +17,17 @@ that halves the age of the lines, and the arrival times with it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from agents.lines.ends import Follower, Owner
 from agents.lines.entries import answer_of, fitting, proposals_of
+from agents.lines.far_talk import FarTalk
+from agents.lines.initial_lines import InitialLines
 from agents.lines.line import ROUNDING, HalfPlane, Line
 from agents.lines.placement import Disk, fit_line, initial_line, is_same
 from agents.lines.robot_pair import RobotPair
+from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
@@ -33,6 +36,7 @@ from protocol.messages import Answer, Member, Proposal
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
 RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+AHEAD: Final = 20.0  # ticks of motion ahead of which initial lines are looked at
 SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
@@ -54,6 +58,8 @@ class SeparatingLines:
             tick at full speed.
         members: the others in the first roster that this incarnation hears.
         starts: where every robot begins, m, if this incarnation is a founding one.
+        urgent: gap (m) to a line below which a far peer is offered another; None where nobody is far. Then
+            initial lines are looked at one by one only when somebody may come near them.
     """
 
     def __init__(
@@ -67,23 +73,24 @@ class SeparatingLines:
         reach: float = 0.0,
         members: Sequence[Member] = (),
         starts: Mapping[int, tuple[float, float]] | None = None,
+        urgent: float | None = None,
     ) -> None:
         self._robot, self._incarnation = robot, incarnation
-        self._radius = radii[robot]
+        self._radius, self._radii, self._starts = radii[robot], radii, starts
         self._period, self._max_step = period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
-        founding = {each.robot: each.founding for each in members}
-        self._pairs = {
-            peer: self._pair(
-                peer,
-                radii[peer],
-                None if starts is None else initial_line(robot, peer, starts, radii),
-                founding.get(peer, 0),
-            )
-            for peer in sorted(radii)
-            if peer != robot
-        }
-        self._each = list(self._pairs.values())
+        self._founding = {each.robot: each.founding for each in members}
+        self._pairs: dict[int, RobotPair] = {}
+        self._each: list[RobotPair] = []
+        self._far_talk = None if urgent is None else FarTalk(urgent)
+        self._initial = None if starts is None or urgent is None else InitialLines(robot, starts, radii)
+        self._looked_x = self._looked_y = 0.0
+        self._looked = -1.0  # gap (m) up to which initial lines were looked at there
+        for peer in sorted(radii) if self._initial is None else self._initial.unusable:
+            if peer != robot:
+                self._pair(peer)
+        self._talking = self._each if urgent is None else []  # pairs of those who hear this robot's States
+        self._near: frozenset[int] = frozenset()
         self._disturbed = False  # whether any peer was ever fenced, or began anew
         self._tick = 0
         self._x = self._y = 0.0
@@ -94,16 +101,25 @@ class SeparatingLines:
             if member.status != "live":
                 self.on_member(member)
 
-    def _pair(self, peer: int, radius: float, initial: Line | None, peer_incarnation: int) -> RobotPair:
-        return RobotPair(
-            peer,
-            self._incarnation,
-            owns=self._robot < peer,
-            own_radius=self._radius,
-            radius=radius,
-            initial=initial,
-            peer_incarnation=peer_incarnation,
-        )
+    def _pair(self, peer: int) -> RobotPair:
+        """All about a peer, as it was at the start unless something was said since."""
+        pair = self._pairs.get(peer)
+        if pair is None:
+            starts, founding = self._starts, peer in self._radii
+            pair = self._pairs[peer] = RobotPair(
+                peer,
+                self._incarnation,
+                owns=self._robot < peer,
+                own_radius=self._radius,
+                radius=self._radii[peer] if founding else 0.0,
+                initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
+                peer_incarnation=self._founding.get(peer, 0) if founding else 0,
+            )
+            self._each.append(pair)
+            if self._initial is not None:
+                self._each.sort(key=_peer_of)  # as if all had been there from the beginning
+                self._initial.leave(peer)
+        return pair
 
     def locate(
         self,
@@ -125,9 +141,7 @@ class SeparatingLines:
 
     def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
-        pair = self._each[state.index]
-        if pair.peer != state.robot:
-            pair = self._pairs[state.robot]
+        pair = self._pairs.get(state.robot) or self._pair(state.robot)
         if not pair.accept(state):
             return
         self._disturbed = self._disturbed or pair.peer_restarted
@@ -140,10 +154,9 @@ class SeparatingLines:
 
     def on_member(self, member: Member) -> None:
         """A newer roster says something else of a peer than the one before."""
-        pair = self._pairs.get(member.robot)
-        if pair is None:
-            pair = self._pairs[member.robot] = self._pair(member.robot, member.radius, None, 0)
-            self._each.append(pair)
+        if member.robot not in self._pairs and member.robot not in self._radii:
+            self._pair(member.robot).radius = member.radius
+        pair = self._pair(member.robot)
         self._disturbed = self._disturbed or member.status != "live"
         pair.on_member(member)
         if pair.disk is not None:
@@ -186,6 +199,7 @@ class SeparatingLines:
         """
         x, y = self._x, self._y
         near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
+        self._look(x, y, near)
         found = []
         for pair in self._each:
             if pair.settled:
@@ -202,12 +216,24 @@ class SeparatingLines:
     def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
         """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
         radius = shape.radius
+        self._look(x, y, radius)
         return [
             (pair.peer, side)
             for pair in self._each
             for side in pair.half_planes
             if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
         ]
+
+    def _look(self, x: float, y: float, reach: float) -> None:
+        """Look at all initial lines that may be less than `reach` (m) from the own centre at (x, y), m. None
+        of the others is, as long as the centre has not moved by what they were farther off."""
+        if self._initial is None or not len(self._initial):
+            return
+        if math.hypot(x - self._looked_x, y - self._looked_y) + reach <= self._looked:
+            return
+        self._looked_x, self._looked_y, self._looked = x, y, reach + AHEAD * self._max_step
+        for peer in self._initial.within(x, y, self._looked):
+            self._pair(peer)
 
     def _extent(self, nx: float, ny: float) -> float:
         """How far the own set reaches from the own position in the direction (nx, ny), m."""
@@ -228,15 +254,11 @@ class SeparatingLines:
     def entries(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
         standing = not self.ready
-        vx, vy = (0.0, 0.0) if standing else desired
-        me = Disk(self._x, self._y, self._radius + self._bound, vx, vy)
-        if self._swept is not None:
-            mx, my = self._swept.middle
-            me = Disk(me.x + mx, me.y + my, me.radius + self._swept.spread, vx, vy)
+        me = self._own_disk((0.0, 0.0) if standing else desired)
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         renewals = RENEWALS
-        for pair in self._each:
+        for pair in self._talking:
             if pair.owns:
                 renewals -= self._consider(pair, me, standing, renewals)
                 if not pair.settled:
@@ -245,6 +267,64 @@ class SeparatingLines:
                 pair.answers_left -= 1
                 answers.append(answer_of(pair))
         return tuple(fitting(proposals, len(answers))), tuple(answers)
+
+    def _own_disk(self, velocity: tuple[float, float]) -> Disk:
+        """Own disk, with all that its centre may pass before commands that are out have ended."""
+        me = Disk(self._x, self._y, self._radius + self._bound, *velocity)
+        if self._swept is None:
+            return me
+        mx, my = self._swept.middle
+        return Disk(me.x + mx, me.y + my, me.radius + self._swept.spread, *velocity)
+
+    # -- where some are far
+
+    def attend(self, near: Iterable[int]) -> None:
+        """From now on States are exchanged with those who are near only; with others, letters."""
+        talk = self._far_talk
+        assert talk is not None
+        self._talking = [self._pair(peer) for peer in near if peer in self._radii or peer in self._pairs]
+        self._near = frozenset(near)
+        talk.drop(self._near)
+        for pair in self._each:
+            if pair.peer in self._near:
+                continue
+            pair.state = None
+            owner = pair.end if isinstance(pair.end, Owner) else None
+            if not pair.ready or pair.answers_left or (owner is not None and owner.proposed):
+                talk.take_up(pair)
+
+    def survey(self, picture: FarPicture) -> None:
+        """More is known of where everybody is: see to lines that this robot or a far peer may soon reach."""
+        talk = self._far_talk
+        assert talk is not None
+        if math.isinf(self._bound):
+            return
+        if self._initial is not None:
+            self._look(self._x, self._y, talk.urgent + self._bound)
+            for peer in self._initial.reached(picture, talk.urgent):
+                self._pair(peer)
+        far = [pair for pair in self._each if pair.owns and pair.peer not in self._near]
+        talk.survey(picture, self._own_disk((0.0, 0.0)), far)
+
+    def on_letter(self, state: PeerState) -> None:
+        """Process what a far peer says of the common line."""
+        self.on_state(state)
+        pair = self._pairs[state.robot]
+        if self._far_talk is None or pair.heard != state.incarnation or state.robot in self._near:
+            return
+        if not pair.owns:
+            pair.answers_left = pair.answers_left or 1  # it asks at least who lives
+            self._far_talk.take_up(pair)
+        elif not pair.end.linked:
+            self._far_talk.take_up(pair)
+
+    def letters(self) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
+        """What is to be said to far peers in this tick, as `entries` is to near ones."""
+        if self._far_talk is None or math.isinf(self._bound):
+            return (), ()
+        return self._far_talk.entries(self._own_disk((0.0, 0.0)), self._owner_fits)
+
+    # -- what is said
 
     def _on_answers(self, pair: RobotPair, end: Owner, state: PeerState) -> None:
         incarnation = state.incarnation
@@ -259,6 +339,9 @@ class SeparatingLines:
             line = Line(offer.nx, offer.ny, offer.offset)
             if end.on_proposal(incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits):
                 pair.renew()
+
+    def _owner_fits(self, line: Line) -> bool:
+        return self._fits(line, owner=True)
 
     def _follower_fits(self, line: Line) -> bool:
         return self._fits(line, owner=False)
@@ -308,3 +391,7 @@ class SeparatingLines:
             end.propose(line)
             pair.renew()
         return renewal
+
+
+def _peer_of(pair: RobotPair) -> int:
+    return pair.peer

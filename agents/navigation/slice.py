@@ -18,6 +18,8 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
+from agents.navigation.far_field import NOTHING, FarField
+
 # 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
 # per metre of radius, and along its tangent from there on (see `Slice`).
 CONTACT: Final = 1e-9
@@ -59,13 +61,14 @@ class Slice:
         radius: own radius, m.
         workspace: radius of the workspace, m; larger than `radius`.
         k: the navigation function's exponent.
-        peers: everybody else.
+        peers: everybody else who is known closely.
+        far: what all others add.
 
     Attributes:
         goal: as given.
     """
 
-    __slots__ = ("_edge", "_inverse_k", "_others", "_peers", "_radius", "goal")
+    __slots__ = ("_edge", "_far", "_inverse_k", "_others", "_peers", "_radius", "goal")
 
     def __init__(
         self,
@@ -74,13 +77,14 @@ class Slice:
         workspace: float,
         k: float,
         peers: Sequence[Peer],
+        far: FarField = NOTHING,
     ) -> None:
         self.goal = goal
         self._radius = radius
         self._inverse_k = 1.0 / k
         self._edge = (workspace - radius) ** 2
-        self._peers = peers
-        others = 0.0
+        self._peers, self._far = peers, far
+        others = far.gamma
         for peer in peers:
             others += peer.gamma
         self._others = others
@@ -91,7 +95,10 @@ class Slice:
 
     def __call__(self, x: float, y: float) -> tuple[float, float]:
         """D_i at (x, y), m. The law is u_i = -D_i up to a positive scale."""
-        log_x = log_y = 0.0  # half the gradient of log beta
+        far = self._far
+        px, py = x - far.x, y - far.y
+        log_x = far.log_x + far.xx * px + far.xy * py  # half the gradient of log beta
+        log_y = far.log_y + far.xy * px + far.yy * py
         for peer in self._peers:
             ax = x - peer.x
             ay = y - peer.y
@@ -114,7 +121,11 @@ class Slice:
 
     def gradient(self, x: float, y: float) -> Gradient:
         """D_i and its Jacobian at (x, y), in one pass."""
-        log_x = log_y = trace = xx = xy = yy = 0.0  # second derivatives of half log beta
+        far = self._far
+        px, py = x - far.x, y - far.y
+        log_x = far.log_x + far.xx * px + far.xy * py
+        log_y = far.log_y + far.xy * px + far.yy * py
+        trace, xx, xy, yy = 0.0, far.xx, far.xy, far.yy  # second derivatives of half log beta
         for peer in self._peers:
             ax = x - peer.x
             ay = y - peer.y

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
+from agents.navigation.far_field import NOTHING
 from agents.navigation.slice import Peer
 from agents.peers.state import PeerState
 from protocol.messages import Member
@@ -15,12 +16,19 @@ class Neighbours:
 
     Args:
         radii: radius (m) of every peer, by id.
+
+    Attributes:
+        standing: disks that stand, or that will appear in a place kept free, by id.
+        far: what all those add to the slice who are not heard.
     """
 
     def __init__(self, radii: Mapping[int, float]) -> None:
-        self.standing: dict[int, Member] = {}  # disks that stand, or that will appear in a place kept free
+        self.standing: dict[int, Member] = {}
+        self.far = NOTHING
+        self._attends = False  # whether some are not heard
         self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
-        self._radii = list(radii.items())
+        self.radii = dict(radii)  # of all, by id, m
+        self._radii = list(radii.items())  # of those whose States are kept
         self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
 
@@ -32,7 +40,7 @@ class Neighbours:
     def on_state(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
         index = state.index
-        known = self._states[index]
+        known = self._states[index] if index < len(self._states) else None
         if known is None or known.robot != state.robot:
             index = self._index[state.robot]
             known = self._states[index]
@@ -59,6 +67,8 @@ class Neighbours:
             return
         if member.status in ("standing", "appearing"):
             self.standing[member.robot] = member
+        elif member.status == "live" and self._attends:
+            self.standing.pop(member.robot, None)  # it may be too far off to be heard
         elif member.status == "gone":
             self.standing.pop(member.robot, None)
             self._gone[member.robot] = member.incarnation
@@ -66,12 +76,22 @@ class Neighbours:
 
     def _meet(self, member: Member) -> None:
         """Have a place for a peer that the scenario did not name; its radius is the roster's."""
+        self.radii[member.robot] = member.radius
         index = self._index.setdefault(member.robot, len(self._radii))
         if index == len(self._radii):
             self._radii.append((member.robot, member.radius))
             self._states.append(None)
         elif self._radii[index][1] != member.radius:
             self._radii[index] = (member.robot, member.radius)
+
+    def attend(self, near: Iterable[int]) -> None:
+        """Know the States of those who are near, and of nobody else."""
+        known = {state.robot: state for state in self.heard()}
+        kept = sorted(peer for peer in {*near, *self.standing} if peer in self.radii)
+        self._attends = True
+        self._index = {peer: index for index, peer in enumerate(kept)}
+        self._radii = [(peer, self.radii[peer]) for peer in kept]
+        self._states = [known.get(peer) for peer in kept]
 
     def _forget(self, peer: int) -> None:
         index = self._index.get(peer)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
@@ -11,6 +11,7 @@ from protocol.codec import LARGEST
 from protocol.messages import Answer, Proposal, State
 
 Vector = tuple[float, float]
+FAR: Final = -1  # in place of the index of one who speaks in letters
 
 
 @final
@@ -23,7 +24,8 @@ class PeerState(Peer):
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
         radius: the peer's, m.
-        index: where the listener looks first for what it knows of this peer: its number among the others.
+        index: where the listener looks first for what it knows of this peer: its number among the others;
+            FAR for what came in a letter.
 
     Attributes: as given.
     """

@@ -70,6 +70,7 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.IntType: "integer",
     msgspec.inspect.FloatType: "number",
     msgspec.inspect.StrType: "text",
+    msgspec.inspect.BytesType: "binary",
 }
 _INNER = (
     messages.Proposal,

@@ -28,6 +28,9 @@ class Bus(Protocol):
     def subscribe(self, *key_expressions: str) -> None:
         """Ask for samples under key expressions; under plain keys they cost least."""
 
+    def unsubscribe(self, key: str) -> None:
+        """Ask for no more samples under a plain key."""
+
     def expect(self, keys: Iterable[str]) -> None:
         """Say which keys will be heard by way of a pattern; under those a sample costs less to hear."""
 

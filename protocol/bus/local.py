@@ -25,7 +25,8 @@ class LocalNetwork:
     def __init__(self) -> None:
         self._buses: list[LocalBus] = []
         self._ready: deque[LocalBus] = deque()
-        self.generation = 0  # grows whenever a subscription changes
+        self.routes: dict[str, list[LocalBus]] = {}  # who subscribed to each plain key
+        self.generation = 0  # grows whenever a subscription to a pattern changes
 
     def connect(self) -> LocalBus:
         """A new participant."""
@@ -58,9 +59,13 @@ class LocalNetwork:
             pause = min((node.deadline for node in nodes), default=now) - time.monotonic()
             time.sleep(min(max(pause, 0.0), _LONGEST_SLEEP))
 
-    def receivers(self, key: str, sender: LocalBus) -> list[LocalBus]:
-        """Who subscribed to `key`, the sender excluded."""
-        return [bus for bus in self._buses if bus is not sender and bus.hears(key)]
+    def route(self, key: str) -> list[LocalBus]:
+        """Who subscribed to a plain key; the list changes with the subscriptions."""
+        return self.routes.setdefault(key, [])
+
+    def watchers(self, key: str) -> list[LocalBus]:
+        """Who subscribed to a pattern that `key` matches."""
+        return [bus for bus in self._buses if bus.hears(key)]
 
     def notify(self, bus: LocalBus) -> None:
         """`bus` has something in its inbox."""
@@ -85,6 +90,8 @@ class LocalNetwork:
         if bus in self._buses:
             self._buses.remove(bus)
             self.generation += 1
+            for key in bus.keys:
+                self.routes[key].remove(bus)
             for key in bus.tokens:
                 self.tell_presence(key, False, bus)
 
@@ -98,7 +105,7 @@ class LocalBus:
         self.served: list[re.Pattern[str]] = []
         self._network = network
         self._inbox: deque[Event] = deque()
-        self._keys: set[str] = set()
+        self.keys: set[str] = set()
         self._patterns: list[re.Pattern[str]] = []
         self._watches: list[re.Pattern[str]] = []
 
@@ -107,23 +114,36 @@ class LocalBus:
 
     def foreign(self, key: str) -> Publish:
         network = self._network
-        receivers: list[LocalBus] = []
+        route, watchers = network.route(key), list[LocalBus]()
         generation = -1
 
         def publish(payload: bytes) -> None:
-            nonlocal receivers, generation
+            nonlocal watchers, generation
             if generation != network.generation:
-                receivers, generation = network.receivers(key, self), network.generation
+                watchers, generation = network.watchers(key), network.generation
             sample = Sample(key, payload)
-            for bus in receivers:
-                bus.put(sample)
+            for bus in route:
+                if bus is not self:
+                    bus.put(sample)
+            for bus in watchers:
+                if bus is not self and bus not in route:
+                    bus.put(sample)
 
         return publish
 
     def subscribe(self, *key_expressions: str) -> None:
-        self._keys.update(each for each in key_expressions if "*" not in each)
-        self._patterns += [_pattern(each) for each in key_expressions if "*" in each]
-        self._network.generation += 1
+        for each in key_expressions:
+            if "*" in each:
+                self._patterns.append(_pattern(each))
+                self._network.generation += 1
+            elif self not in (route := self._network.route(each)):
+                route.append(self)
+                self.keys.add(each)
+
+    def unsubscribe(self, key: str) -> None:
+        if key in self.keys:
+            self.keys.discard(key)
+            self._network.route(key).remove(self)
 
     def expect(self, keys: Iterable[str]) -> None:
         pass
@@ -162,8 +182,8 @@ class LocalBus:
         self.node = None
 
     def hears(self, key: str) -> bool:
-        """Whether a subscription matches `key`."""
-        return key in self._keys or any(pattern.fullmatch(key) for pattern in self._patterns)
+        """Whether a subscription to a pattern matches `key`."""
+        return any(pattern.fullmatch(key) for pattern in self._patterns)
 
     def watches(self, key: str) -> bool:
         """Whether presence under `key` is asked for."""

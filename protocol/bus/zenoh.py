@@ -68,6 +68,7 @@ class ZenohBus:
         self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once, called for all
         self._there = 0  # events that were waiting when it was last asked, without those taken since
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
+        self._subscribed: dict[str, zenoh.Subscriber[None]] = {}  # by key expression
         self._connection = connection
         if connection.mode == "router":
             _prepare_router(connection)
@@ -101,7 +102,12 @@ class ZenohBus:
         # A key that was declared is a number in a sample; of any other the text is sent, and searched for.
         for each in key_expressions:
             handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
-            self._declared.append(self._session.declare_subscriber(each, handler))
+            self._subscribed[each] = self._session.declare_subscriber(each, handler)
+
+    def unsubscribe(self, key: str) -> None:
+        subscriber = self._subscribed.pop(key, None)
+        if subscriber is not None:
+            subscriber.undeclare()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
 
     def expect(self, keys: Iterable[str]) -> None:
         # Of a declared key the route is kept; that of any other is searched for again with every sample.
@@ -172,6 +178,7 @@ class ZenohBus:
     def close(self) -> None:
         self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
         self._declared.clear()
+        self._subscribed.clear()
 
     def await_routers(self, timeout: float) -> None:
         """As a router, wait for a link to every router that this one connects to.

@@ -45,6 +45,11 @@ def base_findings(sound: Sound) -> Iterator[Finding]:
 def _external(sound: Sound) -> Iterator[Finding]:
     if sound.size("process"):
         yield ("process",), "nobody can script what happens to a fleet that is not simulated"
+    if sound.get("network", "interest") == "near":
+        yield (
+            ("network", "interest"),
+            "the world has no summary of a fleet that is not simulated: leave it out",
+        )
     step = sound.get("time", "step", default=Time().step)
     lease = sound.get("world", "lease", default=World().lease)
     if step is not None and lease is not None and lease < _TICKS * step:

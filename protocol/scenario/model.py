@@ -36,6 +36,7 @@ LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
 DEFAULT_RADIUS = 0.30  # m, of the workspace
+CROWD = 64  # robots, up to which everybody hears everybody unless the scenario says otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +170,16 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
+class Network:
+    """Who hears whom: everybody everybody, or each robot those near it, and of the others, twice a second,
+    where they are."""
+
+    __pydantic_config__ = STRICT
+    interest: Literal["near", "all"] | None = None  # unless given, near from 65 robots on
+    reach: Positive | None = None  # m, gap of two disks below which they are near; by speed unless given
+
+
+@dataclass(frozen=True, slots=True)
 class ProcessFault:
     """Something that happens to a robot's process at a time (s of simulated time)."""
 
@@ -265,6 +276,7 @@ class Scenario:
     base: Base | None = None  # of every robot that has none of its own
     things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
     orders: Annotated[tuple[Order, ...], Len(0, 1000)] = ()
+    network: Network = Network()
 
     def ticks(self, seconds: float) -> int:
         """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
@@ -282,6 +294,14 @@ class Scenario:
                 self.name, [Problem("control.k", f'is still "{self.control.k}"; resolve it before the run')]
             )
         return self.control.k
+
+    @property
+    def hears_near(self) -> bool:
+        """Whether robots hear only those that are near them at every tick."""
+        interest = self.network.interest
+        if interest is None:
+            return len(self.robots) > CROWD and not self.is_external
+        return interest == "near"
 
     @property
     def shapes(self) -> dict[int, Shape]:

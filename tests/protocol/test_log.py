@@ -65,7 +65,7 @@ def test_over_a_wire_there_are_lines_alone() -> None:
 
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match=r"--log: .*file"):
+    with pytest.raises(UsageError, match=r"cannot log to .*world.jsonl: .*; name a folder"):
         log.lines(log.Speaker(), tmp_path / "file" / "world.jsonl")
 
 

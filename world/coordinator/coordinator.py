@@ -5,19 +5,22 @@ It knows no plant, no sensor and no truth; where disks are it is told.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import msgspec
 
-from protocol.messages import Command, Roster, Sense, Standing, Thing, Tick, Vector
+from protocol.messages import Command, Roster, Sense, Standing, State, Summary, Thing, Tick, Vector
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
+from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
 from world.coordinator.patience import blamed
+from world.coordinator.post import Post
 from world.coordinator.schedule import Operated, Schedule
 
 
@@ -49,6 +52,8 @@ class Coordinator:
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
+        self._interest = Interest(scenario) if scenario.hears_near else None
+        self._post = Post()
         self.schedule = Schedule(scenario)
 
     def noted(self, taken: Input) -> None:
@@ -92,6 +97,11 @@ class Coordinator:
     def things(self) -> tuple[Thing, ...]:
         """Things that came or went since the run began, as the roster has them."""
         return self.lives.things.changes
+
+    @property
+    def summary(self) -> Summary | None:
+        """Where everybody was lately, if robots have to be told in this tick."""
+        return None if self._interest is None else self._interest.summary
 
     @property
     def newcomers(self) -> tuple[int, ...]:
@@ -167,8 +177,7 @@ class Coordinator:
         self.active = tuple(other for other in self.active if other != robot)
         self.commands.drop(robot)
         if self.told is not None:
-            replace = msgspec.structs.replace
-            self.told = {other: replace(told, active=self.active) for other, told in self.told.items()}
+            self.told = {other: _without(robot, told) for other, told in self.told.items()}
 
     # -- a tick
 
@@ -190,7 +199,9 @@ class Coordinator:
     def blamed(self) -> dict[int, str]:
         """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
         lacking, self.commands.lacking = self.commands.lacking, {}
-        return blamed(self.active, self.commands.waiting, lacking)
+        told = self.told or {}
+        heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
+        return blamed(heard_by, self.commands.waiting, lacking)
 
     def opens(self, places: Mapping[int, Vector], operated: Operated) -> bool:
         """Whether the tick begins: the scenario's orders and process faults happen, and nobody is awaited.
@@ -218,13 +229,17 @@ class Coordinator:
         """Begin the tick, with what every robot senses: what is to be told."""
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
-        self.told = self._tell(self.active, sensed)
+        if self._interest is not None:
+            goals = {spec.id: self.missions.goal(spec.id) or spec.goal for spec in self.scenario.robots}
+            self._interest.open(self.tick, self.scenario, sensed, goals)
+        self.told = self._tell(self.active, sensed, self._post.deliver())
         return self.told
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self.commands.accept(command)
         if taken:
+            self._post.send(command)
             self.noted(command)
         return taken
 
@@ -256,22 +271,32 @@ class Coordinator:
         return missing and self.lives.gone_for_good(self.tick - 1)
 
     def _tell(
-        self, active: tuple[int, ...], sensed: Mapping[int, Sense] = MappingProxyType({})
+        self,
+        active: tuple[int, ...],
+        sensed: Mapping[int, Sense] = MappingProxyType({}),
+        letters: Mapping[int, tuple[State, ...]] = MappingProxyType({}),
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
-        roster_for, goal = self.lives.roster_for, self.missions.goal
+        roster_for, goal, interest = self.lives.roster_for, self.missions.goal, self._interest
+        everybody = frozenset(active)
         leased = self.scenario.is_external
         return {
             robot: Tick(
                 robot,
                 life.incarnation,
                 self.tick,
-                active,
+                active if interest is None else interest.heard(robot, self.tick, everybody),
                 sensed.get(robot),
                 roster_for(robot),
                 goal(robot),
                 self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,
+                near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),
+                letters=letters.get(robot, ()),
             )
             for robot, life in self.lives.listeners()
         }
+
+
+def _without(robot: int, told: Tick) -> Tick:
+    return msgspec.structs.replace(told, active=tuple([each for each in told.active if each != robot]))

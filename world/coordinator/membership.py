@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Literal
 
 from protocol.messages import Vector
 from protocol.scenario.body_checks import misfits
@@ -88,7 +89,10 @@ class Membership:
         self.newcomers = self.newcomers.union(settled) - left
         robots = (*stay, *new)
         k = grown(self._k, self._robots, len(robots))
-        self.scenario = replace(self.scenario, robots=robots, control=replace(self.scenario.control, k=k))
+        interest: Literal["near", "all"] = "near" if self.scenario.hears_near else "all"  # for good
+        network = replace(self.scenario.network, interest=interest)
+        control = replace(self.scenario.control, k=k)
+        self.scenario = replace(self.scenario, robots=robots, control=control, network=network)
         return True
 
     def unfit(self, spec: RobotSpec) -> str:

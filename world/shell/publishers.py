@@ -12,7 +12,7 @@ import msgspec
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.keys import robot_key, world_key
-from protocol.messages import Clock, GoalStatus, Result, Tick, Truth
+from protocol.messages import Clock, GoalStatus, Result, Summary, Tick, Truth
 from protocol.streams import STREAMS
 
 CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
@@ -28,8 +28,9 @@ class Publishers:
     def __init__(self, bus: Bus, run: str, robots: Iterable[int]) -> None:
         self.published = 0
         self._told = -inf
-        self._clock, self._truth, self._result = (
-            bus.publisher(STREAMS[name], world_key(run, name)) for name in ("clock", "truth", "result")
+        self._clock, self._truth, self._summary, self._result = (
+            bus.publisher(STREAMS[name], world_key(run, name))
+            for name in ("clock", "truth", "summary", "result")
         )
         self._bus, self._run = bus, run
         self._goal: dict[int, Publish] = {}
@@ -47,6 +48,10 @@ class Publishers:
         """Tell what came of orders."""
         for status in news:
             self._goal[status.robot](encode(status))
+
+    def summary(self, summary: Summary) -> None:
+        """Tell all robots where everybody is."""
+        self._summary(encode(summary))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
         """Tell each robot its own."""

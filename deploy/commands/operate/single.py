@@ -56,12 +56,14 @@ def robot(
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
-    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here
+    name = _run(membership, run)
+    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here,
+    begin(f"robot-{robot_id}", name, log)  # or with its log
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.
     files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
     outside = [base or "", namespace or ""]
-    arguments = [endpoint, _run(membership, run), str(robot_id), str(wait), *files, *outside]
+    arguments = [endpoint, name, str(robot_id), str(wait), *files, *outside]
     os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 

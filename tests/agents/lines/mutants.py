@@ -578,4 +578,36 @@ SURROUNDINGS = (
 )
 
 
-MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF, *SURROUNDINGS)
+FAR = (
+    Mutant(
+        "offer-before-moving",
+        "a letter is written before the velocity is chosen, which keeps to what it offers",
+        (
+            Edit(_ROBOT, "            letter = self._letter(lines)  #", "            #"),
+            Edit(
+                _ROBOT,
+                "velocity, self._kept, letter=letter)",
+                "velocity, self._kept, letter=None if lines is None else self._letter(lines))",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "look-at-initial-lines",
+        "an initial line counts although nobody has spoken of it",
+        (Edit(_LEDGER, "if self._initial is None or not len(self._initial):", "if True:"),),
+        model="skirmish",
+    ),
+    Mutant(
+        "look-again",
+        "who has moved looks again at those that were out of reach",
+        (
+            Edit(_LEDGER, "AHEAD: Final = 20.0", "AHEAD: Final = 0.0"),
+            Edit(_LEDGER, "+ reach <= self._looked:", "* 0.0 <= self._looked:"),
+        ),
+        model="skirmish",
+    ),
+)
+
+
+MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF, *SURROUNDINGS, *FAR)

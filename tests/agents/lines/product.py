@@ -18,6 +18,8 @@ _LINES = [
         "tangent",
         "robot_pair",
         "entries",
+        "initial_lines",
+        "far_talk",
         "separating_lines",
         "things",
     )

@@ -21,6 +21,7 @@ from protocol.scenario.body import Body
 from protocol.scenario.model import (
     Actuation,
     Control,
+    Network,
     RobotSpec,
     Scenario,
     Sensing,
@@ -63,9 +64,11 @@ class Skirmish:
         self.loss = rng.choice((0.0, 0.1, 0.3, 0.6))
         self.delay = rng.choice((0, 0, 1, 4, 15))  # ticks at most
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
+        self.overstep = ""  # who commands to cross what it offers in the same breath
         self.before: list[Vector] = list(self.world.truth.positions)
         self.operator = Random(f"operator {seed}") if self.scenario.things else None
         self.things = self.scenario.shapes  # that stand in this tick
+        self.network = Random(f"summaries {seed}") if self.scenario.hears_near else None
         for robot in self.scenario.ids:
             if rng.random() < 0.15:
                 self.world.coordinator.give_up_waiting(robot)
@@ -104,9 +107,18 @@ class Skirmish:
             process = self.processes.get(robot)
             if process is not None and rng.random() >= 0.3 * self.loss:
                 process.queue.append(tick)
+        if self.network is not None:
+            self._sum_up(self.network)
         self.before = list(world.truth.positions)
         if self.operator is not None and self.operator.random() < 0.2:
             self._operate(self.operator)
+
+    def _sum_up(self, rng: Random) -> None:
+        """Whoever is lucky hears where everybody is, at any time after it was said."""
+        summary = self.world.coordinator.summary
+        for process in (*self.processes.values(), *self.former):
+            if summary is not None and rng.random() >= self.loss:
+                process.core.on_summary(summary)
 
     def _operate(self, rng: Random) -> None:
         """Something comes or goes."""
@@ -141,6 +153,8 @@ class Skirmish:
 
     def violation(self) -> str:
         """What is wrong with where the disks are, or how they came there; "" if nothing."""
+        if self.overstep:
+            return self.overstep
         scenario, after = self.scenario, self.world.truth.positions
         ids = scenario.ids
         for number, robot in enumerate(ids):
@@ -213,12 +227,26 @@ class Skirmish:
             return
         process.opened = False
         command = process.core.command()
+        self.overstep = self.overstep or self._overstep(process.core, command)
         if self.rng.random() >= 0.3 * self.loss:
             self.world.accept(command)
         if self.rng.random() < 0.3:
             self.late.append(command)
         if process.state is not None and self.rng.random() < 0.2:
             self._publish(process.state)  # again
+
+    def _overstep(self, core: Any, command: Command) -> str:
+        """Whether a point's command leads across a line that its letter offers."""
+        letter, position = command.letter, core._estimate.position
+        if letter is None or position is None or self.scenario.body != "point":
+            return ""
+        vx, vy = command.velocity
+        for offer in letter.proposals:
+            line = self.product.Line(offer.nx, offer.ny, offer.offset)
+            slack = line.side(self.scenario.spec(core.robot).radius, True).slack(*position)
+            if STEP * (offer.nx * vx + offer.ny * vy) > max(0.0, slack) + TOLERANCE:
+                return f"robot {core.robot} crosses the line that it offers robot {offer.peer}"
+        return ""
 
     def _publish(self, state: State) -> None:
         for robot in self.scenario.ids:
@@ -307,7 +335,15 @@ def _scenario(seed: int, rng: Random) -> Scenario:
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
         things=_things(seed, specs, room),
         body=_body(seed),
+        network=_network(seed),
     )
+
+
+def _network(seed: int) -> Network:
+    """Everybody hears everybody; in two of five runs far peers write letters, in some of them nearly all."""
+    if seed % 5 not in (1, 4):
+        return Network("all")
+    return Network("near", Random(f"network {seed}").choice((1e-3, 0.02, 0.1)))
 
 
 def _body(seed: int) -> Body | Literal["point"]:

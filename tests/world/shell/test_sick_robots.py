@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -200,29 +200,40 @@ def test_one_whose_states_are_refused_is_given_up_alone(damage: Callable[[State,
 # -- whom it shows
 
 
+def among(active: Collection[int]) -> dict[int, int]:
+    """Everybody hears everybody."""
+    return dict.fromkeys(sorted(active), len(active))
+
+
 def test_who_says_nothing_hangs() -> None:
-    assert blamed((1, 2, 3), {1, 2, 3}, {1: (2,), 3: (2,)}) == {2: SILENT}
-    assert blamed((1, 2, 3), {2}, {}) == {2: SILENT}
-    assert blamed((1,), {1}, {}) == {1: SILENT}
+    assert blamed(among((1, 2, 3)), {1, 2, 3}, {1: (2,), 3: (2,)}) == {2: SILENT}
+    assert blamed(among((1, 2, 3)), {2}, {}) == {2: SILENT}
+    assert blamed(among((1,)), {1}, {}) == {1: SILENT}
 
 
 def test_whom_most_of_the_others_lack_is_sick_though_it_commands() -> None:
-    (sick,) = blamed((1, 2, 3, 4), {1, 3, 4}, {1: (2,), 3: (2,), 4: (2, 3)})
+    (sick,) = blamed(among((1, 2, 3, 4)), {1, 3, 4}, {1: (2,), 3: (2,), 4: (2, 3)})
     assert sick == 2
 
 
 def test_one_that_lacks_everybody_is_sick_itself() -> None:
     """It alone waits, so all that wait name everybody: that must not count."""
-    assert blamed((1, 2, 3, 4), {1}, {1: (2, 3, 4)}).keys() == {1}
+    assert blamed(among((1, 2, 3, 4)), {1}, {1: (2, 3, 4)}).keys() == {1}
 
 
 def test_a_link_that_is_broken_costs_one_end() -> None:
-    assert blamed((1, 2, 3, 4), {1}, {1: (2,)}).keys() == {1}
+    assert blamed(among((1, 2, 3, 4)), {1}, {1: (2,)}).keys() == {1}
+
+
+def test_only_those_count_who_hear_it() -> None:
+    """Of four, two are near robot 2, and both lack its State."""
+    lacking: dict[int, tuple[int, ...]] = {1: (2,), 3: (2,)}
+    assert blamed({1: 2, 2: 3, 3: 2, 4: 1}, {1, 3}, lacking).keys() == {2}
 
 
 def test_two_sick_ones_are_found_at_once() -> None:
     lacking = {1: (2, 4), 3: (2, 4), 5: (2, 4), 2: (4,)}
-    assert blamed((1, 2, 3, 4, 5), {1, 2, 3, 4, 5}, lacking).keys() == {2, 4}
+    assert blamed(among((1, 2, 3, 4, 5)), {1, 2, 3, 4, 5}, lacking).keys() == {2, 4}
 
 
 robots = st.frozensets(st.integers(1, 8), min_size=1)
@@ -233,7 +244,7 @@ def test_somebody_who_takes_part_is_blamed(
     active: frozenset[int], waiting: frozenset[int], lacking: dict[int, list[int]]
 ) -> None:
     waiting &= active
-    found = blamed(sorted(active), waiting, lacking)
+    found = blamed(among(active), waiting, lacking)
     assert found.keys() <= active
     assert bool(found) == bool(waiting)
     assert all(found.values())
@@ -251,7 +262,7 @@ def test_one_sick_robot_never_costs_another(active: frozenset[int], data: st.Dat
         waiting.add(sick)
         lacking[sick] = tuple(data.draw(st.lists(st.sampled_from(sorted(well)))))
     if waiting:
-        assert blamed(sorted(active), waiting, lacking).keys() == {sick}
+        assert blamed(among(active), waiting, lacking).keys() == {sick}
 
 
 def test_a_complaint_is_no_command() -> None:

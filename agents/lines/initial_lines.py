@@ -1,0 +1,82 @@
+"""The initial lines of one founding life with all peers of whom nothing else is known.
+
+In a large fleet that is nearly everybody: nobody is told these lines, or keeps an object for each. They
+follow from starts and radii, and are looked at together, as often as somebody can have come near one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.peers.far import FarPicture
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float]
+
+_ROUNDING: Final = 1e-6  # m, more than the same line computed one by one may differ by
+
+
+@final
+class InitialLines:
+    """Each line lies in the middle of the gap between two disks at their starts (`placement.initial_line`).
+
+    Args:
+        robot: own id.
+        starts: where every robot begins, m.
+        radii: of every robot, m.
+    """
+
+    def __init__(self, robot: int, starts: Mapping[int, Vector], radii: Mapping[int, float]) -> None:
+        self._robot = robot
+        self._peers = np.array(sorted(peer for peer in starts if peer != robot), dtype=np.int64)
+        ids = self._peers.tolist()
+        there: Array = np.array([starts[peer] for peer in ids], dtype=np.float64).reshape(-1, 2)
+        between = there - np.asarray(starts[robot])
+        length = np.sqrt((between**2).sum(axis=1))
+        self._normals: Array = between / np.maximum(length, 1e-12)[:, None]  # away from this robot
+        gap: Array = length - radii[robot] - np.array([radii[peer] for peer in ids])
+        self._limits: Array = self._normals @ np.asarray(starts[robot]) + 0.5 * gap  # of the own centre
+        self._theirs: Array = (self._normals * there).sum(axis=1) - 0.5 * gap  # of the peers' centres
+        self._gaps = gap
+
+    def __len__(self) -> int:
+        return len(self._peers)
+
+    @property
+    def unusable(self) -> list[int]:
+        """Peers with whom there may be no line, for they may touch."""
+        ids: list[int] = self._peers[self._gaps < _ROUNDING].tolist()
+        return ids
+
+    def within(self, x: float, y: float, reach: float) -> list[int]:
+        """Every peer whose line may be less than `reach` (m) from the own disk if that is at (x, y), m."""
+        slack = self._limits - self._normals @ np.array((x, y))
+        ids: list[int] = self._peers[slack < reach + _ROUNDING].tolist()
+        return ids
+
+    def reached(self, picture: FarPicture, reach: float) -> list[int]:
+        """Every peer that this robot owns the line with and that was less than `reach` (m) from it."""
+        index = np.searchsorted(picture.robots, self._peers)
+        index = np.minimum(index, len(picture.robots) - 1)
+        known = picture.robots[index] == self._peers
+        slack = (self._normals * picture.places[index]).sum(axis=1) - self._theirs
+        ids: list[int] = self._peers[
+            known & (slack < reach + _ROUNDING) & (self._peers > self._robot)
+        ].tolist()
+        return ids
+
+    def leave(self, peer: int) -> None:
+        """More is known of this peer: look at its line no more."""
+        kept = self._peers != peer
+        if kept.all():
+            return
+        self._peers, self._gaps = self._peers[kept], self._gaps[kept]
+        self._normals, self._limits, self._theirs = (
+            self._normals[kept],
+            self._limits[kept],
+            self._theirs[kept],
+        )

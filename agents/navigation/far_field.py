@@ -1,0 +1,71 @@
+"""What far disks add to a robot's slice: little, and changing slowly, so that it is followed to first order.
+
+With a_j = x - b_j and contact distance rho_ij, half the gradient of log beta is the sum over peers of
+a_j / (|a_j|^2 - rho_ij^2) (`agents.navigation.slice`). Of far peers that sum and its derivative are taken at
+one place, and serve all around it until more is known of them.
+"""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+from mypy_extensions import mypyc_attr
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float]
+
+
+@final
+@mypyc_attr(acyclic=True)
+class FarField:
+    """To first order around (x, y), m.
+
+    Attributes:
+        log_x, log_y: half the gradient of log beta there, 1/m.
+        xx, xy, yy: its derivative, symmetric, 1/m^2.
+        gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
+        count: of disks.
+        tick: in which they were there.
+    """
+
+    __slots__ = ("count", "gamma", "largest", "log_x", "log_y", "tick", "x", "xx", "xy", "y", "yy")
+
+    def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
+        self.tick = tick
+        self.x, self.y = x, y
+        self.log_x = self.log_y = self.xx = self.xy = self.yy = 0.0
+        self.gamma = self.largest = 0.0
+        self.count = 0
+
+
+NOTHING = FarField()
+
+
+def far_field(tick: int, position: Vector, places: Array, contacts: Array, gammas: Array) -> FarField:
+    """The field of disks that are surely apart; the others are left out.
+
+    Args:
+        tick: of the places.
+        position: around which, m.
+        places: of the disks, m; shape (n, 2).
+        contacts: distance at which each touches, m.
+        gammas: squared distances to their goals, m^2.
+    """
+    field = FarField(tick, *position)
+    if not len(gammas):
+        return field
+    away = np.asarray(position) - places
+    beta = (away**2).sum(axis=1) - contacts**2
+    apart = beta > contacts**2
+    ax, ay = away[apart].T
+    inverse = 1.0 / beta[apart]
+    slope = -2.0 * inverse * inverse
+    field.log_x, field.log_y = float(ax @ inverse), float(ay @ inverse)
+    trace = float(inverse.sum())
+    field.xx, field.yy = trace + float(slope @ (ax * ax)), trace + float(slope @ (ay * ay))
+    field.xy = float(slope @ (ax * ay))
+    field.gamma, field.largest = float(gammas.sum()), float(gammas.max())
+    field.count = len(gammas)
+    return field

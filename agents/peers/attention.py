@@ -1,0 +1,52 @@
+"""Whose States one robot hears: everybody's, until it is told who is near."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import final
+
+from mypy_extensions import mypyc_attr
+
+from protocol.interest import LEAD
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Attention:
+    """Sender and tick of a State alone decide whether it is heard, never when it arrives.
+
+    Attributes:
+        everybody: whether all are heard: nobody has said who is near.
+        near: whom this robot hears in the present tick, ascending.
+        due: tick whose summary has to be there in the present tick; -1 for none.
+    """
+
+    __slots__ = ("_coming", "_due", "_from", "_since", "due", "everybody", "near")
+
+    def __init__(self) -> None:
+        self.everybody = True
+        self.near: tuple[int, ...] = ()
+        self.due = self._due = -1
+        self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
+        self._coming: tuple[int, ...] | None = None
+        self._from = 0  # tick from which those count
+
+    def announce(self, tick: int, near: Iterable[int], *, summed_up: bool) -> None:
+        """In `tick` the world says who will be near; `summed_up` if its summary is of that tick, too."""
+        self.everybody = False
+        self._coming, self._from = tuple(sorted(near)), tick + LEAD
+        if summed_up:
+            self._due = tick
+
+    def turn(self, tick: int) -> bool:
+        """A tick begins; whether others are near from here on."""
+        if self._coming is None or tick < self._from:
+            return False
+        self.near, self._coming = self._coming, None
+        self.due = self._due
+        self._since = {peer: self._since.get(peer, self._from) for peer in self.near}
+        return True
+
+    def counts(self, peer: int, tick: int) -> bool:
+        """Whether a State of `tick` is heard in the present one."""
+        return self.everybody or tick >= self._since.get(peer, tick + 1)

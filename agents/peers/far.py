@@ -1,0 +1,78 @@
+"""Where everybody was, by the world's last summary: what a robot knows of those whom it does not hear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.navigation.far_field import FarField, far_field
+from protocol.codec import LARGEST
+from protocol.errors import MessageError
+from protocol.messages import Summary
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float]
+
+
+@final
+class FarPicture:
+    """One summary.
+
+    Args:
+        summary: that has arrived.
+        radii: of all robots, m.
+        before: an earlier picture, for what has not changed since.
+
+    Attributes:
+        tick: that it is of.
+        robots: who is in it, ascending.
+        places: of them, m; shape (n, 2).
+
+    Raises:
+        MessageError: it is not made as a summary is.
+    """
+
+    def __init__(
+        self, summary: Summary, radii: Mapping[int, float], before: FarPicture | None = None
+    ) -> None:
+        self.tick = summary.tick
+        count = len(summary.robots) // 4
+        if len(summary.robots) != 4 * count or len(summary.positions) != 16 * count:
+            raise MessageError("shape", "summary: as many ids as positions are needed")
+        if len(summary.gammas) != 8 * count:
+            raise MessageError("shape", "summary: as many ids as squared distances are needed")
+        self.places: Array = np.frombuffer(summary.positions, dtype="<f8").reshape(-1, 2)
+        self._gammas: Array = np.frombuffer(summary.gammas, dtype="<f8")
+        if not ((np.abs(self.places) <= LARGEST).all() and (self._gammas >= 0.0).all()):
+            raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
+        self._ids = summary.robots
+        self.robots: NDArray[np.int64] = np.frombuffer(summary.robots, dtype="<u4").astype(np.int64)
+        if before is not None and before._ids == summary.robots:
+            index, sizes = before._index, before._radii
+        else:
+            known: list[int] = self.robots.tolist()
+            index = {robot: place for place, robot in enumerate(known)}
+            sizes = np.array([radii.get(robot, 0.0) for robot in known], dtype=np.float64)
+        self._index: dict[int, int] = index
+        self._radii: Array = sizes
+        self._flat: list[float] = self.places.ravel().tolist()
+
+    def place(self, robot: int) -> Vector | None:
+        """Where a robot was, m; None if nobody knows."""
+        index = self._index.get(robot)
+        return None if index is None else (self._flat[2 * index], self._flat[2 * index + 1])
+
+    def field(self, position: Vector, radius: float, known: Iterable[int]) -> FarField:
+        """What all of them but the `known` add to a robot's slice near its own position.
+
+        Args:
+            position: own, m.
+            radius: own, m.
+            known: robots that are known better, own id included.
+        """
+        far = np.ones(len(self.robots), dtype=np.bool_)
+        far[[self._index[robot] for robot in known if robot in self._index]] = False
+        return far_field(self.tick, position, self.places[far], radius + self._radii[far], self._gammas[far])

@@ -1,0 +1,106 @@
+"""Initial lines that are looked at together, only when somebody may come near, are the same lines."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.lines.boundary import RoundBoundary
+from agents.lines.initial_lines import InitialLines
+from agents.lines.placement import initial_line
+from agents.lines.safe_velocity import safe_velocity
+from agents.lines.separating_lines import SeparatingLines
+from agents.peers.far import FarPicture
+from protocol.messages import Member, Summary
+
+SPEED, PERIOD, ROOM = 0.1, 0.1, 3.0
+Vector = tuple[float, float]
+
+
+def fleet(seed: int, count: int) -> tuple[dict[int, Vector], dict[int, float]]:
+    """Starts and radii (m) of disks that are apart."""
+    random = Random(seed)
+    starts: dict[int, Vector] = {}
+    radii: dict[int, float] = {}
+    while len(starts) < count:
+        radius, place = random.uniform(0.01, 0.06), (random.uniform(-2, 2), random.uniform(-2, 2))
+        if all(math.dist(place, starts[peer]) > radius + radii[peer] + 1e-4 for peer in starts):
+            starts[len(starts) + 1], radii[len(radii) + 1] = place, radius
+    return starts, radii
+
+
+def ledger(
+    robot: int, starts: dict[int, Vector], radii: dict[int, float], urgent: float | None
+) -> SeparatingLines:
+    members = [Member(peer, 1, "live", radii[peer], founding=1) for peer in starts if peer != robot]
+    return SeparatingLines(
+        robot, 1, radii, speed=SPEED, period=PERIOD, members=members, starts=starts, urgent=urgent
+    )
+
+
+@given(st.integers(0, 2**32), st.integers(2, 60), st.floats(0.0, 3.0))
+def test_every_line_within_reach_is_found(seed: int, count: int, reach: float) -> None:
+    starts, radii = fleet(seed, count)
+    robot, random = 1 + seed % count, Random(seed)
+    x, y = random.uniform(-2, 2), random.uniform(-2, 2)
+    found = InitialLines(robot, starts, radii).within(x, y, reach)
+    for peer in starts.keys() - {robot}:
+        line = initial_line(robot, peer, starts, radii)
+        assert line is not None
+        slack = line.side(radii[robot], robot < peer).slack(x, y)
+        assert (peer in found) == (slack < reach) or abs(slack - reach) < 1e-5
+
+
+@given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 3.0))
+def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count: int, reach: float) -> None:
+    starts, radii = fleet(seed, count)
+    robot, random = 1 + seed % count, Random(seed)
+    places = {peer: (random.uniform(-2, 2), random.uniform(-2, 2)) for peer in starts}
+    ids, flat = np.array(list(places), dtype="<u4"), np.array(list(places.values()), dtype="<f8")
+    summary = Summary(3, ids.tobytes(), flat.tobytes(), np.zeros(count).tobytes())
+    picture = FarPicture(summary, radii)
+    assert {peer: picture.place(peer) for peer in starts} == places
+    found = InitialLines(robot, starts, radii).reached(picture, reach)
+    assert min(found, default=robot + 1) > robot
+    for peer in range(robot + 1, count + 1):
+        line = initial_line(robot, peer, starts, radii)
+        assert line is not None
+        slack = line.side(radii[peer], owner=False).slack(*places[peer])
+        assert (peer in found) == (slack < reach) or abs(slack - reach) < 1e-5
+
+
+@given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 0.01))
+def test_who_skips_lines_drives_as_who_looks_at_all(seed: int, count: int, bound: float) -> None:
+    """Bit for bit, wherever the robot goes: the same half-planes in the same order."""
+    starts, radii = fleet(seed, count)
+    robot, random = 1 + seed % count, Random(seed)
+    every, some = (ledger(robot, starts, radii, urgent) for urgent in (None, 0.2))
+    boundary = RoundBoundary(ROOM)
+    x, y = starts[robot]
+    angle = random.uniform(0.0, math.tau)
+    for tick in range(60):
+        angle += random.uniform(-0.3, 0.3)
+        wish = (SPEED * math.cos(angle), SPEED * math.sin(angle))
+        chosen = []
+        for lines in (every, some):
+            lines.locate(tick, (x, y), bound)
+            assert lines.ready
+            sides = lines.half_planes()
+            chosen.append(safe_velocity(wish, (x, y), sides, boundary=boundary, speed=SPEED, period=PERIOD))
+        assert chosen[0] == chosen[1]
+        x, y = x + chosen[0][0] * PERIOD, y + chosen[0][1] * PERIOD
+    assert some.obeyed_lines() == tuple(
+        line for line in every.obeyed_lines() if line[0] in {each[0] for each in some.obeyed_lines()}
+    )
+
+
+def test_far_lines_are_not_looked_at_one_by_one() -> None:
+    starts, radii = fleet(1, 60)
+    lines = ledger(1, starts, radii, 0.1)
+    lines.locate(0, starts[1], 0.0)
+    lines.half_planes()
+    assert len(lines.obeyed_lines()) < 20

@@ -1,0 +1,59 @@
+"""Robots that hear only those near them: no contact, all arrive, and one trajectory on every bus."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, fresh_run_name
+from protocol.scenario.model import Link, Network, ProcessFault, Scenario
+
+SHORT = 4.0  # s of simulated time
+
+
+def crowd(interest: Network, **settings: Any) -> Scenario:
+    scenario = load("random-14")
+    return replace(scenario, network=interest, **settings)
+
+
+def in_process(scenario: Scenario, joining: tuple[int, ...] | None = None) -> dict[str, Any]:
+    with LocalFleet([scenario], joining=joining) as fleet:
+        return fleet.execute()[0]
+
+
+def test_near_robots_arrive_on_ways_as_short_as_if_all_heard_all() -> None:
+    near, everybody = (in_process(crowd(Network(interest))) for interest in ("near", "all"))
+    assert near["verdict"] == everybody["verdict"] == "arrived"
+    assert near["nrl"] < 1.05 * everybody["nrl"]
+
+
+def test_the_order_of_joining_changes_nothing() -> None:
+    scenario = crowd(Network("near", 0.1), link=Link(delay=(0.0, 0.2), loss=0.1))
+    scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
+    hashes = {in_process(scenario, order)["trajectory_sha256"] for order in (None, scenario.ids[::-1])}
+    assert len(hashes) == 1
+
+
+def test_who_begins_anew_among_far_peers_moves_again() -> None:
+    """By letters it gets a line with everybody, although it hears hardly anybody."""
+    scenario = crowd(
+        Network("near", 0.06), process=(ProcessFault(3, 1.0, "restart"), ProcessFault(9, 2.0, "restart"))
+    )
+    report = in_process(scenario)
+    assert report["verdict"] == "arrived"
+    assert report["min_clearance"] > 0.0
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+def test_processes_on_a_router_make_the_same_trajectory() -> None:
+    scenario = crowd(Network("near", 0.1))
+    scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
+    with Fleet([scenario], RunOptions(run=fresh_run_name())) as fleet:
+        routed = fleet.execute()[0]
+    assert routed["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]

@@ -1,0 +1,110 @@
+"""Who is near whom is mutual, follows from what was sensed, and is said early enough to be heard."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from protocol.interest import LEAD, inner, outer, period
+from protocol.messages import Sense, Vector
+from protocol.scenario.model import Network, Scenario
+from tests.world.driving import joined, scenario
+from world.coordinator.interest import Interest
+
+places = st.lists(st.tuples(st.floats(-0.25, 0.25), st.floats(-0.25, 0.25)), min_size=4, max_size=4)
+RADIUS = 0.01
+
+
+def four(reach: float = 0.05) -> Scenario:
+    robots = [((0.1 * n, 0.0), (0.1 * n, 0.1)) for n in range(-2, 2)]
+    return scenario(*robots, radius=RADIUS, network=Network("near", reach))
+
+
+def sensed(at: list[Vector]) -> dict[int, Sense]:
+    return {robot: Sense(place, 0, 0.0, (0.0, 0.0)) for robot, place in enumerate(at, 1)}
+
+
+def goals(setting: Scenario) -> dict[int, Vector]:
+    return {spec.id: spec.goal for spec in setting.robots}
+
+
+@given(st.lists(places, min_size=1, max_size=4))
+def test_near_is_mutual_and_has_hysteresis(path: list[list[Vector]]) -> None:
+    setting, tick = four(), 0
+    interest = Interest(setting)
+    before: set[tuple[int, int]] = set()
+    for at in path:
+        interest.open(tick, setting, sensed(at), goals(setting))
+        told = {robot: set(interest.tell(robot, 1, tick) or ()) for robot in setting.ids}
+        near = {(one, other) for one in told for other in told[one]}
+        for one in setting.ids:
+            for other in setting.ids:
+                gap = math.dist(at[one - 1], at[other - 1]) - 2.0 * RADIUS
+                limit = outer(setting) if (one, other) in before else inner(setting)
+                if one != other and abs(gap - limit) > 1e-9:
+                    assert ((one, other) in near) == (gap < limit)
+        assert {(other, one) for one, other in near} == near
+        before = near
+        tick += period(setting)
+
+
+def test_nobody_is_awaited_before_it_can_be_heard() -> None:
+    setting = four(1.0)
+    interest = Interest(setting)
+    everybody, heard = frozenset(setting.ids), []
+    for tick in range(LEAD + 1):
+        interest.open(tick, setting, {}, goals(setting))
+        heard.append(interest.heard(1, tick, everybody))
+        interest.tell(1, 1, tick)
+    assert heard == [(1,)] * LEAD + [setting.ids]
+
+
+def test_a_later_life_is_told_at_once_and_awaits_nobody_meanwhile() -> None:
+    setting = four(1.0)
+    interest = Interest(setting)
+    everybody = frozenset(setting.ids)
+    for tick in range(period(setting) - 1):
+        interest.open(tick, setting, {}, goals(setting))
+        interest.heard(1, tick, everybody)
+        interest.tell(1, 1, tick)
+    tick = period(setting) - 1
+    interest.open(tick, setting, {}, goals(setting))
+    assert interest.tell(1, 2, tick) == (2, 3, 4)
+    assert interest.heard(1, tick, everybody) == (1,)
+
+
+def test_the_summary_says_where_everybody_was_sensed() -> None:
+    setting = four()
+    interest = Interest(setting)
+    at = [(0.01 * n, 0.02) for n in range(4)]
+    interest.open(0, setting, sensed(at), goals(setting))
+    for tick in range(1, period(setting)):
+        interest.open(tick, setting, sensed([(0.2, 0.2)] * 4), goals(setting))
+    assert interest.summary is not None
+    assert interest.summary.tick == 0
+    assert np.frombuffer(interest.summary.robots, "<u4").tolist() == [1, 2, 3, 4]
+    assert np.frombuffer(interest.summary.positions, "<f8").reshape(-1, 2).tolist() == [
+        list(each) for each in at
+    ]
+    away = [math.dist(place, spec.goal) ** 2 for place, spec in zip(at, setting.robots, strict=True)]
+    assert np.allclose(np.frombuffer(interest.summary.gammas, "<f8"), away)
+
+
+def test_who_comes_later_has_a_place_and_who_was_near_remains_so() -> None:
+    setting = four(0.06)
+    interest = Interest(setting)
+    interest.open(0, setting, sensed([(0.0, 0.0), (0.07, 0.0), (0.2, 0.2), (-0.2, 0.2)]), goals(setting))
+    fewer = replace(setting, robots=setting.robots[:3])
+    moved = [(0.0, 0.0), (0.1, 0.0), (0.2, 0.2)]
+    interest.open(1, fewer, sensed(moved), goals(fewer))
+    assert interest.tell(2, 1, 1) == (1,)
+
+
+def test_a_tick_names_only_those_who_are_heard() -> None:
+    world = joined(four())
+    assert {told.active for told in world.open_tick().values()} == {(robot,) for robot in world.scenario.ids}
+    assert world.coordinator.active == world.scenario.ids
