@@ -326,11 +326,11 @@ class RobotNode:
         base = self._base
         if base is None:
             return None
-        if core.lost:
-            base.doubt(core.note)
         sense = base.begin(tick, self._heard_world)
-        if base.anew:
+        if base.begins_anew():
             core.begin_anew()
+        elif core.lost and not base.note:
+            base.doubt(core.note)
         return sense
 
     def _command(self) -> None:

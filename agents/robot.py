@@ -8,15 +8,18 @@ the one to the other, when every earlier command is settled: none is ever outsta
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf
+from dataclasses import replace
+from math import hypot, inf
 from typing import Final
 
 from agents.bodies.choice import body_of
 from agents.estimate import Estimate
 from agents.laws import View, choose
+from agents.laws.turns import turn_of
 from agents.lines.boundary import boundary_of
 from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
+from agents.movers.mover import Mover
 from agents.peers.attention import Attention
 from agents.peers.far import FarPicture
 from agents.peers.link import Link
@@ -25,7 +28,19 @@ from agents.peers.state import FAR, PeerState, addressed_to
 from agents.polygon import Polygon
 from agents.roster import KnownRoster, has_ended
 from protocol.interest import period, urgent
-from protocol.messages import Answer, Command, Health, Proposal, Report, Roster, Sense, State, Summary, Tick
+from protocol.messages import (
+    Answer,
+    Command,
+    Handling,
+    Health,
+    Proposal,
+    Report,
+    Roster,
+    Sense,
+    State,
+    Summary,
+    Tick,
+)
 from protocol.scenario.model import Scenario
 
 Vector = tuple[float, float]
@@ -57,6 +72,7 @@ class Robot:
         self.goal = self._first_goal = spec.goal
         self._filtered = scenario.control.filter == "separating-lines"
         self._law = choose(scenario, robot)
+        self._turn = turn_of(scenario, robot)
         self._speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
         self._body = body_of(scenario, robot)
         sensing = scenario.sensing_of(robot)
@@ -67,6 +83,8 @@ class Robot:
         self._reports = scenario.is_external
         self._estimate = self._nothing_known()
         self._boundary = boundary_of(scenario.workspace.shape, spec.radius)
+        self._mover = Mover(scenario, robot) if scenario.parts else None
+        self._spec, self._radius = spec, spec.radius
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link = Link(scenario, robot)
@@ -118,6 +136,8 @@ class Robot:
             self._on_letter(letter)
         if self._lines is not None:
             self._take_over(self._lines, self.tick - 1)
+        if self._mover is not None:
+            self._move_parts(self._mover, tick.goal)
         self._open = True
         return self._state()
 
@@ -133,15 +153,16 @@ class Robot:
     def _locate(self) -> None:
         """Tell the lines where this robot is."""
         estimate, lines, things = self._estimate, self._lines, self._things
-        if estimate.position is None or lines is None or things is None:
+        if lines is None or things is None:
             return
         if estimate.shape is not None and self._filtered:
             self._confine(lines, things, estimate.shape)
-        if estimate.lost or self._blind:
-            lines.locate(self.tick, estimate.position, inf)  # nothing is surely satisfied
-            things.locate(estimate.position, inf)
+        position = estimate.position
+        if position is None or estimate.lost or self._blind:
+            lines.locate(self.tick, position or STILL, inf)  # nothing is surely satisfied
+            things.locate(position or STILL, inf)
         else:
-            known = (estimate.position, estimate.bound, estimate.shape, self._body.swept)
+            known = (position, estimate.bound, estimate.shape, self._body.swept)
             lines.locate(self.tick, *known)
             things.locate(*known)
 
@@ -164,6 +185,10 @@ class Robot:
         for member in news:
             self._neighbours.on_member(member)
         if self._lines is None:
+            own = self._roster.member(self.robot)
+            if own is not None and own.radius != self._radius:  # an earlier life took up a part
+                self._radii[self.robot] = self._radius = own.radius
+                self._boundary = boundary_of(self._scenario.workspace.shape, self._radius)
             scenario, founding = self._scenario, self._roster.founding
             starts = {peer.id: peer.start for peer in scenario.robots}
             self._things = Things(
@@ -221,7 +246,53 @@ class Robot:
             self._desired,
             proposals,
             answers,
+            None if self._mover is None else self._mover.claim,
         )
+
+    # -- parts
+
+    def _move_parts(self, mover: Mover, ordered: Vector | None) -> None:
+        """Decide what to do about parts in this tick; who was ordered elsewhere leaves them alone."""
+        position, heard = self._estimate.position, self._neighbours
+        if position is None or self._lines is None:
+            return
+        mover.look(self.tick, position, self._roster, heard.heard(), list(heard.standing.values()), ordered)
+        self.goal = mover.goal
+
+    def _fit_to_load(self, mover: Mover, lines: SeparatingLines, things: Things) -> Handling | None:
+        """Be the disk that parts need from this command on, a larger one only where there is room for it;
+        what is asked for if that is so.
+
+        It never is a smaller one than the roster says: that one stands if this robot falls silent.
+        """
+        own = self._roster.member(self.robot)
+        told = self._radius if own is None else own.radius
+        wanted, held = max(told, mover.radius), mover.held if told < mover.radius else 0
+        if wanted > self._radius and not (told >= wanted or self._has_room(wanted, held, lines, things)):
+            wanted = max(told, self._spec.radius)
+        if wanted != self._radius:
+            self._resize(wanted, held, lines, things)
+        return mover.handles if self._radius >= mover.radius else None
+
+    def _has_room(self, radius: float, held: int, lines: SeparatingLines, things: Things) -> bool:
+        """Whether a larger disk would satisfy all that is obeyed, thing `held` left out."""
+        estimate, room = self._estimate, self._scenario.workspace.shape
+        position = estimate.position
+        if position is None or estimate.lost or self._blind or not (lines.ready and things.ready):
+            return False
+        swept = 0.0 if self._body.swept is None else self._body.reach
+        inside = boundary_of(room, radius).contains(*position, estimate.bound + swept)
+        return inside and lines.has_room(radius) and things.has_room(radius, held)
+
+    def _resize(self, radius: float, held: int, lines: SeparatingLines, things: Things) -> None:
+        self._radius = radius
+        self._boundary = boundary_of(self._scenario.workspace.shape, radius)
+        lines.resize(radius)
+        things.resize(radius, held)
+        sized = [
+            replace(spec, radius=radius) if spec.id == self.robot else spec for spec in self._scenario.robots
+        ]
+        self._law = choose(replace(self._scenario, robots=tuple(sized)), self.robot)
 
     def reconsider(self, tick: Tick) -> None:
         """The same tick again: somebody who took part no longer does, and is not waited for."""
@@ -281,6 +352,7 @@ class Robot:
         self._open = False
         lines, things, position = self._lines, self._things, self._estimate.position
         velocity = self._desired = STILL
+        handles: Handling | None = None
         letter: State | None = None
         if lines is not None:
             self._take_over(lines, self.tick)
@@ -288,14 +360,18 @@ class Robot:
             letter = self._letter(lines)  # before the velocity, which has to keep to all that is offered
             if not self._filtered or (lines.keeps_clear and things is not None and things.keeps_clear):
                 self._kept = self._roster.version
+            if self._mover is not None and things is not None:
+                handles = self._fit_to_load(self._mover, lines, things)
             if position is not None and not self._halted:
-                self._desired = self._law.velocity(self._view(position))
+                self._desired = self._wish(position)
                 wish = lines.make_room(self._desired)
                 if things is not None:
                     wish = things.make_room(wish)
                 velocity = self._allowed(lines, position, wish)
         report = self._report() if self._reports else None
-        return Command(self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter)
+        return Command(
+            self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter, handles
+        )
 
     def _report(self) -> Report | None:
         """Where this robot knows itself to be."""
@@ -334,6 +410,17 @@ class Robot:
             proposals,
             answers,
         )
+
+    def _wish(self, position: Vector) -> Vector:
+        """The velocity that the law asks for; of a mover, straight to where it aims."""
+        if self._turn is not None and not self._turn.has_come(self.tick):
+            return STILL
+        aim = None if self._mover is None else self._mover.aim
+        if aim is None:
+            return self._law.velocity(self._view(position))
+        dx, dy = aim[0] - position[0], aim[1] - position[1]
+        rate = min(self._control.speed / max(hypot(dx, dy), 1e-12), 1.0 / self._scenario.time.step)
+        return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
         """What the law is given in this tick."""

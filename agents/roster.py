@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import final
 
-from protocol.messages import Member, Roster, Thing
+from protocol.messages import Member, PartPlace, Roster, Thing
 
 
 @final
@@ -19,11 +19,13 @@ class KnownRoster:
     Attributes:
         version: of it; 0 as long as there is none.
         things: that came or went, as it says.
+        parts: where each is.
     """
 
     def __init__(self, robot: int, incarnation: int) -> None:
         self.version = 0
         self.things: tuple[Thing, ...] = ()
+        self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._incarnation = robot, incarnation
         self._members: dict[int, Member] = {}
 
@@ -32,10 +34,14 @@ class KnownRoster:
         if roster.version <= self.version:
             return []
         before, self._members = self._members, {each.robot: each for each in roster.members}
-        self.version, self.things = roster.version, roster.things
+        self.version, self.things, self.parts = roster.version, roster.things, roster.parts
         return [
             each for each in roster.members if each.robot != self._robot and before.get(each.robot) != each
         ]
+
+    def member(self, robot: int) -> Member | None:
+        """What it says of an id."""
+        return self._members.get(robot)
 
     @property
     def founding(self) -> bool:

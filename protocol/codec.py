@@ -61,7 +61,7 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = abs(message.velocity[0]) + abs(message.velocity[1])
-        if message.report is not None or message.letter is not None:
+        if message.report is not None or message.letter is not None or message.handles is not None:
             total += sum(map(abs, _command_numbers(message)))
     elif isinstance(message, Summary):
         total = 0.0  # whoever unpacks it looks at its numbers
@@ -86,6 +86,8 @@ def _state_sum(state: State) -> float:
         total += abs(x) + abs(y)
     for line in state.proposals:
         total += abs(line.nx) + abs(line.ny) + abs(line.offset)
+    if state.claim is not None:
+        total += state.claim.cost + state.claim.radius
     return total
 
 
@@ -106,6 +108,8 @@ def _command_numbers(command: Command) -> Iterator[float]:
         yield from (*command.report.position, command.report.bound)
     if command.letter is not None:
         yield from _state_numbers(command.letter)
+    if command.handles is not None:
+        yield from (command.handles.radius, *(command.handles.place or ()))
 
 
 def _state_numbers(state: State) -> Iterator[float]:
@@ -119,6 +123,9 @@ def _state_numbers(state: State) -> Iterator[float]:
         yield line.nx
         yield line.ny
         yield line.offset
+    if state.claim is not None:
+        yield state.claim.cost
+        yield state.claim.radius
 
 
 def _sense_numbers(sense: Sense) -> tuple[float, ...]:

@@ -48,7 +48,7 @@ class Speaker(msgspec.Struct, frozen=True):
 class Line(Speaker, frozen=True, kw_only=True):
     """One line of a file: who said what, and when by the clock of its host."""
 
-    time: datetime
+    time: Annotated[datetime, msgspec.Meta(tz=True)]
     level: Level
     text: str
 

@@ -100,12 +100,21 @@ class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
         return ConvexPolygon(self.points)
 
 
+class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Where a part of the scenario is: on the floor, or on a robot."""
+
+    part: Id  # its number
+    thing: Count = 0  # as which it stands; of one that is carried, as which it is to appear, 0 for none
+    carrier: Count = 0  # the robot that has it, live or standing; 0 for none
+
+
 class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Who is there, in one numbered version; versions only grow."""
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
+    parts: tuple[PartPlace, ...] = ()  # all of the scenario, once the run is founded
 
 
 class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -151,6 +160,14 @@ class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
     bound: Size  # m, the truth is at most this far from `position`
 
 
+class Claim(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """Which part a robot fetches or carries. Of two that claim one, the nearer has it, then the lower id."""
+
+    part: Id  # its number
+    cost: Size  # m, the way that is left to it; 0 once the robot carries it
+    radius: Size  # m, of the disk that the robot is with it, which peers leave room for
+
+
 class State(Message, frozen=True, array_like=True, gc=False):
     """One robot to its peers: all they need to know of it."""
 
@@ -164,6 +181,15 @@ class State(Message, frozen=True, array_like=True, gc=False):
     desired: Vector  # m/s, velocity that the law asks for, before the filter
     proposals: tuple[Proposal, ...] = ()  # lines that this robot owns and that are unanswered
     answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
+    claim: Claim | None = None  # what it fetches or carries
+
+
+class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a robot asks to do with a part; repeated until the roster says that it is done."""
+
+    part: Id  # its number
+    radius: Size  # m, of the disk around the own centre that is kept clear of everything else from now on
+    place: Vector | None = None  # m, where to put it down; nil: take it up
 
 
 class Command(Message, frozen=True, array_like=True, gc=False):
@@ -177,6 +203,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
     letter: State | None = None  # what it says of lines to far peers; the world hands each its part
+    handles: Handling | None = None  # a part to be taken up or put down
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
@@ -197,6 +224,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
+    parts: tuple[PartPlace, ...] = ()  # where the parts of the scenario are
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):

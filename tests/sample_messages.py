@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 from protocol.messages import (
     Answer,
     BaseMotion,
+    Claim,
     Clock,
     Command,
     GoalStatus,
+    Handling,
     Health,
     Member,
     Message,
@@ -56,7 +58,11 @@ proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, n
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
-states = st.builds(State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers)
+claims = st.none() | st.builds(Claim, ids, sizes, sizes)
+states = st.builds(
+    State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers, claims
+)
+handlings = st.none() | st.builds(Handling, ids, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "tick": st.builds(
         Tick,
@@ -74,7 +80,15 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
     ),
     "state": states,
     "command": st.builds(
-        Command, ids, counts, counts, vectors, counts, several(ids), letter=st.none() | states
+        Command,
+        ids,
+        counts,
+        counts,
+        vectors,
+        counts,
+        several(ids),
+        letter=st.none() | states,
+        handles=handlings,
     ),
     "clock": st.builds(
         Clock,

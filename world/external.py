@@ -36,6 +36,7 @@ class External:
         self._tick = 0
         self._heard: dict[int, int] = {}  # tick of the newest Command, by robot
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
+        self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
         self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
         self._lease = scenario.world.lease
 
@@ -81,9 +82,14 @@ class External:
             heard = self._heard[robot]
             if (self._tick - heard) * self._step >= leased:
                 moved = (heard + 1 - tick) * self._step + leased
-                self.bounds[robot] = report.bound + self._speed * moved
+                self.bounds[robot] = report.bound + self._farthest(robot, moved)
                 resting[robot] = report.position
         return resting
+
+    def _farthest(self, robot: int, seconds: float) -> float:
+        """How far a robot goes at most in a time, m."""
+        body, speed = self._bodies[robot], self._speed
+        return speed * seconds * (1.0 + body.error) + body.lag * speed + body.play
 
     def recast(self, scenario: Scenario) -> None:  # noqa: ARG002
         """Nobody comes or goes."""

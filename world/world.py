@@ -135,11 +135,34 @@ class World:
         referee.touches.add(self.tick, simulation.plant.touched())
         coordinator.close(simulation.resting(), simulation.bounds)
         referee.record.add(simulation.plant.positions, simulation.plant.between)
+        resized = self._handle()
         if coordinator.lives.settle():
             referee.record.surround(coordinator.lives.things.standing)
+            resized |= coordinator.parts.settle()
+        if resized:
+            self._judge_anew()
         self._turn_over()
         self._decide()
         coordinator.noted(Closed(self.checksum))
+
+    def _handle(self) -> bool:
+        """Let robots take up parts and put them down; whether a disk is another now."""
+        coordinator = self.coordinator
+        if not self.scenario.parts or coordinator.halted:
+            return False
+        live = {
+            robot: asked
+            for robot, asked in coordinator.commands.handles.items()
+            if coordinator.lives.status_of(robot) == "live"
+        }
+        return coordinator.parts.handle(live, self.simulation.places)
+
+    def _judge_anew(self) -> None:
+        """From now on, by the disks that robots are with what they carry, among the things that stand."""
+        loaded = self.coordinator.parts.loaded(self.scenario)
+        things = self.coordinator.lives.things
+        self.referee.recast(loaded, self.simulation.plant.positions, things.standing, self.tick)
+        things.recast(loaded)
 
     def _turn_over(self) -> None:
         """Between two ticks: who was added and may appear is there, who was removed is not."""
@@ -148,9 +171,7 @@ class World:
             return
         simulation.recast(self.scenario)
         coordinator.missions.recast(self.scenario)
-        things = coordinator.lives.things
-        self.referee.recast(self.scenario, simulation.plant.positions, things.standing, self.tick)
-        things.recast(self.scenario)
+        self._judge_anew()
 
     def _decide(self) -> None:
         coordinator, referee, plant = self.coordinator, self.referee, self.simulation.plant
@@ -159,7 +180,8 @@ class World:
         for robot in coordinator.missions.advance(self.tick, plant.ids, plant.positions):
             self._redirect(robot)
         if not self.verdict and not self.scenario.time.endless:
-            up, pending = coordinator.lives.up, coordinator.pending
+            up = coordinator.lives.up
+            pending = coordinator.pending or coordinator.parts.pending
             referee.decide(self.tick, plant.positions, up, coordinator.is_alone(), pending)
 
     def finish(self, verdict: str, reason: str) -> None:
@@ -218,7 +240,9 @@ class World:
 
         Returns why that cannot be; "" if it is done.
         """
-        reason = self._fixed or self.coordinator.membership.remove(robot)
+        part = self.coordinator.parts.carried_by(robot)
+        reason = f"robot {robot} carries part {part}" if part else ""
+        reason = reason or self._fixed or self.coordinator.membership.remove(robot)
         if reason:
             return reason
         if not self.is_open:
@@ -252,6 +276,8 @@ class World:
     def remove_thing(self, number: int) -> ThingReply:
         """A thing was taken out of the workspace, or is not to appear after all."""
         coordinator = self.coordinator
+        if part := coordinator.parts.owns(number):
+            return ThingReply(False, text=f"thing {number} is part {part}, which robots carry")
         if not (coordinator.founded and coordinator.lives.take_away(number)):
             return ThingReply(False, text=f"there is no thing {number}")
         self.referee.surround(coordinator.lives.things.standing, self.tick)

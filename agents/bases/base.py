@@ -26,11 +26,6 @@ class Base(Protocol):
         """Why nothing can be relied on, so that the robot stands; "" if all is well."""
         ...
 
-    @property
-    def anew(self) -> bool:
-        """Whether what the robot knew of where it is was void before the last `begin`."""
-        ...
-
     def hear(self, key: str, payload: bytes, now: float) -> None:
         """Something arrived under one of `keys`."""
 
@@ -40,6 +35,10 @@ class Base(Protocol):
 
     def begin(self, tick: Tick, now: float) -> Sense | None:
         """A tick begins: what is known of the robot; None if nothing can be relied on."""
+        ...
+
+    def begins_anew(self) -> bool:
+        """Whether all is well after it was not, so that what was known before is void; says so once."""
         ...
 
     def obey(self, command: Command, now: float) -> None:

@@ -60,11 +60,6 @@ class Ros2Base:
         """Why nothing can be relied on."""
         return self._senses.note
 
-    @property
-    def anew(self) -> bool:
-        """Whether what the robot knew was void before the last `begin`."""
-        return self._senses.anew
-
     def hear(self, key: str, payload: bytes, now: float) -> None:
         """See `agents.bases.base.Base`."""
         if key == self._odometry:
@@ -81,13 +76,17 @@ class Ros2Base:
         if tick.incarnation != self._life:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
-        self._senses.anew = False
         self._senses.look(now)
         ahead = self._senses.age(now) + self._base.latency
         self._heading = self._senses.heading() + self._drive.turning() * min(ahead, self._base.age)
         sense = self._senses.read(tick.tick, self._drive.motion(self._heading, now), now)
         self._blind = sense is None
         return sense
+
+    def begins_anew(self) -> bool:
+        """See `agents.bases.base.Base`."""
+        anew, self._senses.anew = self._senses.anew, False
+        return anew
 
     def obey(self, command: Command, now: float) -> None:
         """See `agents.bases.base.Base`."""

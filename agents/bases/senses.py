@@ -38,7 +38,7 @@ class Senses:
 
     Attributes:
         note: why nothing is known; "" if all is well.
-        anew: whether what was known before the last `read` is void.
+        anew: whether all is well after it was not, so that what was known before is void.
     """
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
@@ -100,7 +100,7 @@ class Senses:
 
     def doubt(self, why: str) -> None:
         """Rely on nothing that was heard so far."""
-        self.note = why
+        self.note, self.anew = why, False
         self._odometer.forget()
         self._poses.clear()
         self._stamp = -math.inf

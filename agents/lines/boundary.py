@@ -47,6 +47,10 @@ class RoundBoundary:
                 far, fx, fy = distance, px, py
         return None if fx == fy == 0.0 else HalfPlane(fx / far, fy / far, self.radius)
 
+    def contains(self, x: float, y: float, bound: float) -> bool:
+        """Whether all within `bound` (m) of (x, y) is inside."""
+        return math.hypot(x, y) + bound + ROUNDING <= self.radius
+
     def cut(
         self,
         x: float,
@@ -128,6 +132,10 @@ class StraightBoundary:
             if out > far:
                 far, found = out, wall
         return found
+
+    def contains(self, x: float, y: float, bound: float) -> bool:
+        """Whether all within `bound` (m) of (x, y) is inside."""
+        return all(wall.slack(x, y) >= bound + ROUNDING for wall in self.walls)
 
     def cut(
         self,

@@ -60,13 +60,15 @@ class InitialLines:
 
     def reached(self, picture: FarPicture, reach: float) -> list[int]:
         """Every peer that this robot owns the line with and that was less than `reach` (m) from it."""
-        index = np.searchsorted(picture.robots, self._peers)
-        index = np.minimum(index, len(picture.robots) - 1)
-        known = picture.robots[index] == self._peers
-        slack = (self._normals * picture.places[index]).sum(axis=1) - self._theirs
-        ids: list[int] = self._peers[
-            known & (slack < reach + _ROUNDING) & (self._peers > self._robot)
-        ].tolist()
+        first = int(np.searchsorted(self._peers, self._robot))
+        peers, normals, theirs = self._peers[first:], self._normals[first:], self._theirs[first:]
+        if not len(peers) or not len(picture.robots):
+            return []
+        index = np.minimum(np.searchsorted(picture.robots, peers), len(picture.robots) - 1)
+        places = picture.places[index]
+        slack = normals[:, 0] * places[:, 0] + normals[:, 1] * places[:, 1] - theirs
+        found = (slack < reach + _ROUNDING) & (picture.robots[index] == peers)
+        ids: list[int] = peers[found].tolist()
         return ids
 
     def leave(self, peer: int) -> None:

@@ -156,6 +156,13 @@ class RobotPair:
             line = self.end.obeyed[0]
             self.offset = line.offset if self.owns else -line.offset
 
+    def resize(self, own_radius: float) -> None:
+        """This robot is another disk."""
+        self.own_radius = own_radius
+        if self.disk is not None:
+            self.disk.resize(own_radius)
+        self.renew()
+
     def on_member(self, member: Member) -> None:
         """A newer roster says something else of the peer than the one before."""
         if member.incarnation < self.heard:

@@ -144,6 +144,8 @@ class SeparatingLines:
         pair = self._pairs.get(state.robot) or self._pair(state.robot)
         if not pair.accept(state):
             return
+        if state.radius != pair.radius and pair.disk is None:
+            pair.radius = state.radius
         self._disturbed = self._disturbed or pair.peer_restarted
         if not state.answers and not state.proposals:
             return
@@ -161,6 +163,28 @@ class SeparatingLines:
         pair.on_member(member)
         if pair.disk is not None:
             pair.disk.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
+
+    def has_room(self, radius: float) -> bool:
+        """Whether the own disk satisfies all it obeys if it is one of `radius`, m, around the same centre."""
+        growth = radius - self._radius
+        return all(
+            side.slack(self._x, self._y) - growth >= self._passed(side) + ROUNDING
+            for pair in self._each
+            for side in pair.half_planes
+        )
+
+    def resize(self, radius: float) -> None:
+        """The own disk is one of `radius` from now on, m; a larger one only where it `has_room`."""
+        self._radius = radius
+        for pair in self._each:
+            pair.resize(radius)
+
+    def _passed(self, side: HalfPlane) -> float:
+        """How far the own set, and all that it passes, reaches beyond the own position towards a side, m."""
+        extent = self._extent(side.nx, side.ny)
+        if self._swept is not None:
+            extent += self._swept.extent(side.nx, side.ny)
+        return extent
 
     @property
     def keeps_clear(self) -> bool:
@@ -349,10 +373,7 @@ class SeparatingLines:
     def _fits(self, line: Line, owner: bool) -> bool:
         """Whether the own disk surely satisfies a line now and until every command that is out has ended."""
         side = line.side(self._radius, owner)
-        extent = self._extent(side.nx, side.ny)
-        if self._swept is not None:
-            extent += self._swept.extent(side.nx, side.ny)
-        return line.is_unit and side.slack(self._x, self._y) >= extent + ROUNDING
+        return line.is_unit and side.slack(self._x, self._y) >= self._passed(side) + ROUNDING
 
     def _consider(self, pair: RobotPair, me: Disk, standing: bool, renewals: int) -> int:
         """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.

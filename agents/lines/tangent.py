@@ -71,6 +71,13 @@ class Tangent:
         if tangent.slack(x, y) >= extent + ROUNDING:
             self.half_plane = tangent
 
+    def resize(self, own_radius: float) -> None:
+        """This robot is another disk: the same line, for the centre of that."""
+        side = self.half_plane
+        if side is not None and own_radius != self._radius:
+            self.half_plane = HalfPlane(side.nx, side.ny, side.limit + self._radius - own_radius)
+        self._radius = own_radius
+
     def lacking(self, x: float, y: float, room: float) -> Vector:
         """How far to back off from (x, y), m, to be clear of it by `room`, m."""
         px, py = self.shape.nearest(x, y)

@@ -101,6 +101,30 @@ class Things:
         self._appearing = {number for number, each in news.items() if each.status == "appearing"}
         self._each = list(self._tangents.values())
 
+    def has_room(self, radius: float, held: int = 0) -> bool:
+        """Whether the own disk would be clear of everything if it were one of `radius`, m, thing `held` left
+        out."""
+        growth = radius - self._radius
+        for number, tangent in self._tangents.items():
+            side = tangent.half_plane
+            if number == held or (side is None and number in self._appearing):
+                continue
+            if side is None or side.slack(self._x, self._y) - growth < self._passed(side) + ROUNDING:
+                return False
+        return True
+
+    def resize(self, radius: float, held: int = 0) -> None:
+        """The own disk is one of `radius` from now on, m; thing `held` is kept clear of as before."""
+        self._radius = radius
+        for number, tangent in self._tangents.items():
+            if number != held:
+                tangent.resize(radius)
+
+    def _passed(self, side: HalfPlane) -> float:
+        """How far the own set, and all that it passes, reaches beyond the own position towards a side, m."""
+        extent = self._bound if self._shape is None else self._shape.extent(side.nx, side.ny)
+        return extent + (0.0 if self._swept is None else self._swept.extent(side.nx, side.ny))
+
     def make_room(self, desired: Vector) -> Vector:
         """The desired velocity (m/s), turned away from where something is to appear and this robot is."""
         vx, vy = desired

@@ -7,6 +7,7 @@ one place, and serve all around it until more is known of them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -43,7 +44,9 @@ class FarField:
 NOTHING = FarField()
 
 
-def far_field(tick: int, position: Vector, places: Array, contacts: Array, gammas: Array) -> FarField:
+def far_field(
+    tick: int, position: Vector, places: Array, contacts: Array, gammas: Array, known: Sequence[int] = ()
+) -> FarField:
     """The field of disks that are surely apart; the others are left out.
 
     Args:
@@ -52,20 +55,26 @@ def far_field(tick: int, position: Vector, places: Array, contacts: Array, gamma
         places: of the disks, m; shape (n, 2).
         contacts: distance at which each touches, m.
         gammas: squared distances to their goals, m^2.
+        known: indices of disks that do not count, each once.
     """
     field = FarField(tick, *position)
-    if not len(gammas):
+    field.count = len(gammas) - len(known)
+    if field.count <= 0:
         return field
+    squares = contacts * contacts
     away = np.asarray(position) - places
-    beta = (away**2).sum(axis=1) - contacts**2
-    apart = beta > contacts**2
-    ax, ay = away[apart].T
-    inverse = 1.0 / beta[apart]
+    ax, ay = away[:, 0], away[:, 1]
+    beta = ax * ax + ay * ay - squares
+    beta[beta <= squares] = np.inf
+    others = gammas.copy()
+    if known:
+        beta[known], others[known] = np.inf, 0.0
+    inverse = 1.0 / beta
     slope = -2.0 * inverse * inverse
-    field.log_x, field.log_y = float(ax @ inverse), float(ay @ inverse)
+    along = slope * ax
     trace = float(inverse.sum())
-    field.xx, field.yy = trace + float(slope @ (ax * ax)), trace + float(slope @ (ay * ay))
-    field.xy = float(slope @ (ax * ay))
-    field.gamma, field.largest = float(gammas.sum()), float(gammas.max())
-    field.count = len(gammas)
+    field.log_x, field.log_y = float(ax @ inverse), float(ay @ inverse)
+    field.xx, field.xy = trace + float(along @ ax), float(along @ ay)
+    field.yy = trace + float((slope * ay) @ ay)
+    field.gamma, field.largest = float(others.sum()), float(others.max())
     return field

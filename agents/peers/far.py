@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from typing import final
 
 import numpy as np
@@ -65,14 +65,13 @@ class FarPicture:
         index = self._index.get(robot)
         return None if index is None else (self._flat[2 * index], self._flat[2 * index + 1])
 
-    def field(self, position: Vector, radius: float, known: Iterable[int]) -> FarField:
+    def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """What all of them but the `known` add to a robot's slice near its own position.
 
         Args:
             position: own, m.
             radius: own, m.
-            known: robots that are known better, own id included.
+            known: robots that are known better, own id included, each once.
         """
-        far = np.ones(len(self.robots), dtype=np.bool_)
-        far[[self._index[robot] for robot in known if robot in self._index]] = False
-        return far_field(self.tick, position, self.places[far], radius + self._radii[far], self._gammas[far])
+        index = [self._index[robot] for robot in known if robot in self._index]
+        return far_field(self.tick, position, self.places, radius + self._radii, self._gammas, index)

@@ -70,6 +70,8 @@ class PeerReader:
         vx, vy = cursor.number(), cursor.number()
         self._others = 0.0
         proposals, answers = self._proposals(cursor), self._answers(cursor)
+        if not cursor.none():
+            return None
         if cursor.at != len(payload) or bound < 0.0 or gamma < 0.0 or slice_norm < 0.0:
             return None
         if not self._others <= LARGEST:

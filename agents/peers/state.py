@@ -8,7 +8,7 @@ from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Peer
 from protocol.codec import LARGEST
-from protocol.messages import Answer, Proposal, State
+from protocol.messages import Answer, Claim, Proposal, State
 
 Vector = tuple[float, float]
 FAR: Final = -1  # in place of the index of one who speaks in letters
@@ -24,6 +24,7 @@ class PeerState(Peer):
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
         radius: the peer's, m.
+        claim: which part it fetches or carries.
         index: where the listener looks first for what it knows of this peer: its number among the others;
             FAR for what came in a letter.
 
@@ -33,6 +34,7 @@ class PeerState(Peer):
     __slots__ = (
         "answers",
         "bound",
+        "claim",
         "incarnation",
         "index",
         "placed",
@@ -62,13 +64,14 @@ class PeerState(Peer):
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
         index: int = 0,
+        claim: Claim | None = None,
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
         self.placed, self.x, self.y = placed, x, y
         self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
-        self.index = index
+        self.index, self.claim = index, claim
 
     @property
     def position(self) -> Vector | None:
@@ -104,8 +107,9 @@ def addressed_to(robot: int, state: State, radius: float, index: int = 0) -> Pee
         state.gamma,
         state.slice,
         *state.desired,
-        radius=radius,
+        radius=radius if state.claim is None else max(radius, state.claim.radius),
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),
         index=index,
+        claim=state.claim,
     )

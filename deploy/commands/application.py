@@ -16,6 +16,7 @@ from deploy.commands.endure import endure, flood
 from deploy.commands.info import info
 from deploy.commands.monitor import monitor
 from deploy.commands.operate import hosts, keys
+from deploy.commands.operate.calibrate import calibrate
 from deploy.commands.operate.deploy import deploy
 from deploy.commands.operate.goal import goal
 from deploy.commands.operate.host import host
@@ -60,7 +61,7 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Study": (study, certify, endure, flood),
     "Operate": (
         *(add, remove, place, take, things, stop, release),
-        *(router, world, robot, keys.app, hosts.app, deploy, probe, doctor),
+        *(router, world, robot, calibrate, keys.app, hosts.app, deploy, probe, doctor),
     ),
 }
 for _group, _commands in GROUPS.items():

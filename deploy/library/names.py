@@ -12,7 +12,8 @@ from deploy.library.among_things import beads, blocks, boxes, forest, sphere_wor
 from deploy.library.demonstrations import admissible, crash, delay_6
 from deploy.library.figures import figure_1, figure_2
 from deploy.library.goal_sets import TIGHTNESS, figure_3
-from deploy.library.random_instances import random_instance
+from deploy.library.movers import parts
+from deploy.library.random_instances import in_turn, random_instance
 from deploy.library.swaps import circle, head_on, swap, turtlebots
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
@@ -65,12 +66,16 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
     "blocks": (blocks, Entry("blocks-N", "4 to 100", "four groups cross between four blocks, as in RVO2")),
     "boxes": (boxes, Entry("boxes-N", "1 to 100", "random goals among 8 boxes, as in GCBF+")),
     "beads": (beads, Entry("beads-N", "1 to 100", "in a corridor, where all keep their order")),
+    "in-turn": (in_turn, Entry("in-turn-N", "1 to 100", "only one robot moves at a time")),
+    "parts": (parts, Entry("parts-N", "3", "robots bring N parts to their goals, taking them up and down")),
     "random": (
         random_instance,
         Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
     ),
 }
-_NUMBERED = re.compile(r"(swap|circle|turtlebots|random|blocks|forest|boxes|beads)-([1-9][0-9]{0,5})")
+_NUMBERED = re.compile(
+    r"(swap|circle|turtlebots|random|blocks|forest|boxes|beads|parts|in-turn)-([1-9][0-9]{0,5})"
+)
 
 
 def catalogue() -> list[Entry]:

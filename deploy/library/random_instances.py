@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,15 @@ def random_instance(
     )
     text = f"{count} robots, random starts and goals, density {density:.3g}"
     return validated(Scenario(robots, name or f"random-{count}", text, seed, Workspace(workspace)))
+
+
+def in_turn(count: int, seed: int = 0) -> Scenario:
+    """Robots of which only one moves at a time, each for a second, while the others stand."""
+    drawn = random_instance(count, seed, density=0.1, name=f"in-turn-{count}")
+    turns = replace(drawn.control, turn=1.0, escape=False)
+    text = f"{count} robots of which one moves at a time, for a second each"
+    limit = replace(drawn.time, limit=60.0 * count, deadlock=20.0 * count)
+    return replace(drawn, description=text, control=turns, time=limit)
 
 
 def _room(radii: Sequence[float]) -> float:

@@ -80,6 +80,9 @@ _INNER = (
     messages.Roster,
     messages.Member,
     messages.Thing,
+    messages.PartPlace,
+    messages.Claim,
+    messages.Handling,
     messages.Standing,
 )
 

@@ -16,6 +16,7 @@ from protocol.scenario.body_checks import body_findings
 from protocol.scenario.fault_checks import fault_findings
 from protocol.scenario.model import Time
 from protocol.scenario.order_checks import named_robots, order_findings
+from protocol.scenario.part_checks import part_findings
 from protocol.scenario.shape import Document, Finding, Steps
 from protocol.scenario.sound import Sound
 from protocol.scenario.space_checks import Placed, room_of, space_findings
@@ -56,6 +57,7 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         *_overlaps(disks, "start"),
         *_overlaps(disks, "goal"),
         *space_findings(sound, room, _placed(disks)),
+        *part_findings(sound, room, _placed(disks)),
         *_times(sound),
         *body_findings(sound),
         *base_findings(sound),

@@ -92,6 +92,24 @@ class Thing:
 
 
 @dataclass(frozen=True, slots=True)
+class Part:
+    """What robots carry from where it stands to its goal: a disk (m)."""
+
+    __pydantic_config__ = STRICT
+    radius: Positive  # m
+    start: Point  # m, of its centre
+    goal: Point  # m
+
+
+@dataclass(frozen=True, slots=True)
+class Carrying:
+    """How robots carry parts. A loaded robot is a disk of the larger radius of the two around its centre."""
+
+    __pydantic_config__ = STRICT
+    reach: Positive = 0.01  # m, the largest gap to a part across which it is taken up or put down
+
+
+@dataclass(frozen=True, slots=True)
 class Time:
     """Control period, limit (s of simulated time), arrival tolerance (m), and what counts as silence (s).
 
@@ -117,6 +135,7 @@ class Control:
     pace: Literal["common", "own"] = "common"  # one factor for all robots, or each saturates by itself
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
+    turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
     escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
@@ -275,6 +294,8 @@ class Scenario:
     body: Preset | Body = "point"  # of every robot that has none of its own
     base: Base | None = None  # of every robot that has none of its own
     things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
+    parts: Annotated[tuple[Part, ...], Len(0, 100)] = ()  # what is carried; the first is part 1
+    carrying: Carrying = Carrying()
     orders: Annotated[tuple[Order, ...], Len(0, 1000)] = ()
     network: Network = Network()
 
@@ -298,6 +319,8 @@ class Scenario:
     @property
     def hears_near(self) -> bool:
         """Whether robots hear only those that are near them at every tick."""
+        if self.parts:
+            return False  # movers reckon with everybody's way
         interest = self.network.interest
         if interest is None:
             return len(self.robots) > CROWD and not self.is_external
@@ -305,8 +328,13 @@ class Scenario:
 
     @property
     def shapes(self) -> dict[int, Shape]:
-        """What stands from the start, by the number of the thing."""
-        return {number: thing.shape for number, thing in enumerate(self.things, 1)}
+        """What stands from the start, by the number of the thing; parts follow the things."""
+        parts = [Disk(*part.start, part.radius) for part in self.parts]
+        return dict(enumerate([*(thing.shape for thing in self.things), *parts], 1))
+
+    def loaded_radius(self, robot: int, part: int) -> float:
+        """Radius of the disk that a robot is while it carries a part, m."""
+        return max(self.spec(robot).radius, self.parts[part - 1].radius)
 
     @property
     def ids(self) -> tuple[int, ...]:

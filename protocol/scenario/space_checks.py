@@ -52,6 +52,14 @@ def space_findings(sound: Sound, room: Shape | None, placed: Iterable[Placed]) -
             yield ("things", index, _where(shape)), ", ".join(texts[:_NAMED]) + more
 
 
+def shapes_of(sound: Sound) -> Iterator[tuple[int, Shape]]:
+    """Things that are well formed, by their place in the file."""
+    for index in range(sound.size("things")):
+        shape, _ = _thing(sound, ("things", index))
+        if shape is not None:
+            yield index, shape
+
+
 def thing_at(sound: Sound, place: Steps, room: Shape | None) -> tuple[Shape | None, list[Finding]]:
     """The thing that is described there, None where it is malformed, and what is wrong with it."""
     shape, findings = _thing(sound, place)

@@ -23,7 +23,7 @@ def document_of(scenario: Scenario) -> Document:
         document[key] = _table(getattr(scenario, key), complete=True)
     if scenario.sensing != (Sensing(),):
         document["sensing"] = [_table(sensing) for sensing in scenario.sensing]
-    for key in ("link", "process", "actuation", "world", "things", "orders"):
+    for key in ("link", "network", "process", "actuation", "world", "things", "parts", "carrying", "orders"):
         if value := _plain(getattr(scenario, key)):
             document[key] = value
     if scenario.body != "point":

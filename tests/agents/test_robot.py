@@ -6,11 +6,12 @@ from functools import cache
 
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from agents.peers.state import PeerState, addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
-from protocol.messages import Command, State, Tick
+from protocol.messages import Command, Proposal, Sense, State, Tick
 from world.world import World
 
 SCENARIO = load("swap-4")
@@ -86,3 +87,25 @@ def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
     for peer in OTHERS:
         robot.on_state(heard(states[peer]))
     assert not robot.complete
+
+
+def test_who_knows_nothing_any_more_adopts_nothing() -> None:
+    """A line that fitted where it was taken to be need not fit where it is."""
+    _, fleet = robots()
+    robot, owner = fleet[IDS[-1]], IDS[0]
+    opened = said()[0][0]
+    place = SCENARIO.spec(robot.robot).start
+    tick = replace(opened, robot=robot.robot, sense=Sense(place, 0, 0.0, (0.0, 0.0)))
+    robot.begin(tick)
+    robot.command()
+    assert robot._lines is not None
+    end = robot._lines._pairs[owner].end
+    held = end.obeyed
+    robot.begin_anew()
+    robot.begin(replace(tick, tick=1, roster=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
+    (line,) = held
+    offer = Proposal(robot.robot, robot.incarnation, 1, line.nx, line.ny, line.offset)
+    state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), (offer,))
+    robot.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
+    assert robot.command().velocity == (0.0, 0.0)
+    assert (end.seen, end.held_number, end.obeyed) == (1, 0, held)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from protocol.messages import Command, Vector
+from protocol.messages import Command, Handling, Vector
 from world.coordinator.lives import Lives
 
 
@@ -20,6 +20,7 @@ class Commands:
 
     Attributes:
         velocities: taken in this tick, m/s, by robot.
+        handles: what they ask to do with parts, by robot.
         waiting: robots that still owe one.
         lacking: robots whose States are missing to one that cannot command, by robot.
         missed: commands that never came, over all active robots and ticks.
@@ -29,6 +30,7 @@ class Commands:
 
     def __init__(self, lives: Lives, external: bool = False) -> None:
         self.velocities: dict[int, Vector] = {}
+        self.handles: dict[int, Handling | None] = {}
         self.lacking: dict[int, tuple[int, ...]] = {}
         self.waiting: set[int] = set()
         self.missed = 0
@@ -40,7 +42,7 @@ class Commands:
     def open(self, tick: int, active: Iterable[int]) -> None:
         """Begin a tick in which `active` robots owe a command."""
         self._tick, self._open = tick, True
-        self.velocities, self.lacking, self.waiting = {}, {}, set(active)
+        self.velocities, self.handles, self.lacking, self.waiting = {}, {}, {}, set(active)
 
     def close(self) -> None:
         """End the tick: what is outstanding was missed."""
@@ -54,6 +56,7 @@ class Commands:
             self.missed += 1
             self.waiting.discard(robot)
             self.velocities.pop(robot, None)
+            self.handles.pop(robot, None)
 
     def accept(self, command: Command) -> bool:
         """Take a command, or count why not; whoever cannot command yet says why."""
@@ -66,6 +69,7 @@ class Commands:
             return False
         self.waiting.discard(command.robot)
         self.velocities[command.robot] = command.velocity
+        self.handles[command.robot] = command.handles
         self._lives.of[command.robot].heard = self._tick
         self._lives.acknowledge(command.robot, command.roster)
         return True

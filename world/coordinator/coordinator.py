@@ -11,7 +11,18 @@ from types import MappingProxyType
 
 import msgspec
 
-from protocol.messages import Command, Roster, Sense, Standing, State, Summary, Thing, Tick, Vector
+from protocol.messages import (
+    Command,
+    PartPlace,
+    Roster,
+    Sense,
+    Standing,
+    State,
+    Summary,
+    Thing,
+    Tick,
+    Vector,
+)
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
@@ -19,6 +30,7 @@ from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
+from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
 from world.coordinator.post import Post
 from world.coordinator.schedule import Operated, Schedule
@@ -52,6 +64,7 @@ class Coordinator:
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
+        self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
         self._post = Post()
         self.schedule = Schedule(scenario)
@@ -97,6 +110,11 @@ class Coordinator:
     def things(self) -> tuple[Thing, ...]:
         """Things that came or went since the run began, as the roster has them."""
         return self.lives.things.changes
+
+    @property
+    def part_places(self) -> tuple[PartPlace, ...]:
+        """Where the parts of the scenario are."""
+        return self.parts.places
 
     @property
     def summary(self) -> Summary | None:
@@ -221,7 +239,8 @@ class Coordinator:
         return not self.awaiting_join
 
     def tell_fenced(self) -> dict[int, Tick]:
-        """What those of the awaited are told who have to learn that they were fenced."""
+        """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
+        near: how often this is said depends on who joins when."""
         awaited = self.awaiting_join if self.founded else frozenset()
         return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in awaited}
 
@@ -232,7 +251,7 @@ class Coordinator:
         if self._interest is not None:
             goals = {spec.id: self.missions.goal(spec.id) or spec.goal for spec in self.scenario.robots}
             self._interest.open(self.tick, self.scenario, sensed, goals)
-        self.told = self._tell(self.active, sensed, self._post.deliver())
+        self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest)
         return self.told
 
     def accept(self, command: Command) -> bool:
@@ -275,9 +294,10 @@ class Coordinator:
         active: tuple[int, ...],
         sensed: Mapping[int, Sense] = MappingProxyType({}),
         letters: Mapping[int, tuple[State, ...]] = MappingProxyType({}),
+        interest: Interest | None = None,
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
-        roster_for, goal, interest = self.lives.roster_for, self.missions.goal, self._interest
+        roster_for, goal = self.lives.roster_for, self.missions.goal
         everybody = frozenset(active)
         leased = self.scenario.is_external
         return {
@@ -285,7 +305,7 @@ class Coordinator:
                 robot,
                 life.incarnation,
                 self.tick,
-                active if interest is None else interest.heard(robot, self.tick, everybody),
+                active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sensed.get(robot),
                 roster_for(robot),
                 goal(robot),

@@ -100,10 +100,11 @@ class Interest:
         told.coming, told.since = self._sets.get(robot, frozenset()), tick + LEAD
         return tuple(sorted(told.coming))
 
-    def heard(self, robot: int, tick: int, active: Container[int]) -> tuple[int, ...]:
-        """Which of the active robots this one hears in this tick, itself included."""
+    def heard(self, robot: int, incarnation: int, tick: int, active: Container[int]) -> tuple[int, ...]:
+        """Which of the active robots this one hears in this tick, itself included; an incarnation that was
+        told of nobody hears nobody."""
         told = self._told.get(robot)
         if told is not None and told.coming is not told.near and tick >= told.since:
             told.near = told.coming
-        near = frozenset() if told is None else told.near
+        near = frozenset() if told is None or told.incarnation != incarnation else told.near
         return tuple(each for each in sorted(near | {robot}) if each in active)

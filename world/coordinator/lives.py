@@ -14,7 +14,7 @@ from enum import Enum, auto
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Shape
-from protocol.messages import Member, Standing, Vector
+from protocol.messages import Member, PartPlace, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from world.coordinator.roster import Roster
 from world.coordinator.surroundings import Surroundings
@@ -108,6 +108,18 @@ class Lives:
         known = self.things.take_away(number)
         self._roster.follow_things(self.things.changes)
         return known
+
+    def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
+        """Where parts are."""
+        self._roster.follow_parts(parts)
+
+    def resize(self, robot: int, radius: float) -> None:
+        """The disk of a robot has another radius, m; see `roster`, rule 4."""
+        self._roster.resize(robot, radius)
+
+    def radius_of(self, robot: int) -> float:
+        """Of the disk of a robot, m."""
+        return self._roster.radius(robot)
 
     def settle(self) -> bool:
         """Put up what everybody keeps clear of; whether anything stands now that did not."""

@@ -7,6 +7,7 @@ Everything about lives is decided here, and robots only follow its versions, whi
 2. A disk appears only after every live robot has acknowledged the version that announces its place, and
    while no disk stands there. To be admitted with that version is no acknowledgement.
 3. A disk is gone only after it was fenced, and taken away.
+4. A disk grows only once its robot keeps the larger one clear of everything; it may shrink at any time.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from msgspec.structs import replace
 
 from protocol import messages
 from protocol.errors import RosterError
-from protocol.messages import Member, Thing, Vector
+from protocol.messages import Member, PartPlace, Thing, Vector
 
 
 class Roster:
@@ -36,6 +37,7 @@ class Roster:
         self._members: dict[int, Member] = {}
         self._kept: dict[int, tuple[int, int]] = {}  # life and version that it keeps to, by robot
         self._things: tuple[Thing, ...] = ()
+        self._parts: tuple[PartPlace, ...] = ()
 
     @property
     def founded(self) -> bool:
@@ -159,6 +161,23 @@ class Roster:
             self._things = things
             self.version += 1
 
+    def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
+        """Parts are elsewhere: say so in a new version, once the run is founded."""
+        if parts != self._parts:
+            self._parts = parts
+            self.version += 1
+
+    def resize(self, robot: int, radius: float) -> None:
+        """The disk of a robot that is there has another radius, m."""
+        member = self._member(robot)
+        if member.status not in ("live", "standing"):
+            raise RosterError(f"robot {robot} cannot change its size: its disk is {member.status}")
+        self._put(replace(member, radius=radius))
+
+    def radius(self, robot: int) -> float:
+        """Of the disk of a robot, m."""
+        return self._member(robot).radius
+
     def news(self, robot: int) -> messages.Roster | None:
         """The roster, if the newest life of `robot` has not acknowledged it."""
         member = self._members.get(robot)
@@ -170,7 +189,7 @@ class Roster:
     def message(self) -> messages.Roster:
         """The present version."""
         members = tuple(self._members[robot] for robot in sorted(self._members))
-        return messages.Roster(self.version, members, self._things)
+        return messages.Roster(self.version, members, self._things, self._parts)
 
     def all_keep_clear(self) -> bool:
         """Whether everybody live has acknowledged the present version."""

@@ -33,6 +33,7 @@ class Referee:
         self.record = Record(scenario, goals, positions, parts)
         self.touches = Touches()
         self._judge = Judge(scenario, goals)
+        self._parts = bool(scenario.parts)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
         """Ids of robots within the tolerance of their goal."""
@@ -63,7 +64,10 @@ class Referee:
         self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], alone: bool, pending: bool
     ) -> None:
         """Find out whether the run is over at the start of `tick`; arguments as of `Judge.judge`."""
-        verdict, reason = self._judge.judge(tick, positions, up, alone, pending)
+        waiting = self._parts and pending  # robots that are left may do what another cannot any more
+        verdict, reason = self._judge.judge(tick, positions, up, alone and not waiting, pending)
+        if self._parts and not pending:
+            verdict, reason = "arrived", "all parts are at their goals"
         if verdict:
             self.finish(verdict, reason)
 

@@ -72,6 +72,7 @@ class Run:
             dict(self.rejected),
             world.coordinator.things,
             world.coordinator.newcomers,
+            world.coordinator.part_places,
         )
 
     def is_marked(self) -> bool:

@@ -51,7 +51,8 @@ class Relay:
         """Take one line: of a log, or plain text."""
         try:
             line = _decoder.decode(said)
-            record = msgspec.structs.replace(line, text=printable(line.text)).record(self._host)
+            text = printable(line.text).replace("\n", f"\n{self._host}: ")
+            record = msgspec.structs.replace(line, text=text).record(self._host)
         except DAMAGED:
             self._logger.warning(printable(said.decode(errors="replace")))
         else:

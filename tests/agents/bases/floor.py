@@ -11,6 +11,7 @@ import math
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 
 from agents.bases.ros2 import Ros2Base
@@ -147,6 +148,8 @@ class Floor:
         self.rng = random.Random(seed)
         self.scenario, self.delay, self.loss = scenario, delay, loss
         self.world = World(scenario)
+        self.late = 0  # robot whose Ticks are held back
+        self.held: list[Event] = []  # those
         self.cut = False  # whether nothing passes between coordinator and robots
         self.closest = math.inf  # m, smallest gap between any two disks so far
         self.excess = -math.inf  # m, by which a truth was outside the set that its robot knew
@@ -173,6 +176,12 @@ class Floor:
             self.now, _, event = heapq.heappop(self._events)
             event()
         return self
+
+    def release(self) -> None:
+        """What was held back arrives, one after another."""
+        for number, event in enumerate(self.held):
+            self._later(0.05 * number, event)
+        self.late, self.held = 0, []
 
     def moving(self) -> list[int]:
         """Robots whose wheels turn."""
@@ -262,10 +271,11 @@ class Floor:
         if not self.world.verdict:
             for robot, tick in self.world.open_tick().items():
                 crew = self.crews[robot]
-                if not self.cut:
-                    self._send(
-                        lambda crew=crew, tick=tick: self._if_alive(crew, lambda: self._begin(crew, tick))
-                    )
+                begin = partial(self._if_alive, crew, partial(self._begin, crew, tick))
+                if robot == self.late:
+                    self.held.append(begin)
+                elif not self.cut:
+                    self._send(begin)
         self._later(self.scenario.time.step, self._tick)
 
     def _begin(self, crew: Crew, tick: Tick) -> None:
@@ -276,13 +286,13 @@ class Floor:
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return
-        if core.lost:
-            base.doubt(core.note)
         sense = base.begin(tick, self.now)
-        if base.anew:
+        if base.begins_anew():
             core.begin_anew()
+        elif core.lost and not base.note:
+            base.doubt(core.note)
         state = core.begin(tick, sense)
-        if sense is not None and state.position is not None:
+        if sense is not None and state.position is not None and not base.note:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:

@@ -130,6 +130,22 @@ def test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on(stream, w
     assert floor.excess <= 0.0
 
 
+def test_a_localisation_that_drifts_off_contradicts_itself_in_the_end_and_is_begun_anew():
+    """No two poses exclude each other; all together do, in the robot's own set."""
+    drift = count()
+
+    def pose(robot: int, now: float, message: StampedPose):
+        away = robot == 1 and FROM <= now < UNTIL
+        return shifted(message, min(0.04, 2e-3 * next(drift))) if away else message
+
+    floor = Floor(PAIR, 2, pose=pose).run(120.0)
+    assert any("the measurement of tick" in note for note in floor.crews[1].notes)
+    assert floor.crews[1].notes[-1] == ""
+    assert not floor.crews[1].core.lost
+    assert floor.world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
 def test_a_base_that_dies_is_stood_by_and_one_that_comes_back_is_driven_on():
     floor = Floor(PAIR, 4).run(FROM)
     floor.crews[1].wheels.dead = True

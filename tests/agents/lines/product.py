@@ -32,7 +32,7 @@ _ROBOT = [
     "agents.robot",
 ]
 _WORLD = [
-    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "coordinator")),
+    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "parts", "coordinator")),
     *("world.plants.integrator", "world.plants.choice", "world.simulation", "world.world"),
 ]
 

@@ -54,7 +54,7 @@ class Skirmish:
 
     def __init__(self, seed: int, product: Product) -> None:
         rng = self.rng = Random(seed)
-        self.product, self.scenario = product, _scenario(seed, rng)
+        self.product, self.scenario = product, self._drawn(seed, rng)
         self.world = product.World(self.scenario)
         self.processes: dict[int, _Process] = {}
         self.former: list[_Process] = []
@@ -74,6 +74,9 @@ class Skirmish:
                 self.world.coordinator.give_up_waiting(robot)
             else:
                 self._join(robot)
+
+    def _drawn(self, seed: int, rng: Random) -> Scenario:
+        return _scenario(seed, rng)
 
     # -- one tick
 
@@ -185,7 +188,7 @@ class Skirmish:
     def _live(self, process: _Process, robot: int) -> None:
         """The process begins a new incarnation of its robot."""
         core = self.product.Robot(self.scenario, robot, self.world.coordinator.join(robot))
-        core._law = _Attack(self.rng, self.world, robot)
+        core._law = Attack(self.rng, self.world, robot)
         process.core = core
         self.processes[robot] = process
 
@@ -284,7 +287,7 @@ class _Process:
         self.state: State | None = None
 
 
-class _Attack:
+class Attack:
     """A law that wants to collide: for some ticks at a peer, past it, or at the wall."""
 
     def __init__(self, rng: Random, world: Any, robot: int) -> None:

@@ -39,6 +39,16 @@ def test_the_order_of_joining_changes_nothing() -> None:
     assert len(hashes) == 1
 
 
+def test_who_of_two_begins_anew_first_changes_nothing() -> None:
+    scenario = crowd(Network("near", 0.1))
+    scenario = replace(scenario, time=replace(scenario.time, limit=2.0))
+    hashes = set()
+    for order in ((3, 9), (9, 3)):  # neither is told who is near before both are there
+        faults = tuple(ProcessFault(robot, 1.05, "restart") for robot in order)
+        hashes.add(in_process(replace(scenario, process=faults))["trajectory_sha256"])
+    assert len(hashes) == 1
+
+
 def test_who_begins_anew_among_far_peers_moves_again() -> None:
     """By letters it gets a line with everybody, although it hears hardly anybody."""
     scenario = crowd(

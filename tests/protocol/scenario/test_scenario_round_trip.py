@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from typing import Any
 
 import pytest
@@ -10,18 +11,23 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from protocol.errors import ScenarioError
+from protocol.scenario.base import Base
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import (
     Actuation,
     Control,
     Link,
+    Network,
+    Order,
     Partition,
     ProcessFault,
     RobotSpec,
     Scenario,
     Sensing,
+    Thing,
     Time,
     Workspace,
+    World,
 )
 
 positive = st.floats(1e-9, 1e6)
@@ -83,6 +89,31 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         draw(st.lists(faults, max_size=3).map(tuple)),
         Actuation(draw(st.floats(0, 0.3))),
     )
+
+
+def test_every_field_is_written() -> None:
+    said: dict[str, Any] = {
+        "name": "all",
+        "description": "of them",
+        "seed": 3,
+        "workspace": Workspace(0.4),
+        "time": Time(limit=9.0),
+        "control": Control(k=7.0),
+        "sensing": (Sensing(dropout=0.5),),
+        "link": Link(loss=0.5),
+        "network": Network("near", 0.2),
+        "process": (ProcessFault(1, 1.0, "restart"),),
+        "actuation": Actuation(0.1),
+        "world": World("mujoco"),
+        "base": Base(patience=0.05),
+        "body": "e-puck",
+        "things": (Thing(center=(0.0, 0.2), radius=0.01),),
+        "orders": (Order(1.0, halt=True),),
+        "robots": (RobotSpec(1, 0.06, (0.0, 0.0), (0.1, 0.0)),),
+    }
+    assert said.keys() == {field.name for field in fields(Scenario)}
+    scenario = Scenario(**said)
+    assert parse_toml(write_toml(scenario)) == scenario
 
 
 @pytest.mark.slow

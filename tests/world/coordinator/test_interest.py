@@ -58,7 +58,7 @@ def test_nobody_is_awaited_before_it_can_be_heard() -> None:
     everybody, heard = frozenset(setting.ids), []
     for tick in range(LEAD + 1):
         interest.open(tick, setting, {}, goals(setting))
-        heard.append(interest.heard(1, tick, everybody))
+        heard.append(interest.heard(1, 1, tick, everybody))
         interest.tell(1, 1, tick)
     assert heard == [(1,)] * LEAD + [setting.ids]
 
@@ -69,12 +69,13 @@ def test_a_later_life_is_told_at_once_and_awaits_nobody_meanwhile() -> None:
     everybody = frozenset(setting.ids)
     for tick in range(period(setting) - 1):
         interest.open(tick, setting, {}, goals(setting))
-        interest.heard(1, tick, everybody)
+        interest.heard(1, 1, tick, everybody)
         interest.tell(1, 1, tick)
     tick = period(setting) - 1
     interest.open(tick, setting, {}, goals(setting))
+    assert interest.heard(1, 2, tick, everybody) == (1,)
     assert interest.tell(1, 2, tick) == (2, 3, 4)
-    assert interest.heard(1, tick, everybody) == (1,)
+    assert interest.heard(1, 2, tick, everybody) == (1,)
 
 
 def test_the_summary_says_where_everybody_was_sensed() -> None:

@@ -40,7 +40,8 @@ def exposure(scenario: Scenario, truths: Sequence[Truth], sides: Sequence[Sides]
             beyond = limit - min(_along(nx, ny, where[t][peer]) for t in (tick, tick + 1)) + radii[peer]
             excess = max(beyond, _along(nx, ny, own[0]) + own[1] - limit)
             kept[peer] = min(excess, kept.get(peer, math.inf))
-        excesses = [kept.get(peer, _NOTHING * reach) for peer in there if peer != robot]
+        known = kept.keys() if scenario.hears_near else there  # of far ones nothing is said
+        excesses = [kept.get(peer, _NOTHING * reach) for peer in known if peer != robot]
         worst = max(worst, *excesses, -math.inf)
     return worst / reach
 

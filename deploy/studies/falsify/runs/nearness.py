@@ -122,5 +122,6 @@ def _niche(scenario: Scenario, nearest: str, lives: int) -> tuple[str, ...]:
         "walls" if scenario.workspace.points else "round",
         "points" if scenario.body == "point" else "bodies",
         "orders" if scenario.orders else "",
+        "near" if scenario.hears_near else "all",
         str(min(3, int(math.log2(len(scenario.robots))))),
     )

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from deploy.studies.falsify.scenarios.dice import Dice
-from protocol.scenario.model import Actuation, Link, Partition, Point, Sensing, Span
+from protocol.scenario.model import Actuation, Link, Network, Partition, Point, Sensing, Span
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,13 @@ def link(dice: Dice, scale: Scale) -> Link:
         duplicate=dice.pick((0.0, 0.0, dice.uniform(0.0, 1.0))),
         partition=tuple(partition(dice, scale) for _ in range(dice.pick((0, 0, 0, 1, 2, 4)))),
     )
+
+
+def network(dice: Dice, scale: Scale) -> Network:
+    """Who hears whom: everybody in most runs, near ones only in others."""
+    if dice.chance(0.7):
+        return Network()
+    return Network("near", dice.pick((None, scale.radius * dice.log_uniform(0.01, 30.0))))
 
 
 def partition(dice: Dice, scale: Scale) -> Partition:

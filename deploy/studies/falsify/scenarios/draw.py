@@ -16,7 +16,7 @@ from typing import Literal
 from deploy.library.load import resolved
 from deploy.studies.falsify.scenarios.bodies import bodies
 from deploy.studies.falsify.scenarios.dice import Dice
-from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, sensing
+from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, network, sensing
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import sensible, stories
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
@@ -76,6 +76,7 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
         process=faults,
         actuation=actuation(dice),
         body=body,
+        network=network(dice, scale),
         things=standing,
         orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
     )

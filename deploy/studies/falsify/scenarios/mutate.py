@@ -12,6 +12,7 @@ from deploy.studies.falsify.scenarios.disturbances import (
     Scale,
     actuation,
     link,
+    network,
     one_sensing,
     partition,
     sensing,
@@ -155,6 +156,10 @@ def _other_link(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
     )
 
 
+def _other_network(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    return replace(scenario, network=network(dice, scale_of(scenario)))
+
+
 def _other_sensing(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
     """All drawn again, or one entry, or its noise at another size and its bias in another direction."""
     scale, entries = scale_of(scenario), list(scenario.sensing)
@@ -294,6 +299,6 @@ def _crossed(dice: Dice, scenario: Scenario, other: Scenario) -> Scenario:
 CHANGES: tuple[Change, ...] = (
     *(_shift_fault, _shift_fault, _shift_fault, _other_robot, _more_faults, _fewer_faults),
     *(_shift_order, _shift_order, _shift_order, _more_orders, _fewer_orders, _other_bodies),
-    *(_other_link, _other_link, _other_sensing, _other_sensing, _other_actuation),
+    *(_other_link, _other_link, _other_sensing, _other_sensing, _other_actuation, _other_network),
     *(_moved, _moved, _without_one, _other_pace, _other_chance, _other_chance, _crossed),
 )

@@ -4,6 +4,7 @@ Runs in the environment of `turtle.py`: `bridge.py ENDPOINT NAMESPACE...`. A DDS
 `rt/<namespace>/<topic>`, a key of zenoh `<namespace>/<topic>`.
 """
 
+import os
 import sys
 import time
 from dataclasses import dataclass
@@ -103,7 +104,7 @@ def main():
     config = zenoh.Config()
     config.insert_json5("mode", '"client"')
     config.insert_json5("connect/endpoints", f'["{endpoint}"]')
-    session, domain = zenoh.open(config), DomainParticipant(0)
+    session, domain = zenoh.open(config), DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     incoming, subscribers = [], []
     for namespace in namespaces:
         for topic, kind in (("odom", Odometry), ("pose", PoseStamped)):

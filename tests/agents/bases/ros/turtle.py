@@ -28,8 +28,8 @@ BURGER = f"""
     <body name="base" pos="{{x}} {{y}} {RADIUS}" euler="0 0 {{yaw}}">
       <freejoint/>
       <geom type="cylinder" size=".1 .02" pos="0 0 .05" mass=".9"/>
-      <geom type="sphere" size=".012" pos="-.07 0 -.021" friction="0 0 0" mass=".02" condim="1"/>
-      <geom type="sphere" size=".012" pos=".07 0 -.021" friction="0 0 0" mass=".02" condim="1"/>
+      <geom type="sphere" size=".012" pos="-.07 0 -.0207" mass=".02" condim="1" priority="1"/>
+      <geom type="sphere" size=".012" pos=".07 0 -.0207" mass=".02" condim="1" priority="1"/>
       <body pos="0 {TRACK / 2} 0">
         <joint name="left" axis="0 1 0" damping=".001"/>
         <geom type="cylinder" size="{RADIUS} .009" euler="90 0 0" mass=".05" friction="1 .005 .0001"/>

@@ -23,6 +23,8 @@ SAID = {
 LINES = (
     json.dumps(SAID),
     json.dumps({**SAID, "level": "info", "text": "life 2 begins"}),
+    json.dumps({**SAID, "text": "failed:\nworld: all is well"}),
+    json.dumps({**SAID, "time": "0001-01-01T00:00:00"}),
     "Welcome to \x1b]0;Debian\x07",
     json.dumps({**SAID, "role": "../../robot"}),
     "x" * 200_000,
@@ -34,14 +36,15 @@ def test_all_that_a_host_says_is_labelled(tmp_path: Path, capsys: pytest.Capture
     relay.follow(io.BytesIO("\n".join(LINES).encode()))
     relay.end()
     words = capsys.readouterr().err
-    assert words.startswith("left: robot 3: stands  [2J still\nleft: Welcome to  ]0;Debian")
+    assert words.startswith("left: robot 3: stands  [2J still\n")
+    assert "left: robot 3: failed:\nleft: world: all is well\n" in words
     assert "\x1b" not in words
     assert "life 2" not in words
     assert all(line.startswith("left: ") for line in words.splitlines())
     assert [path.name for path in tmp_path.iterdir()] == ["left.jsonl"]
     lines = [msgspec.json.decode(line) for line in (tmp_path / "left.jsonl").read_text().splitlines()]
     assert {line["host"] for line in lines} == {"left"}
-    assert [line["role"] for line in lines[:4]] == ["robot", "robot", "", ""]
+    assert [line["role"] for line in lines[:6]] == ["robot", "robot", "robot", "", "", ""]
     assert lines[0]["time"] == SAID["time"]
     assert lines[1]["text"] == "life 2 begins"
 

@@ -94,6 +94,7 @@ def test_a_trial_that_is_too_short_does_not_judge_memory() -> None:
 
 
 @pytest.mark.process
+@pytest.mark.alone
 @pytest.mark.timeout(60)
 def test_a_short_trial() -> None:
     """Judged here is only what a busy machine cannot spoil."""

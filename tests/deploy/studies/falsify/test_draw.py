@@ -137,6 +137,7 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "slipping": lambda s: s.body_of(s.ids[0]).odometry > 0.0,
     "directions that are off": lambda s: any(entry.heading > 0.01 for entry in s.sensing),
     "reciprocal": lambda s: s.control.law == "reciprocal",
+    "near peers only": lambda s: s.hears_near and s.network.reach and s.network.reach < s.robots[0].radius,
     "goals": lambda s: any(order.goal for order in s.orders),
     "guests": lambda s: any(spec.id not in s.ids for spec in s.newcomers),
     "guests that fail": lambda s: any(fault.robot not in s.ids for fault in s.process),

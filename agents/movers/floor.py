@@ -1,0 +1,131 @@
+"""Where the centre of a disk can be, on a grid, and how far it is from there to there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from protocol.geometry import Disk, Shape
+
+Vector = tuple[float, float]
+Reals = NDArray[np.float64]
+
+_NEAR: Final = 2  # cells around a point that stand for its own where that is not free
+_STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+class Grid:
+    """Cells of a room.
+
+    Args:
+        room: the workspace.
+        size: of a cell, m.
+    """
+
+    def __init__(self, room: Shape, size: float) -> None:
+        (left, low), (right, high) = room.box
+        self.size = size
+        self._left, self._low = left, low
+        self.x, self.y = np.meshgrid(
+            np.arange(left, right + size, size), np.arange(low, high + size, size), indexing="ij"
+        )
+        self.room = room
+        self._depth = self._inside()
+
+    def clear(self, shapes: Iterable[Shape], radius: float) -> NDArray[np.bool_]:
+        """Cells in which a disk of `radius` (m) is inside, and overlaps none of the shapes."""
+        free: NDArray[np.bool_] = self._depth >= radius
+        for shape in shapes:
+            free &= self._away(shape) >= radius
+        return free
+
+    def cell(self, point: Vector) -> tuple[int, int]:
+        """Which cell a point is in."""
+        i = round((point[0] - self._left) / self.size)
+        j = round((point[1] - self._low) / self.size)
+        return min(max(i, 0), self.x.shape[0] - 1), min(max(j, 0), self.x.shape[1] - 1)
+
+    def ways(self, free: NDArray[np.bool_], begin: Sequence[Vector]) -> Reals:
+        """How far it is from the nearest of some points to every cell through free ones, m; infinite where
+        there is no way."""
+        far = np.full(free.shape, np.inf)
+        for point in begin:
+            cell = self._near(free, point)
+            if cell is not None:
+                far[cell] = 0.0
+        padded = np.pad(far, 1, constant_values=np.inf)
+        inner = padded[1:-1, 1:-1]
+        while True:  # until no cell gets nearer
+            before = inner.copy()
+            for dx, dy in _STEPS:
+                shifted = padded[1 + dx : padded.shape[0] - 1 + dx, 1 + dy : padded.shape[1] - 1 + dy]
+                np.minimum(inner, shifted + self.size * math.hypot(dx, dy), out=inner, where=free)
+            if (before == inner).all():
+                return inner
+
+    def way(self, far: Reals, point: Vector) -> float:
+        """Of such ways, that to a point whose own cell may not be free, m."""
+        i, j = self.cell(point)
+        near = far[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
+        x = self.x[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[0]
+        y = self.y[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[1]
+        return float((near + np.hypot(x, y)).min())
+
+    def path(self, far: Reals, begin: Vector) -> list[Vector]:
+        """Cells from a point to where such ways begin, m; empty if there is no way."""
+        cell = self._near(np.isfinite(far), begin)
+        if cell is None:
+            return []
+        points = []
+        while True:
+            points.append((float(self.x[cell]), float(self.y[cell])))
+            if far[cell] == 0.0:
+                return points
+            cell = min(self._beside(cell), key=lambda each: (far[each], each))
+
+    def sees(self, free: NDArray[np.bool_], one: Vector, other: Vector) -> bool:
+        """Whether all cells on the straight way between two points are free, up to one beside each."""
+        length = math.dist(one, other)
+        count = max(1, math.ceil(length / self.size))
+        for number in range(2, count - 1):
+            part = number / count
+            point = one[0] + part * (other[0] - one[0]), one[1] + part * (other[1] - one[1])
+            if not free[self.cell(point)]:
+                return False
+        return True
+
+    def _near(self, free: NDArray[np.bool_], point: Vector) -> tuple[int, int] | None:
+        """The cell of a point, or the nearest free one not far from it."""
+        i, j = self.cell(point)
+        if free[i, j]:
+            return i, j
+        near = [
+            (i + dx, j + dy)
+            for dx in range(-_NEAR, _NEAR + 1)
+            for dy in range(-_NEAR, _NEAR + 1)
+            if 0 <= i + dx < free.shape[0] and 0 <= j + dy < free.shape[1] and free[i + dx, j + dy]
+        ]
+        return min(near, key=lambda c: (math.dist((self.x[c], self.y[c]), point), c), default=None)
+
+    def _beside(self, cell: tuple[int, int]) -> list[tuple[int, int]]:
+        shape = self.x.shape
+        around = [(cell[0] + dx, cell[1] + dy) for dx, dy in _STEPS]
+        return [(i, j) for i, j in around if 0 <= i < shape[0] and 0 <= j < shape[1]]
+
+    def _inside(self) -> Reals:
+        """How deep each cell is in the room, m."""
+        if isinstance(self.room, Disk):
+            return np.asarray(self.room.radius - np.hypot(self.x - self.room.x, self.y - self.room.y))
+        depths = [offset - nx * self.x - ny * self.y for nx, ny, offset in self.room.sides]
+        return np.asarray(np.minimum.reduce(depths))
+
+    def _away(self, shape: Shape) -> Reals:
+        """How far each cell is from a shape, m; beside corners at least that."""
+        if isinstance(shape, Disk):
+            return np.asarray(np.hypot(self.x - shape.x, self.y - shape.y) - shape.radius)
+        sides = [nx * self.x + ny * self.y - offset for nx, ny, offset in shape.sides]
+        return np.asarray(np.maximum.reduce(sides))

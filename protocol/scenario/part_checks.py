@@ -1,0 +1,39 @@
+"""What must hold of parts: at the start, and at the end, they overlap nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from protocol.geometry import Disk, Shape
+from protocol.scenario.shape import Finding
+from protocol.scenario.sound import Sound
+from protocol.scenario.space_checks import Placed, shapes_of
+
+_ENDS = ("start", "goal")
+
+
+def part_findings(sound: Sound, room: Shape | None, robots: Iterable[Placed]) -> Iterator[Finding]:
+    """Parts that are outside, or that overlap a thing, a robot or another part where both begin, or end."""
+    placed, things = list(robots), list(shapes_of(sound))
+    for end in _ENDS:
+        others: list[tuple[str, Shape]] = [
+            (each.name, each.disk) for each in placed if each.name.startswith(f"the {end} of")
+        ]
+        others += [(f"things[{number}]", shape) for number, shape in things]
+        for index in range(sound.size("parts")):
+            centre, radius = sound.get("parts", index, end), sound.get("parts", index, "radius")
+            if centre is None or radius is None:
+                continue
+            disk = Disk(centre[0], centre[1], radius)
+            for text in _texts(disk, room, others):
+                yield ("parts", index, end), text
+            others.append((f"the {end} of part {index + 1}", disk))
+
+
+def _texts(disk: Disk, room: Shape | None, others: Sequence[tuple[str, Shape]]) -> Iterator[str]:
+    if room is not None and (beyond := room.distance(disk.x, disk.y) + disk.radius) > 0.0:
+        yield f"reaches {beyond:.3g} m out of the workspace"
+    for name, shape in others:
+        depth = disk.radius - shape.distance(disk.x, disk.y)
+        if depth >= 0.0:
+            yield f"overlaps {name} by {depth:.3g} m" if depth else f"touches {name}"

@@ -1,0 +1,110 @@
+"""Robots' nodes with bases outside, in real time on the in-process bus."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+
+import pytest
+
+from agents.bases.choice import base_of
+from agents.bases.ros_messages import encode_odometry, encode_pose
+from agents.node import RobotNode
+from deploy.library.load import load
+from protocol.bus.events import Event, Sample
+from protocol.bus.local import LocalNetwork
+from protocol.errors import JoinError
+from tests.agents.bases.floor import STEP, Wheels
+from world.node import WorldNode
+
+SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006", "time.endless=true")
+
+
+class Floor:
+    """Everybody's wheels, as one participant of the bus."""
+
+    def __init__(self, bus, scenario) -> None:
+        self.deadline, self.finished = 0.0, False
+        self.wheels = {robot: Wheels(scenario, robot, random.Random(robot)) for robot in scenario.ids}
+        self._bus, self._began, self._steps = bus, time.monotonic(), 0
+        self._tell = {
+            (robot, what): bus.foreign(f"bot{robot}/{what}")
+            for robot in self.wheels
+            for what in ("odom", "pose")
+        }
+        bus.subscribe(*[f"bot{robot}/cmd_vel" for robot in self.wheels])
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample):
+            self.wheels[int(event.key[3])].hear(event.payload, self._steps * STEP)
+
+    def wake(self, now: float) -> None:
+        while self._steps * STEP <= now - self._began:
+            self._steps += 1
+            for robot, each in self.wheels.items():
+                each.roll(self._steps * STEP)
+                if self._steps % 4 == 0:
+                    self._tell[robot, "odom"](encode_odometry(each.odometry(self._steps * STEP)))
+                if self._steps % 8 == 0:
+                    self._tell[robot, "pose"](encode_pose(each.pose(self._steps * STEP)))
+        self.deadline = now + 0.01
+
+
+class Stage:
+    """A world, two robots and their floor."""
+
+    def __init__(self, *settings: str) -> None:
+        self.network = LocalNetwork()
+        scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
+        self.said: dict[int, list[str]] = {robot: [] for robot in scenario.ids}
+        self.world = self._seat(lambda bus: WorldNode(bus, "yard", [scenario]))
+        self.floor = self._seat(lambda bus: Floor(bus, scenario))
+        self.robots = {
+            robot: self._seat(
+                lambda bus, robot=robot: RobotNode(bus, "yard", robot, say=self.said[robot].append)
+            )
+            for robot in scenario.ids
+        }
+
+    def _seat(self, made):
+        bus = self.network.connect()
+        bus.node = made(bus)
+        return bus.node
+
+    def play(self, until, seconds: float = 20.0) -> None:
+        end = time.monotonic() + seconds
+        self.network.run(lambda: until() or time.monotonic() > end)
+        assert until()
+
+    def away(self, robot: int) -> float:
+        spec = self.world.world.scenario.spec(robot)
+        return math.dist(self.floor.wheels[robot].control, spec.start)
+
+
+def test_robots_join_once_they_know_where_they_are_and_drive():
+    stage = Stage("world.plant=external")
+    assert stage.world.world.tick == 0
+    stage.play(lambda: min(map(stage.away, (1, 2))) > 0.03)
+    for said in stage.said.values():
+        assert said == ["waits for odometry and a pose; stands", "its base and its localisation are sound"]
+    reported = stage.world.world.simulation.places
+    for robot, place in reported.items():
+        assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
+
+
+def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning():
+    stage = Stage("world.plant=external")
+    stage.floor.wheels[2].x += 0.5
+    stage.play(lambda: len(stage.said[2]) == 2)
+    assert "from its start" in stage.said[2][1]
+    assert "because of" in stage.said[2][1]
+    assert stage.world.world.tick == 0
+    stage.floor.wheels[2].x -= 0.5  # it is carried there: odometry does not see that, poses do
+    stage.play(lambda: stage.world.world.tick > 2)
+    assert stage.said[2][-1] == "its base and its localisation are sound"
+
+
+def test_a_base_for_a_robot_that_is_simulated_is_refused():
+    with pytest.raises(JoinError, match=r'set world\.plant = "external"'):
+        base_of(load("turtlebots-2"), 1, "/bot1")

@@ -1,0 +1,92 @@
+"""Nothing touches while disks grow and shrink; without any one rule for that something does."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.agents.lines.mutants import Mutant
+from tests.agents.lines.product import Product
+from tests.agents.movers.haul import Haul, violation_of
+from tests.interpreted import Edit
+
+_ROBOT, _PARTS = "agents.robot", "world.coordinator.parts"
+_RUNS = 300  # random ones in which a mutant has to be found, at most
+
+MUTANTS = (
+    Mutant(
+        "room-to-grow",
+        "a robot takes itself for the larger disk only where that satisfies all that is obeyed",
+        (Edit(_ROBOT, "self._has_room(wanted, held, lines, things))", "True)"),),
+    ),
+    Mutant(
+        "inside-to-grow",
+        "and is inside",
+        (Edit(_ROBOT, "return inside and lines.has_room", "return lines.has_room"),),
+    ),
+    Mutant(
+        "grown-before-asking",
+        "it asks for a part only once it keeps the larger disk clear",
+        (
+            Edit(
+                _ROBOT,
+                "return mover.handles if self._radius >= mover.radius else None",
+                "return mover.handles",
+            ),
+        ),
+    ),
+    Mutant(
+        "as-large-as-told",
+        "it never is a smaller disk than the roster says",
+        (Edit(_ROBOT, "wanted, held = max(told, mover.radius)", "wanted, held = mover.radius"),),
+    ),
+    Mutant(
+        "born-large",
+        "a later life begins as the disk that its earlier one was",
+        (Edit(_ROBOT, "if own is not None and own.radius != self._radius:", "if False:"),),
+    ),
+    Mutant(
+        "stands-at-its-size",
+        "the roster says how large the disk is before anybody can be told that it stands",
+        (
+            Edit(
+                _PARTS,
+                "self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))",
+                "pass",
+            ),
+        ),
+    ),
+    Mutant(
+        "lines-of-the-larger-disk",
+        "half-planes are those of the disk that it is",
+        (
+            Edit(
+                "agents.lines.robot_pair",
+                "self.own_radius = own_radius\n        if self.disk",
+                "if self.disk",
+            ),
+        ),
+    ),
+    Mutant(
+        "tangents-of-the-larger-disk",
+        "tangents to things, too",
+        (Edit("agents.lines.things", "tangent.resize(radius)", "pass"),),
+    ),
+)
+
+
+def test_nothing_touches() -> None:
+    handled = 0
+    for seed in range(20):
+        haul = Haul(seed, Product())
+        for _ in range(60):
+            haul.tick()
+            assert not haul.violation(), seed
+        handled += haul.handled
+    assert handled > 30
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("mutant", [pytest.param(each, id=each.rule) for each in MUTANTS])
+def test_without_the_rule_something_touches(mutant: Mutant) -> None:
+    product = Product(mutant.edits)
+    assert any(violation_of(seed, product) for seed in range(_RUNS))

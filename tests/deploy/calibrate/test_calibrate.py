@@ -1,0 +1,86 @@
+"""Calibration against a base whose errors are known: what it says covers them, and is not far above."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from dataclasses import replace
+
+import pytest
+
+from agents.bases.ros_messages import encode_odometry, encode_pose
+from deploy.calibrate.bounds import Bounds, bounds, statements
+from deploy.calibrate.square import Driver, square
+from deploy.library.load import load
+from protocol.scenario.base import Base
+from tests.agents.bases.floor import STEP, Wheels
+
+LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
+
+
+def measured(scale: float = 1.0, seed: int = 0) -> Bounds:
+    """Of a base that is `scale` times as good an odometer as it could be, in virtual time."""
+    settings = ["world.plant=external", f"base.timeout={TIMEOUT}", "sensing.noise=0.003"]
+    scenario = load("turtlebots-2", [*settings, f"sensing.noise_bound={NOISE}", "sensing.heading=0.03"], 1)
+    wheels = Wheels(scenario, 1, random.Random(seed))
+    wheels.scale = scale
+    table = replace(scenario.base_of(1), latency=LATENCY)
+    driver = Driver(table, 1, square(0.6, 0.15, 0.8))
+    sent: list[tuple[float, bytes]] = []
+    heard: list[tuple[float, str, bytes]] = []
+    for step in range(round(200.0 / STEP)):
+        now = step * STEP
+        while sent and sent[0][0] <= now:
+            wheels.hear(sent.pop(0)[1], now)
+        while heard and heard[0][0] <= now:
+            _, key, payload = heard.pop(0)
+            driver.hear(key, payload, now)
+        wheels.roll(now)
+        if step % 4 == 0:
+            heard.append((now + LATENCY, driver.keys[0], encode_odometry(wheels.odometry(now))))
+        if step % 10 == 0:
+            heard.append((now + LATENCY, driver.keys[1], encode_pose(wheels.pose(now))))
+        if now >= driver.due:
+            sent += [(now + LATENCY, payload) for payload in driver.wake(now)]
+        if driver.finished:
+            break
+    assert driver.finished
+    return bounds(driver.log)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return measured()
+
+
+def test_what_is_late_is_measured(found):
+    assert 2 * LATENCY < found.lag < 2 * LATENCY + 0.1
+    assert TIMEOUT < found.timeout < TIMEOUT + 2 * LATENCY + 0.15
+    assert found.interval == pytest.approx(0.02, abs=0.006)
+    assert found.acceleration == pytest.approx(0.66, rel=0.3)
+
+
+def test_poses_at_rest_say_how_far_they_scatter(found):
+    assert 0.5 * NOISE < found.noise_bound < 1.5 * NOISE
+    assert 0.01 < found.heading < 0.05
+
+
+@pytest.mark.parametrize("scale", [0.93, 1.07])
+def test_odometry_that_is_off_is_found_out(scale, found):
+    worse = measured(scale)
+    assert worse.odometry == pytest.approx(0.07, abs=0.03)
+    assert worse.odometry > found.odometry + 0.03
+
+
+def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
+    said = tomllib.loads(statements(found))
+    assert said["base"]["timeout"] >= 1.5 * found.timeout
+    assert said["body"]["acceleration"] <= found.acceleration / 1.5
+    assert said["body"]["lag"] >= 1.5 * found.lag
+    assert said["sensing"]["noise_bound"] >= 1.5 * found.noise_bound
+
+
+def test_nothing_is_told_before_the_base_and_its_localisation_speak():
+    driver = Driver(Base(), 1, square(0.5, 0.1, 0.5))
+    assert driver.wake(0.0) == []
+    assert driver.waits_for == "bot1/odom and bot1/pose"

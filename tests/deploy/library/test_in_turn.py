@@ -1,0 +1,64 @@
+"""One mover at a time: whose turn it is descends the navigation function, though others are disturbed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import Sensing
+
+SCENARIO = load("in-turn-3")
+TICKS = SCENARIO.ticks(1.0)
+
+
+def run(disturbed: tuple[int, ...] = ()) -> tuple[LocalFleet, list[set[int]], list[float]]:
+    """The fleet at its end, who moved in each tick, and phi at the start of each.
+
+    Args:
+        disturbed: turns at whose end somebody who stands is put 3 mm nearer to the middle.
+    """
+    sensing = (Sensing(contradiction="newest"),)  # who is carried elsewhere believes its measurement
+    fleet = LocalFleet([replace(SCENARIO, sensing=sensing)])
+    world, moved, heights = fleet.world.world, list[set[int]](), list[float]()
+    while True:
+        before = world.truth
+        heights.append(before.phi)
+        if not fleet.step():
+            return fleet, moved, heights
+        after = world.truth.positions
+        moved.append(
+            {robot for robot, b, a in zip(before.robots, before.positions, after, strict=True) if a != b}
+        )
+        turn, over = divmod(world.tick, TICKS)
+        if over == 0 and turn in disturbed:
+            mover = (turn - 1) % len(SCENARIO.ids)
+            _push(fleet, (mover + 1) % len(SCENARIO.ids))
+
+
+def _push(fleet: LocalFleet, index: int) -> None:
+    positions = fleet.world.world.simulation.plant.positions
+    x, y = positions[index]
+    away = math.hypot(x, y)
+    positions[index] = x - 0.003 * x / away, y - 0.003 * y / away
+
+
+def test_one_moves_at_a_time_and_phi_descends() -> None:
+    fleet, moved, heights = run()
+    for tick, robots in enumerate(moved):
+        assert robots <= {SCENARIO.ids[tick // TICKS % len(SCENARIO.ids)]}
+    assert all(after <= before + 1e-12 for before, after in pairwise(heights))
+    report = fleet.world.world.report()
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    assert sum(map(bool, moved)) > 3 * TICKS
+
+
+def test_who_stands_may_be_disturbed() -> None:
+    turns = (2, 4)
+    fleet, _, heights = run(turns)
+    rises = [tick for tick, (b, a) in enumerate(pairwise(heights)) if a > b + 1e-12]
+    assert set(rises) <= {turn * TICKS for turn in turns} | {turn * TICKS - 1 for turn in turns}
+    report = fleet.world.world.report()
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)

@@ -1,0 +1,101 @@
+"""Robots that bring parts to their goals: on every bus alike, though a robot dies, though its world does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from protocol.errors import ScenarioError
+from protocol.scenario.file import validated
+from protocol.scenario.model import Scenario
+from world.shell.journal import Journal
+
+SCENARIO = load("parts-4", ["time.limit=60"], 1)
+
+
+def carriers(fleet: LocalFleet) -> list[int]:
+    return [each.carrier for each in fleet.world.world.coordinator.part_places if each.carrier]
+
+
+def in_place(fleet: LocalFleet) -> bool:
+    return not fleet.world.world.coordinator.parts.pending
+
+
+def finished(fleet: LocalFleet) -> dict[str, Any]:
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    assert in_place(fleet)
+    return report
+
+
+def test_parts_get_to_their_goals_the_same_way_each_time() -> None:
+    reports = [finished(LocalFleet([SCENARIO])) for _ in range(2)]
+    assert reports[0]["trajectory_sha256"] == reports[1]["trajectory_sha256"]
+    assert reports[0]["min_clearance"] > 0.0
+
+
+def test_a_part_of_one_that_dies_is_taken_over() -> None:
+    fleet = LocalFleet([SCENARIO])
+    while not carriers(fleet):
+        assert fleet.step()
+    (dead, *_) = carriers(fleet)
+    fleet.kill(dead)
+    report = finished(fleet)
+    assert report["min_clearance"] > 0.0
+    members = {each.robot: each for each in fleet.world.world.coordinator.roster.members}
+    assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
+
+
+def test_a_carrier_that_is_restarted_goes_on() -> None:
+    fleet = LocalFleet([SCENARIO])
+    while not carriers(fleet):
+        assert fleet.step()
+    (robot, *_) = carriers(fleet)
+    fleet.kill(robot)
+    fleet.start(robot)
+    finished(fleet)
+
+
+def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
+    Journal.create(tmp_path / "journal", "local", [SCENARIO])
+    fleet = LocalFleet([SCENARIO], journal=tmp_path / "journal")
+    while not carriers(fleet):
+        assert fleet.step()
+    before = fleet.world.world.coordinator.roster
+    fleet.kill_world()
+    fleet.start_world()
+    assert fleet.world.world.coordinator.roster == before
+    assert finished(fleet)["trajectory_sha256"] == finished(LocalFleet([SCENARIO]))["trajectory_sha256"]
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"start": (9.0, 0.0)}, "out of the workspace"),
+        ({"start": SCENARIO.robots[0].start}, "overlaps the start of robot 1"),
+        ({"goal": SCENARIO.parts[1].goal}, "overlaps the goal of part"),
+    ],
+)
+def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
+    first, *others = SCENARIO.parts
+    with pytest.raises(ScenarioError, match=text):
+        validated(replace(SCENARIO, parts=(replace(first, **change), *others)))
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+def test_processes_carry_parts_the_same_way() -> None:
+    def run(scenario: Scenario) -> str:
+        with Fleet([scenario], RunOptions("routed")) as fleet:
+            report = fleet.execute()[0]
+        assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+        return str(report["trajectory_sha256"])
+
+    assert run(SCENARIO) == finished(LocalFleet([SCENARIO]))["trajectory_sha256"]

@@ -1,0 +1,125 @@
+"""Parts: taken up by who keeps clear of more, put down once all keep clear, taken over from the dead."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from protocol.messages import Command, Handling, PartPlace, Vector
+from protocol.scenario.model import Part, Time, Workspace
+from tests.world.driving import joined, scenario
+from world.world import World
+
+SMALL, LARGE = 0.04, 0.05
+AT, GOAL = (0.095, 0.0), (-0.105, 0.0)  # of the part; each within reach of robot 1 at the origin
+TAKE = Handling(1, LARGE)
+PUT = Handling(1, LARGE, GOAL)
+
+
+def world() -> World:
+    """Robot 1 beside a part, robot 2 elsewhere, and a first tick that is over."""
+    setting = replace(
+        scenario(((0.0, 0.0), (0.0, 0.3)), ((0.0, -0.3), (0.0, -0.4)), radius=SMALL),
+        workspace=Workspace(0.6),
+        parts=(Part(LARGE, AT, GOAL),),
+        time=Time(limit=60.0, fence=0.2),
+    )
+    found = joined(setting)
+    tick(found)
+    return found
+
+
+def tick(
+    found: World, asks: dict[int, Handling] | None = None, *, kept: bool = True, silent: tuple[int, ...] = ()
+) -> None:
+    """A tick in which robots ask for something, and keep to the newest roster or to none."""
+    told = found.open_tick()
+    for robot in found.coordinator.active:
+        if robot not in silent:
+            version = found.coordinator.version if kept else 0
+            life = told[robot].incarnation
+            asked = (asks or {}).get(robot)
+            command = Command(robot, life, found.tick, (0.0, 0.0), version, handles=asked)
+            assert found.accept(command)
+    found.close_tick()
+
+
+def radius(found: World, robot: int) -> float:
+    return next(each.radius for each in found.coordinator.roster.members if each.robot == robot)
+
+
+def where(found: World) -> PartPlace:
+    (place,) = found.coordinator.roster.parts
+    return place
+
+
+def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
+    found = world()
+    assert (where(found), radius(found, 1)) == (PartPlace(1, 1), SMALL)
+    tick(found, {1: TAKE})
+    assert (where(found), radius(found, 1)) == (PartPlace(1, carrier=1), LARGE)
+    assert not found.coordinator.lives.things.standing
+    assert found.report()["collisions"] == 0
+
+
+@pytest.mark.parametrize(
+    ("robot", "handling"),
+    [(1, Handling(1, SMALL)), (2, TAKE), (1, Handling(2, LARGE)), (1, PUT)],
+    ids=["not clear of what the larger disk needs", "out of reach", "no such part", "nothing to put down"],
+)
+def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
+    found = world()
+    before = found.coordinator.roster
+    tick(found, {robot: handling})
+    assert found.coordinator.roster == before
+
+
+def test_nobody_handles_parts_in_an_emergency_stop() -> None:
+    found = world()
+    found.halt(True)
+    tick(found, {1: TAKE})
+    assert where(found).carrier == 0
+
+
+def test_a_part_is_put_down_once_all_keep_clear_and_its_carrier_stays_large_until_then() -> None:
+    found = world()
+    tick(found, {1: TAKE})
+    tick(found, {1: PUT}, kept=False)
+    assert where(found) == PartPlace(1, 2, 1)
+    tick(found, {1: PUT}, kept=False)
+    assert (where(found).carrier, radius(found, 1)) == (1, LARGE)
+    tick(found, {1: PUT})
+    assert (where(found), radius(found, 1)) == (PartPlace(1, 2), SMALL)
+    assert not found.coordinator.parts.pending
+
+
+def test_who_no_longer_asks_has_put_nothing_down() -> None:
+    found = world()
+    tick(found, {1: TAKE})
+    tick(found, {1: PUT}, kept=False)
+    tick(found, kept=False)
+    assert where(found) == PartPlace(1, carrier=1)
+    assert not found.coordinator.lives.things.appearing
+
+
+def test_who_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
+    found = world()
+    tick(found, {1: TAKE})
+    _move(found, 2, (0.0, -0.095))
+    for _ in range(5):
+        tick(found, {2: TAKE}, silent=(1,))
+    assert found.coordinator.lives.status_of(1) == "standing"
+    assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
+
+
+def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
+    found = world()
+    assert "is part 1" in found.remove_thing(1).text
+    tick(found, {1: TAKE})
+    assert found.remove(1) == "robot 1 carries part 1"
+
+
+def _move(found: World, robot: int, place: Vector) -> None:
+    plant = found.simulation.plant
+    plant.positions[plant.ids.index(robot)] = place

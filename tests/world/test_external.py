@@ -1,0 +1,34 @@
+"""Where robots outside stand that are not heard any more: no further off than their bodies can have gone."""
+
+from __future__ import annotations
+
+import pytest
+
+from protocol.messages import Report
+from protocol.scenario.body import Body
+from protocol.scenario.model import Control, RobotSpec, Scenario, Time
+from protocol.scenario.model import World as Plant
+from world.external import External
+
+BODY = Body("omnidirectional", acceleration=0.5, speed=0.2, hold=0.1, error=0.1, lag=0.02, play=1e-3)
+SETTING = Scenario(
+    (RobotSpec(1, 0.05, (0.0, 0.0), (0.1, 0.0)),),
+    time=Time(step=0.1),
+    control=Control(speed=0.2),
+    world=Plant("external", lease=0.5),
+    body=BODY,
+)
+
+
+def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
+    outside, body = External(SETTING), SETTING.body_of(1)
+    outside.hear(1, 4, Report((0.05, 0.0), 2e-3))
+    leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
+    last = 4 + int(leased / 0.1)
+    for tick in range(last):
+        outside.sense(tick)
+        assert outside.resting() == {}
+    outside.sense(last + 1)
+    assert outside.resting() == {1: (0.05, 0.0)}
+    way = 0.2 * (0.1 + leased)
+    assert outside.bounds[1] == pytest.approx(2e-3 + 1.1 * way + body.lag * 0.2 + body.play)

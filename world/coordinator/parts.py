@@ -1,0 +1,168 @@
+"""Parts: which stand on the floor, and who carries which. Robots ask with their commands, and this decides.
+
+A part that is taken up is a thing that is gone, and in the same version of the roster its carrier is the
+larger disk, which it keeps clear of everything before it asks. One that is put down appears like any thing,
+once everybody has acknowledged its place, and until then its carrier remains the larger disk. Who falls
+silent stands with what it carries; another robot may take it from there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from protocol.geometry import Disk, Shape
+from protocol.messages import Handling, PartPlace, Vector
+from protocol.scenario.model import Part, Scenario
+from world.coordinator.lives import Lives
+
+_ROUNDING = 1e-9  # m
+
+
+class Parts:
+    """The parts of one run.
+
+    Args:
+        scenario: with the radii of robots that carry nothing.
+    """
+
+    def __init__(self, scenario: Scenario, lives: Lives) -> None:
+        self._scenario, self._lives = scenario, lives
+        first = len(scenario.things)
+        self._places = {part: PartPlace(part, first + part) for part in range(1, len(scenario.parts) + 1)}
+        lives.follow_parts(self.places)
+
+    @property
+    def places(self) -> tuple[PartPlace, ...]:
+        """Where every part is, ascending."""
+        return tuple(self._places.values())
+
+    def in_place(self, part: int) -> bool:
+        """Whether a part stands at its goal."""
+        place, known = self._places[part], self._lives.things.standing
+        if place.carrier or place.thing not in known:
+            return False
+        return known[place.thing].distance(*self._spec(part).goal) <= (
+            self._scenario.time.tolerance - self._spec(part).radius
+        )
+
+    @property
+    def pending(self) -> bool:
+        """Whether any part is not at its goal."""
+        return not all(map(self.in_place, self._places))
+
+    def carried_by(self, robot: int) -> int:
+        """Which part a robot carries, 0 if none."""
+        return next((each.part for each in self.places if each.carrier == robot), 0)
+
+    def owns(self, thing: int) -> int:
+        """Which part stands, or is to stand, as a thing; 0 if none."""
+        return next((each.part for each in self.places if each.thing == thing), 0)
+
+    def loaded(self, scenario: Scenario) -> Scenario:
+        """`scenario` with the disks that robots are with what they carry."""
+        carriers = {each.carrier: each.part for each in self.places if each.carrier}
+        if not carriers:
+            return scenario
+        robots = tuple(
+            replace(spec, radius=self._scenario.loaded_radius(spec.id, carriers[spec.id]))
+            if spec.id in carriers
+            else spec
+            for spec in scenario.robots
+        )
+        return replace(scenario, robots=robots)
+
+    def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
+        """Do what robots asked for with their commands of the tick that ends; whether a disk is another now.
+
+        Args:
+            asked: by robots that take part and commanded.
+            at: where all disks are now, m.
+        """
+        before = self.places
+        for robot in sorted(asked):
+            handles = asked[robot]
+            if handles is not None and handles.place is None and handles.part in self._places:
+                self._take(robot, handles, at)
+        for place in self.places:
+            if place.carrier:
+                self._put(place, asked.get(place.carrier), place.carrier in asked, at)
+        self._lives.follow_parts(self.places)
+        return [each.carrier for each in before] != [each.carrier for each in self.places]
+
+    def settle(self) -> bool:
+        """Let go of parts that stand; whether a disk is another now."""
+        down = [each for each in self.places if each.carrier and each.thing in self._lives.things.standing]
+        for place in down:
+            self._lives.resize(place.carrier, self._scenario.spec(place.carrier).radius)
+            self._places[place.part] = PartPlace(place.part, place.thing)
+        self._lives.follow_parts(self.places)
+        return bool(down)
+
+    def _take(self, robot: int, handles: Handling, at: Mapping[int, Vector]) -> None:
+        place, radius = self._places[handles.part], self._scenario.loaded_radius(robot, handles.part)
+        if handles.radius < radius or self.carried_by(robot) or robot == place.carrier:
+            return
+        if place.carrier:
+            self._take_over(robot, place, at)
+            return
+        shape = self._lives.things.standing.get(place.thing)
+        if shape is not None and self._reaches(at[robot], self._scenario.spec(robot).radius, shape):
+            self._lives.take_away(place.thing)
+            self._load(robot, place)
+
+    def _take_over(self, robot: int, place: PartPlace, at: Mapping[int, Vector]) -> None:
+        """From one that stands, as its life is over."""
+        if self._lives.status_of(place.carrier) != "standing":
+            return
+        held = Disk(*at[place.carrier], self._scenario.loaded_radius(place.carrier, place.part))
+        if self._reaches(at[robot], self._scenario.spec(robot).radius, held):
+            self._withdraw(place)
+            self._lives.resize(place.carrier, self._scenario.spec(place.carrier).radius)
+            self._load(robot, place)
+
+    def _load(self, robot: int, place: PartPlace) -> None:
+        self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))
+        self._places[place.part] = PartPlace(place.part, carrier=robot)
+
+    def _put(self, place: PartPlace, handles: Handling | None, heard: bool, at: Mapping[int, Vector]) -> None:
+        """Begin to put a part down, or give that up."""
+        robot, spec = place.carrier, self._spec(place.part)
+        radius = self._scenario.loaded_radius(robot, place.part)
+        wanted = None if handles is None or handles.part != place.part else handles.place
+        down = None if wanted is None else Disk(*wanted, spec.radius)
+        fits = down is not None and self._reaches(at[robot], radius, down)
+        if place.thing:
+            if (heard and not fits) or self._lives.status_of(robot) != "live":
+                self._withdraw(place)
+        elif down is not None and fits and self._is_free(down):
+            self._places[place.part] = PartPlace(place.part, self._lives.announce(down), robot)
+
+    def _withdraw(self, place: PartPlace) -> None:
+        if place.thing:
+            self._lives.take_away(place.thing)
+            self._places[place.part] = PartPlace(place.part, carrier=place.carrier)
+
+    def _reaches(self, centre: Vector, radius: float, shape: Shape) -> bool:
+        """Whether a part is beside a robot: neither farther than the reach, nor in its disk."""
+        gap = shape.distance(*centre) - radius
+        return -_ROUNDING <= gap <= self._scenario.carrying.reach + _ROUNDING
+
+    def _is_free(self, down: Disk) -> bool:
+        """Whether nothing else stands, or is to stand, where a part is put down, and that is inside."""
+        things = self._lives.things
+        others = (*things.standing.values(), *things.appearing.values())
+        inside = self._scenario.workspace.shape.distance(down.x, down.y) + down.radius <= 0.0
+        stands = [(each.position, each.robot) for each in self._lives.standing]
+        return (
+            inside
+            and all(shape.distance(down.x, down.y) >= down.radius for shape in others)
+            and all(
+                math.dist(position, (down.x, down.y)) >= down.radius + self._lives.radius_of(robot)
+                for position, robot in stands
+            )
+        )
+
+    def _spec(self, part: int) -> Part:
+        return self._scenario.parts[part - 1]
