@@ -38,7 +38,8 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
-        joining: robot ids in the order in which they join; increasing unless given.
+        joining: robot ids in the order in which they join, at the start and whenever several join again;
+            increasing unless given. Then whoever is not named comes last, and those in decreasing order.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
     """
 
@@ -63,6 +64,7 @@ class LocalFleet:
         self._writer = None if record is None else WriterProcess(record, run)
         self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
+        self._joining = joining
         for robot in joining or scenarios[0].ids:
             self.start(robot)
         faults = self.network.connect()
@@ -95,6 +97,12 @@ class LocalFleet:
         self.world_bus.close()
         if self._past is not None:
             self._past.journal.close()
+
+    def turn(self, robot: int) -> tuple[bool, int]:
+        """When a robot joins, of several that may: those with less first."""
+        if self._joining is None:
+            return False, robot
+        return (False, self._joining.index(robot)) if robot in self._joining else (True, -robot)
 
     def start(self, robot: int) -> Node:
         """Start a robot's node."""
@@ -175,9 +183,10 @@ class FaultInjector:
             return
         message = decode(event.key, event.payload)
         if isinstance(message, Clock):
-            for fault in self._schedule.due(message):
+            turn = self._fleet.turn
+            for fault in sorted(self._schedule.due(message), key=lambda fault: turn(fault.robot)):
                 self._carry_out(fault)
-            for robot in message.newcomers:
+            for robot in sorted(message.newcomers, key=turn):
                 self._welcome(robot)
             self._started &= set(message.newcomers)
             self._let_go()

@@ -26,8 +26,11 @@ from agents.bases.ros_messages import (
     encode_odometry,
     encode_pose,
 )
+from agents.bodies.inertial import InertialBody
 from agents.peers.state import addressed_to
+from agents.polygon import DIRECTIONS
 from agents.robot import Robot
+from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Scenario
 from world.world import World
@@ -120,6 +123,7 @@ class Crew:
     frozen: list[Event] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     truths: dict[int, Vector] = field(default_factory=dict)  # of the control point, m, by ms
+    swept: tuple[Vector, Sweep | None] | None = None  # from where, and what; None: it stands
 
 
 class Floor:
@@ -153,6 +157,7 @@ class Floor:
         self.cut = False  # whether nothing passes between coordinator and robots
         self.closest = math.inf  # m, smallest gap between any two disks so far
         self.excess = -math.inf  # m, by which a truth was outside the set that its robot knew
+        self.strayed = -math.inf  # m, by which wheels left what their filter counts on
         self._events: list[tuple[float, int, Event]] = []
         self._number = count()
         self._odometry, self._pose = odometry, pose
@@ -202,7 +207,19 @@ class Floor:
             for other, peer in places[:n]:
                 radii = self.scenario.spec(robot).radius + self.scenario.spec(peer).radius
                 self.closest = min(self.closest, math.dist(place, other) - radii)
+        if round(self.now / STEP) % 4 == 0:
+            for crew in self.crews.values():
+                self._stray(crew)
         self._later(STEP, self._roll)
+
+    def _stray(self, crew: Crew) -> None:
+        if crew.swept is None:
+            return
+        (x, y), sweep = crew.swept
+        dx, dy = crew.wheels.control[0] - x, crew.wheels.control[1] - y
+        for nx, ny in DIRECTIONS:
+            allowed = 0.0 if sweep is None else sweep.extent(nx, ny)
+            self.strayed = max(self.strayed, nx * dx + ny * dy - allowed)
 
     # -- the bases
 
@@ -299,8 +316,18 @@ class Floor:
                 self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
         command = core.command()
         base.obey(command, self.now)
+        crew.swept = None if sense is None or base.note else self._swept(crew, command)
         if not self.cut:
             self._send(lambda: self._accept(command))
+
+    def _swept(self, crew: Crew, command: Command) -> tuple[Vector, Sweep | None]:
+        """From where the newest odometry is, what its filter takes the base to pass."""
+        newest, body = crew.base._senses._odometer.newest, crew.core._body
+        assert newest is not None
+        assert isinstance(body, InertialBody)
+        moves = command.velocity != (0.0, 0.0) or body.swept is not None
+        truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
+        return truth, body._passed(command.velocity) if moves else None
 
     def _tell(self, peer: Crew, state: State) -> None:
         radius = self.scenario.spec(state.robot).radius

@@ -42,6 +42,7 @@ def test_six_robots_swap_although_messages_are_late_and_lost():
     assert report["verdict"] == "arrived"
     assert floor.closest > 0.0
     assert floor.excess <= 0.0  # each robot's set held the truth all the time
+    assert floor.strayed <= 0.0  # and its wheels did what the filter counts on
     assert report["plant"]["kind"] == "external"
     assert 0.0 < report["plant"]["reported_bound"] < 0.02  # as the result says of what it was judged by
     assert report["min_clearance"] == pytest.approx(floor.closest, abs=2 * report["plant"]["reported_bound"])

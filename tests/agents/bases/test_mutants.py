@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from agents.bases.drive import Drive
 from agents.bases.lease import Lease
 from agents.bases.senses import Senses
+from protocol.scenario.base import Base
 from tests.agents.bases.floor import Floor
 from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet
 from world.external import External
@@ -21,12 +23,11 @@ def moves_on_stale_ticks() -> bool:
     floor = Floor(THREE, 1).run(FROM)
     floor.late = 1
     floor.run(FROM + 3.0)
-    place = floor.crews[1].wheels.control
     floor.cut = True
     del floor.held[5:]
     floor.release()
-    floor.run(FROM + 4.0)
-    return math.dist(floor.crews[1].wheels.control, place) > 1e-3
+    told = {floor.run(FROM + 3.0 + 0.01 * step).crews[1].wheels.aims for step in range(100)}
+    return told != {(0.0, 0.0)}
 
 
 def drives_on_without_a_coordinator() -> bool:
@@ -47,6 +48,15 @@ def is_taken_for_where_it_is_not() -> bool:
     floor.run(FROM + 3.0)
     (member,) = [each for each in floor.world.coordinator.roster.members if each.status == "standing"]
     return math.dist(member.position, floor.crews[1].wheels.control) > member.bound
+
+
+def wheels_stray() -> bool:
+    """They do more than the filter counts on."""
+    return Floor(fleet(2, "control.law=reciprocal"), 3, loss=0.2).run(15.0).strayed > 0.0
+
+
+def without_latency(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Base, "carries", lambda base, body: replace(body, hold=base.timeout, lag=0.0))
 
 
 def without_lease(patch: pytest.MonkeyPatch) -> None:
@@ -84,6 +94,7 @@ RULES = {
     "a tick moves only under the lease": (without_lease, moves_on_stale_ticks),
     "a velocity is not held for ever": (without_hold_time, drives_on_without_a_coordinator),
     "odometry must be young": (without_age, drives_on_without_odometry),
+    "what comes late is lag": (without_latency, wheels_stray),
     "who is not heard may have gone on": (without_the_way, is_taken_for_where_it_is_not),
 }
 
