@@ -84,6 +84,7 @@ class RobotNode:
         self._founded = False  # whether the run had begun when this robot was admitted
         self._said = ""  # the newest of what was said of the base
         self._declared = self._announced = self._over = self._noted = False
+        self._doubtful = False  # whether the world may have ended this life while it was not heard
         self._refused = 0
         self._rejected: Counter[str] = Counter()
         self._peers: dict[str, PeerReader] = {}  # by the key of the State
@@ -104,7 +105,11 @@ class RobotNode:
     # -- joining
 
     def _join(self) -> None:
-        health = None if self.core is None else self._health()
+        """Ask for a life, the next if there was one and it has ended. To ask without saying that it has ended
+        changes nothing for one that goes on, and finds out whether it does.
+        """
+        ended = self.core is not None and self._ended
+        health = self._health() if ended else None
         request = joining.encode_request(joining.Join(self._robot, self._session, health))
         try:
             reply = joining.decode_reply(self._ask(request))
@@ -113,7 +118,9 @@ class RobotNode:
             return
         now = time.monotonic()
         self._heard_world = now
-        if isinstance(reply, joining.Wait):
+        if self._goes_on(reply):
+            self._doubtful, self._due = False, now + REPORT_PERIOD
+        elif isinstance(reply, joining.Wait):
             self._due = now + min(max(0.0, reply.after), self._patience)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
@@ -125,6 +132,13 @@ class RobotNode:
             if self._refused >= _REFUSALS:
                 raise JoinError(reply.text)
             self._due = now + 0.2
+
+    def _goes_on(self, reply: joining.Reply) -> bool:
+        """Whether this is the answer that the present life is as it was."""
+        core = self.core
+        if core is None or self._ended or not isinstance(reply, joining.Admission):
+            return False
+        return reply.incarnation == core.incarnation
 
     def _on_silence(self, error: Exception) -> None:
         """Nobody answers a request to join, or nobody who could be understood."""
@@ -160,7 +174,7 @@ class RobotNode:
         self._refused = self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
-        self._ended = self._over = self._noted = False
+        self._ended = self._over = self._noted = self._doubtful = False
         self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self._due = time.monotonic() + REPORT_PERIOD
         self._listen(self._peers)
@@ -242,6 +256,7 @@ class RobotNode:
         if alive:
             if self._alone_since < inf:
                 self._say(f"the world of run {self._run!r} is back")
+                self._doubtful, self._due = True, time.monotonic()  # nobody may have told it of its end
             self._alone_since = inf
         elif self._over and not self._away:
             self.finished = True
@@ -392,7 +407,7 @@ class RobotNode:
             self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
 
     def _look(self, now: float) -> None:
-        if self.core is None or self._ended:
+        if self.core is None or self._ended or self._doubtful:
             self._join()
             return
         self._due = now + REPORT_PERIOD

@@ -10,6 +10,8 @@ from protocol.messages import Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from world.sensing.position import Sensor
 
+_HURRIED = 1  # ticks by which the clock of real time catches up with one that was late
+
 
 class External:
     """In place of `world.simulation.Simulation`: an external fleet as its coordinator sees it.
@@ -34,7 +36,7 @@ class External:
             scenario.control.speed * (1.0 + scenario.actuation.bound),
         )
         self._tick = 0
-        self._heard: dict[int, int] = {}  # tick of the newest Command, by robot
+        self._heard: dict[int, int] = {}  # tick in which the newest Command came, by robot
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
         self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
         self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
@@ -61,7 +63,7 @@ class External:
 
     def hear(self, robot: int, tick: int, report: Report | None) -> None:
         """A robot commands itself in a tick, and says where it was as that began, if it knows."""
-        self._heard[robot] = tick
+        self._heard[robot] = max(tick, self._tick)  # sent by then, however late the tick that it is of
         if report is not None:
             self._reports[robot] = tick, report
             self.largest_bound = max(self.largest_bound or 0.0, report.bound)
@@ -80,7 +82,7 @@ class External:
         for robot, (tick, report) in self._reports.items():
             leased = self._lease + self._stops[robot]  # s after the newest Command
             heard = self._heard[robot]
-            if (self._tick - heard) * self._step >= leased:
+            if (self._tick - heard - _HURRIED) * self._step >= leased:
                 moved = (heard + 1 - tick) * self._step + leased
                 self.bounds[robot] = report.bound + self._farthest(robot, moved)
                 resting[robot] = report.position

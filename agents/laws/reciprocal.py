@@ -25,13 +25,11 @@ Vector = tuple[float, float]
 
 # No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
 HORIZON: Final = 10.0  # laps, ahead of which encounters count
-TURN: Final = 0.1  # rad to the left, the sense in which `circling` escapes, for every disk in the way
+TURN: Final = 0.15  # rad to the left, the sense in which `circling` escapes, for every disk in the way
 MOST: Final = 0.25  # rad, of that: the more are in the way the more they have to circle each other
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
 SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
 MARGIN: Final = 0.0125  # of the distance of contact
-LATE: Final = 3.0  # times what a robot drives during the age of a State: lines lag by round trips
-LATEST: Final = 0.5  # of the distance of contact, the most of that
 _APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
 
 
@@ -107,15 +105,14 @@ class ReciprocalLaw:
             if state.placed:
                 age = (view.tick - state.tick) * self._period
                 rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-                late = min(LATE * self._speed * age, LATEST * (self._radius + state.radius))
-                self._add(found, rx, ry, state.radius, late, state.vx, state.vy, 0.5)
+                self._add(found, rx, ry, state.radius, state.vx, state.vy, 0.5)
         for member in view.neighbours.standing.values():
             if member.position is not None:
                 rx, ry = member.position[0] - x, member.position[1] - y
-                self._add(found, rx, ry, member.radius, 0.0, 0.0, 0.0, 1.0)
+                self._add(found, rx, ry, member.radius, 0.0, 0.0, 1.0)
         for disk in self._gradient.obstacles:
             if disk.radius > 0.0:
-                self._add(found, disk.x - x, disk.y - y, disk.radius, 0.0, 0.0, 0.0, 1.0)
+                self._add(found, disk.x - x, disk.y - y, disk.radius, 0.0, 0.0, 1.0)
         found.sort(key=_nearness)
         return [each[1] for each in found]
 
@@ -125,7 +122,6 @@ class ReciprocalLaw:
         rx: float,
         ry: float,
         radius: float,
-        late: float,
         ux: float,
         uy: float,
         share: float,
@@ -135,7 +131,7 @@ class ReciprocalLaw:
         room = distance - contact
         if distance == 0.0 or room > 2.0 * self._speed * self._horizon:
             return
-        contact = min((1.0 + MARGIN) * contact + late, _APART * distance)
+        contact = min((1.0 + MARGIN) * contact, _APART * distance)
         vx, vy = self._wish
         found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, self._horizon, share)))
 

@@ -24,12 +24,23 @@ _NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
 @final
 @mypyc_attr(acyclic=True)
 class Disk:
-    """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity."""
+    """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity, and the
+    one that it was last seen to have."""
 
-    __slots__ = ("radius", "vx", "vy", "x", "y")
+    __slots__ = ("radius", "ux", "uy", "vx", "vy", "x", "y")
 
-    def __init__(self, x: float, y: float, radius: float, vx: float = 0.0, vy: float = 0.0) -> None:
-        self.x, self.y, self.radius, self.vx, self.vy = x, y, radius, vx, vy
+    def __init__(
+        self,
+        x: float,
+        y: float,
+        radius: float,
+        vx: float = 0.0,
+        vy: float = 0.0,
+        ux: float = 0.0,
+        uy: float = 0.0,
+    ) -> None:
+        self.x, self.y, self.radius = x, y, radius
+        self.vx, self.vy, self.ux, self.uy = vx, vy, ux, uy
 
 
 def is_same(one: Line, other: Line, tolerance: float) -> bool:
@@ -41,25 +52,36 @@ def is_same(one: Line, other: Line, tolerance: float) -> bool:
     )
 
 
-def fit_line(owner: Disk, follower: Disk, ahead: float = 0.0, share: float = 0.5) -> Line | None:
-    """The line that lets both do what they want for the longest time, up to `ahead` seconds.
+def fit_line(
+    owner: Disk,
+    follower: Disk,
+    *,
+    ahead: float = 0.0,
+    begin: float = 0.0,
+    end: float = 0.0,
+    share: float = 0.5,
+) -> Line | None:
+    """The line that lets both do what they want for the longest time.
 
-    Each disk sweeps along its desired velocity; the line separates the two swept areas, and leaves the
-    owner `share` of the gap between them. If they meet, both sweep the same largest fraction of the time,
-    so two that drive at each other share the gap in proportion to what each wants of it.
+    The owner obeys it at once: its disk sweeps along its desired velocity for `ahead` seconds. The follower
+    obeys it from `begin` to `end` seconds after it was where the owner sees it: its disk sweeps from where it
+    is then, if it goes on as it was seen to, to where its desired velocity leads. The line separates the two
+    swept areas, and leaves the owner `share` of the gap between them. If they meet, all times are
+    the same largest fraction of what they should be, so two that drive at each other share the gap in
+    proportion to what each wants of it.
 
-    None when the disks are not known to be apart.
+    None when the disks were not seen apart, and will not be if both do as they want.
     """
     need = owner.radius + follower.radius + _NEED
-    span = _closest(owner, follower, ahead)
+    span = _closest(owner, follower, ahead, begin, end)
     if _length(span) < need:
-        span = _closest(owner, follower, 0.0)
+        span = _closest(owner, follower, 0.0, 0.0, 0.0)
         if _length(span) < need:
             return None
-        low, high = 0.0, ahead
+        low, high = 0.0, 1.0
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            longer = _closest(owner, follower, middle)
+            longer = _closest(owner, follower, middle * ahead, middle * begin, middle * end)
             if _length(longer) < need:
                 high = middle
             else:
@@ -83,10 +105,11 @@ def _length(span: Span) -> float:
     return math.hypot(span[1][0] - span[0][0], span[1][1] - span[0][1])
 
 
-def _closest(one: Disk, other: Disk, time: float) -> Span:
-    """Closest points of the paths that the two centres take in `time` seconds."""
-    px, py, ux, uy = one.x, one.y, one.vx * time, one.vy * time
-    qx, qy, vx, vy = other.x, other.y, other.vx * time, other.vy * time
+def _closest(one: Disk, other: Disk, ahead: float, begin: float, end: float) -> Span:
+    """Closest points of the paths that the two centres take, as of `fit_line`."""
+    px, py, ux, uy = one.x, one.y, one.vx * ahead, one.vy * ahead
+    qx, qy = other.x + other.ux * begin, other.y + other.uy * begin
+    vx, vy = other.vx * end - other.ux * begin, other.vy * end - other.uy * begin
     wx, wy = qx - px, qy - py
     cross = ux * vy - uy * vx
     if cross != 0.0:

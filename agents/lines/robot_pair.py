@@ -37,6 +37,7 @@ class RobotPair:
             nx, ny: its normal, away from this robot.
             offset: of the line along that, m.
             limit: of the own centre along that, m.
+        moved_x, moved_y: how far the peer came in a tick between the last two States of its, m.
         answers_left: States that still have to carry the answer.
         peer_restarted: whether the peer is not in the first incarnation that was known of it.
     """
@@ -49,6 +50,8 @@ class RobotPair:
         "heard",
         "limit",
         "line_half_planes",
+        "moved_x",
+        "moved_y",
         "nx",
         "ny",
         "offset",
@@ -79,6 +82,7 @@ class RobotPair:
         self.answers_left = 0
         self.state: PeerState | None = None
         self.nx = self.ny = self.limit = self.offset = 0.0
+        self.moved_x = self.moved_y = 0.0
         self.radius, self.own_radius = radius, own_radius
         self.peer = peer
         self.end: Owner | Follower = (Owner if owns else Follower)(incarnation, initial, peer_incarnation)
@@ -139,8 +143,12 @@ class RobotPair:
             self.heard = state.incarnation
             self.excused = False
             self.state = state
+            self.moved_x = self.moved_y = 0.0
             self.renew()
         elif state.tick > known.tick:
+            if state.placed and known.placed:
+                ticks = state.tick - known.tick
+                self.moved_x, self.moved_y = (state.x - known.x) / ticks, (state.y - known.y) / ticks
             self.state = state
         return True
 

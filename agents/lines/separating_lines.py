@@ -36,6 +36,7 @@ from protocol.messages import Answer, Member, Proposal
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
 RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
 AHEAD: Final = 20.0  # ticks of motion ahead of which initial lines are looked at
 SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
@@ -364,6 +365,12 @@ class SeparatingLines:
             if end.on_proposal(incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits):
                 pair.renew()
 
+    def _seen_velocity(self, pair: RobotPair) -> tuple[float, float]:
+        """Of the peer, from where its last two States were, m/s; measurements may leap, disks do not."""
+        ux, uy = pair.moved_x, pair.moved_y
+        leap = max(1.0, math.hypot(ux, uy) / self._max_step) * self._period
+        return ux / leap, uy / leap
+
     def _owner_fits(self, line: Line) -> bool:
         return self._fits(line, owner=True)
 
@@ -403,9 +410,19 @@ class SeparatingLines:
                 return 0
             renewal = 1
         halted = pair.disk is not None
-        vx, vy = (0.0, 0.0) if halted else state.desired
-        peer = Disk(state.x, state.y, pair.radius + state.bound, vx, vy)
-        line = fit_line(me, peer, ticks * self._period, 0.0 if standing else 1.0 if halted else 0.5)
+        peer = Disk(state.x, state.y, pair.radius + state.bound)
+        if not halted:
+            (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(pair)
+        # The follower holds a line from when it has come, as late as its State came here, until the next has.
+        late = 2.0 * max(0, self._tick - state.tick - 1) * self._period
+        line = fit_line(
+            me,
+            peer,
+            ahead=ticks * self._period,
+            begin=late,
+            end=late + FOLLOWED * self._period,
+            share=0.0 if standing else 1.0 if halted else 0.5,
+        )
         if line is None or not self._fits(line, owner=True):
             return 0
         if newest is None or not is_same(line, newest, UNCHANGED * self._max_step):

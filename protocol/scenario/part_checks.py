@@ -13,8 +13,11 @@ _ENDS = ("start", "goal")
 
 
 def part_findings(sound: Sound, room: Shape | None, robots: Iterable[Placed]) -> Iterator[Finding]:
-    """Parts that are outside, or that overlap a thing, a robot or another part where both begin, or end."""
+    """Parts that this plant does not move, that are outside, or that overlap a thing, a robot or another part
+    where both begin, or end."""
     placed, things = list(robots), list(shapes_of(sound))
+    if sound.size("parts") and (plant := sound.get("world", "plant", default="integrator")) != "integrator":
+        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
     for end in _ENDS:
         others: list[tuple[str, Shape]] = [
             (each.name, each.disk) for each in placed if each.name.startswith(f"the {end} of")

@@ -10,8 +10,10 @@ import pytest
 from agents.node import PATIENCE, RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
+from protocol.bus.events import Presence
 from protocol.bus.local import LocalNetwork
 from protocol.errors import BusError
+from protocol.keys import robot_key, world_key
 from world.node import WorldNode
 from world.shell.journal import Journal
 
@@ -58,3 +60,40 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: boo
         fleet.start_world()
         fleet.execute()
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))
+
+
+def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:
+    network = LocalNetwork()
+    bus = network.connect()
+    world = bus.node = WorldNode(bus, "yard", [SCENARIO], gathering=5.0)
+    bus = network.connect()
+    first = bus.node = RobotNode(bus, "yard", 1)
+    network.run(lambda: world.world.coordinator.awaiting_join == {2})
+    tokens = robot_key("yard", 1, "alive"), world_key("yard", "alive")
+    for there in (False, True):  # its link was out for longer than the world's patience
+        world.handle(Presence(tokens[0], there))
+        first.handle(Presence(tokens[1], there))
+    bus = network.connect()
+    bus.node = RobotNode(bus, "yard", 2)
+    network.run(lambda: world.finished)
+    assert world.report is not None
+    assert world.report["verdict"] == "arrived"
+
+
+def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
+    network = LocalNetwork()
+    bus = network.connect()
+    world = bus.node = WorldNode(bus, "yard", [SCENARIO])
+    robots = []
+    for robot in SCENARIO.ids:
+        bus = network.connect()
+        robots.append(RobotNode(bus, "yard", robot))
+        bus.node = robots[-1]
+    network.run(lambda: world.world.tick > 10)
+    for there in (False, True):  # the router was gone for a moment
+        for robot in robots:
+            robot.handle(Presence(world_key("yard", "alive"), there))
+    network.run(lambda: world.finished)
+    assert world.report is not None
+    assert world.report["trajectory_sha256"] == LocalFleet([SCENARIO]).execute()[0]["trajectory_sha256"]
+    assert set(world.world.coordinator.incarnations.values()) == {1}

@@ -24,7 +24,7 @@ def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> No
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.hear(1, 4, Report((0.05, 0.0), 2e-3))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
-    last = 4 + int(leased / 0.1)
+    last = 5 + int(leased / 0.1)
     for tick in range(last):
         outside.sense(tick)
         assert outside.resting() == {}
@@ -32,3 +32,17 @@ def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> No
     assert outside.resting() == {1: (0.05, 0.0)}
     way = 0.2 * (0.1 + leased)
     assert outside.bounds[1] == pytest.approx(2e-3 + 1.1 * way + body.lag * 0.2 + body.play)
+
+
+def test_a_command_that_comes_late_was_sent_late() -> None:
+    """Its lease runs from when it was sent, which may be a moment ago."""
+    outside, body = External(SETTING), SETTING.body_of(1)
+    outside.sense(20)
+    outside.hear(1, 4, Report((0.05, 0.0), 2e-3))
+    last = 21 + int((0.5 + body.hold + 0.2 / 0.5) / 0.1)
+    for tick in range(21, last):
+        outside.sense(tick)
+        assert outside.resting() == {}
+    outside.sense(last + 1)
+    assert outside.resting() == {1: (0.05, 0.0)}
+    assert outside.bounds[1] > 0.2 * (20 - 4) * 0.1  # it may have moved ever since it was where it says

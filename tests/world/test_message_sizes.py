@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import replace
 from random import Random
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -207,7 +208,10 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     assert "at a time" in lives.things.refusal(DISK, [])
     lives.take_away(MOST + MOST_THINGS)
     assert "corners" in lives.things.refusal(ROUNDISH, [])
-    assert_fits(run.world.open_tick()[IDS[0]], robot_key("r", IDS[0], "tick"))
+    offer = Proposal(IDS[0], LIFE, LIFE, *POINT, 0.123456789)
+    letters = tuple(State(peer, LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, (offer,)) for peer in IDS[1:])
+    told = run.world.open_tick()[IDS[0]]
+    assert_fits(msgspec.structs.replace(told, near=IDS[1:], letters=letters), robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
 
 

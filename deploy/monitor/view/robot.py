@@ -25,6 +25,7 @@ class RobotView:
         first: incarnation of its first life in this scenario; None: the first one seen.
         """
         self.spec = spec
+        self.radius = spec.radius  # m, of its disk, with what it carries
         self.alive: bool | None = None  # None: no token seen yet
         self.fenced = False
         self.active = False
@@ -110,6 +111,7 @@ class RobotView:
         return {
             "id": self.spec.id,
             "alive": self.alive,
+            "radius": self.radius,
             "velocity": [round(part, _DIGITS) for part in self.velocity],
             "distance": round(self.distance, _DIGITS),
             "goal": self.errand.goal,

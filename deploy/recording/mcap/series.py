@@ -24,10 +24,8 @@ class Series:
     def __init__(self, parts: list[Contents], complete: bool) -> None:
         self.path, self._parts, self._complete = parts[0].path, parts, complete
         self.topics: dict[int, str] = {}
-        self.metadata: dict[str, dict[str, str]] = {**parts[0].metadata}
-        for name in ("result", "recorder"):
-            self.metadata.pop(name, None)
-        self.metadata = {**parts[-1].metadata, **self.metadata}
+        first, self.metadata = parts[0].metadata, dict(parts[-1].metadata)
+        self.metadata.update({name: first[name] for name in ("run", "scenario") if name in first})
         self._numbers: dict[str, int] = {}
 
     @property

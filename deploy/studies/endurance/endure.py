@@ -79,7 +79,8 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
                 samples.take(observation.pids())
                 elapsed = observation.follow()
                 tell(elapsed / seconds)
-                return elapsed >= seconds
+                late = elapsed >= seconds + CUT + AGAIN  # for who was hit last to move again
+                return elapsed >= seconds and (late or not observation.recovery.standing)
 
             reports = fleet.execute(enough)
             fleet.processes()
@@ -146,7 +147,7 @@ class _Observation:
         if self._began is None:
             return 0.0
         elapsed = now - self._began
-        if elapsed < 60.0 * self._trial.minutes - CUT - AGAIN:  # for the end to be a quiet one
+        if elapsed < 60.0 * self._trial.minutes:
             blow = self._disturbances.due(elapsed, self.recovery.under_way)
             if blow is not None:
                 self._strike(blow, now)

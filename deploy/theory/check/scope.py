@@ -27,6 +27,8 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
     polygons = [number for number, shape in shapes.items() if not isinstance(shape, Disk)]
     if polygons:
         reasons.append(f"{_counted(len(polygons), 'thing')} among which robots move {_are(polygons)} no disk")
+    if scenario.parts:
+        reasons.append("no theorem is known for parts that are carried")
     if shapes and len(scenario.robots) > 1:
         reasons.append("no theorem is known for several robots among things that stand")
     if shapes and not reasons:

@@ -11,6 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from agents.movers.plan import Planner
 from agents.navigation.route import Route, way_points
 from deploy.theory.check.scope import Theorem, theorem_for
 from deploy.theory.gain.tuning import automatic_k, crowd
@@ -30,6 +31,10 @@ _LAW = {
     True: "In a sphere world the law pulls straight, as in the theorem.",
     False: "The law follows the shortest way among the things; only tests say how often it arrives.",
 }
+_ORDER = {
+    True: "Parts find their way to their goals one after another; only tests say how often all do.",
+    False: "No order was found in which parts find their way to their goals: some must be put aside first.",
+}
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,7 @@ class Surrounded:
     density: area of robots and things over that of the workspace.
     start, goal: the smallest clearance there.
     unreachable: robots for which no way was found among the things, all other robots away.
+    order: whether one part after another finds its way to its goal; None without parts.
     """
 
     scenario: str
@@ -54,6 +60,8 @@ class Surrounded:
     theorem: Theorem | None
     reasons: tuple[str, ...]
     unreachable: tuple[int, ...]
+    parts: int = 0
+    order: bool | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; an infinite number becomes None, since JSON has none."""
@@ -65,7 +73,8 @@ class Surrounded:
     def render(self) -> RenderableType:
         """Tables and sentences for the terminal."""
         table = Table(title=self.scenario, show_header=False, title_justify="left")
-        among = f"{self.robots} among {self.things} things"
+        carried = f" and {self.parts} parts" if self.parts else ""
+        among = f"{self.robots} among {self.things} things{carried}"
         table.add_row("robots", f"{among}, together covering {self.density:.0%} of the workspace")
         table.add_row("start", f"smallest clearance {self.start:.4f} m")
         table.add_row("goals", f"smallest clearance {self.goal:.4f} m")
@@ -74,7 +83,7 @@ class Surrounded:
         says = [
             *(f"Karagoz, Bozma and Koditschek's Theorem 1 does not apply: {each}." for each in self.reasons),
             _SAYS[self.theorem],
-            _LAW[self.theorem is not None],
+            _LAW[self.theorem is not None] if self.order is None else _ORDER[self.order],
             "That nothing touches does not depend on any of this (docs/safety.md).",
             *(f"UNREACHABLE: no way was found for robot {robot}." for robot in self.unreachable),
         ]
@@ -98,12 +107,20 @@ def surrounded(scenario: Scenario) -> Surrounded:
         theorem=theorem,
         reasons=reasons,
         unreachable=tuple(_unreachable(scenario)),
+        parts=len(scenario.parts),
+        order=_has_order(scenario) if scenario.parts else None,
     )
 
 
 def _clearance(scenario: Scenario, which: str) -> float:
     at = np.array([[complex(*getattr(scenario.spec(robot), which)) for robot in scenario.ids]])
     return float(gaps(Disks(scenario), at, at).min())
+
+
+def _has_order(scenario: Scenario) -> bool:
+    """Whether some robot alone could bring one part after another to its goal."""
+    floor = {number: part.start for number, part in enumerate(scenario.parts, 1)}
+    return any(Planner(scenario, each.radius).solvable(floor, each.start, []) for each in scenario.robots)
 
 
 def _unreachable(scenario: Scenario) -> list[int]:

@@ -207,7 +207,7 @@ def test_the_machine_would_notice_a_robot_that_moves_before_it_has_a_line(
 def test_the_machine_would_notice_a_follower_that_adopts_blindly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SeparatingLines, "_follower_fits", lambda self, line: True)  # noqa: ARG005
     brief = settings(
-        max_examples=200, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
+        max_examples=1500, phases=(Phase.generate,), derandomize=True, database=None, deadline=None
     )
     with pytest.raises(AssertionError):
         run_state_machine_as_test(Fleet, settings=brief)

@@ -227,7 +227,7 @@ class Track:
         for pair in seat.ledger._each:
             pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
         placement = self.product.placement
-        fit, placement.fit_line = placement.fit_line, lambda _, peer, *__: choose(round(peer.y))
+        fit, placement.fit_line = placement.fit_line, lambda _, peer, **__: choose(round(peer.y))
         try:
             proposals, answers = seat.ledger.entries(STILL)
         finally:

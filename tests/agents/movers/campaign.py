@@ -15,9 +15,9 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from agents.movers.plan import Planner
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
+from deploy.theory.check.surrounded import surrounded
 from protocol.scenario.model import Scenario
 from world.world import World
 
@@ -35,13 +35,6 @@ class Outcome:
     clearance: float
     seconds: float
     barred: bool  # by a robot that stands where a part is to be
-
-
-def has_order(scenario: Scenario) -> bool:
-    """Whether some robot alone could bring one part after another to its goal."""
-    floor = {number: part.start for number, part in enumerate(scenario.parts, 1)}
-    planner = Planner(scenario, scenario.robots[0].radius)
-    return any(planner.solvable(floor, robot.start, []) for robot in scenario.robots)
 
 
 def run(scenario: Scenario, kill: bool = False) -> Outcome:
@@ -86,7 +79,7 @@ def instances(first: int, count: int, parts: int) -> Iterator[Scenario]:
     while count:
         scenario = load(f"parts-{parts}", [f"time.limit={SECONDS}"], seed)
         seed += 1
-        if has_order(scenario):
+        if surrounded(scenario).order:
             count -= 1
             yield scenario
 

@@ -14,7 +14,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Scenario, World
 from world.shell.journal import Journal
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
@@ -87,6 +87,11 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
     first, *others = SCENARIO.parts
     with pytest.raises(ScenarioError, match=text):
         validated(replace(SCENARIO, parts=(replace(first, **change), *others)))
+
+
+def test_parts_need_a_plant_that_knows_of_them() -> None:
+    with pytest.raises(ScenarioError, match="integrator"):
+        validated(replace(SCENARIO, world=World("mujoco")))
 
 
 @pytest.mark.process

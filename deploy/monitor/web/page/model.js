@@ -41,6 +41,7 @@ export class Model {
       robot.from = robot.to;
       robot.row = frame.robots[index] ?? null;
       robot.goal = robot.row?.goal ?? robot.goal;
+      robot.radius = robot.row?.radius ?? robot.radius;
     });
     frame.samples.filter((sample) => sample[0] > this.tick).forEach((sample) => this.append(sample));
   }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import msgspec
 import pytest
@@ -14,9 +15,9 @@ from deploy.monitor.terminal import table
 from deploy.monitor.view import snapshot as telling
 from deploy.monitor.view.fleet import HISTORY, View
 from deploy.scene.thinned import Thinned
-from protocol.messages import Clock, Errand, GoalStatus, Health, Message, Standing, Truth
+from protocol.messages import Clock, Errand, GoalStatus, Health, Message, PartPlace, Standing, Truth
 from protocol.requests.steering import Steering
-from protocol.scenario.model import RobotSpec, Scenario, Time
+from protocol.scenario.model import Part, RobotSpec, Scenario, Time
 
 SCENARIO = Scenario(
     tuple(RobotSpec(i, 0.03, (0.1 * i - 0.2, 0.0), (0.1 * i - 0.2, 0.1)) for i in (1, 2, 3)),
@@ -300,3 +301,13 @@ def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
     assert (frame["phase"], frame["robots"], frame["samples"]) == ("searching", [], [])
     it.begin(SCENARIO, True)
     assert rows(it, 0.0)[1]["alive"] is True
+
+
+def test_a_carrier_is_shown_as_the_disk_that_it_is() -> None:
+    parts = (Part(0.035, (0.0, 0.2), (0.0, -0.2)), Part(0.05, (0.1, 0.2), (0.1, -0.2)))
+    it = View("r")
+    it.begin(replace(SCENARIO, parts=parts), lockstep=True)
+    places = (PartPlace(1, carrier=2), PartPlace(2, 2))
+    it.on_message(Clock(1, 0.05, (1, 2, 3), (), "", parts=places), 0.0)
+    radii = {row["id"]: row["radius"] for row in telling.snapshot(it, 0.0)["robots"]}
+    assert radii == {1: 0.03, 2: 0.035, 3: 0.03}

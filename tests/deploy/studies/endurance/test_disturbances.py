@@ -76,8 +76,8 @@ def test_a_jump_after_silence_or_into_another_run_is_no_movement() -> None:
 @pytest.mark.timeout(90)
 def test_a_short_disturbed_trial() -> None:
     """Judged here is only what a busy machine cannot spoil."""
-    call = [sys.executable, "-m", "deploy.cli", "endure", "--minutes", "0.45", "--robots", "3"]
-    call += ["--kill-every", "4", "--cut-every", "3", "--json", "-"]
+    call = [sys.executable, "-m", "deploy.cli", "endure", "--minutes", "0.1", "--robots", "3"]
+    call += ["--kill-every", "2.5", "--cut-every", "2", "--json", "-"]
     done = subprocess.run(call, capture_output=True, text=True, timeout=80, check=False)
     outcome = json.loads(done.stdout)
     found = {each["what"]: each for each in outcome["criteria"]}

@@ -1,0 +1,64 @@
+"""Where an owner puts a line: between what both will sweep while they obey it."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agents.lines.placement import Disk, fit_line
+
+place = st.floats(-1.0, 1.0)
+velocity = st.floats(-0.5, 0.5)
+seconds = st.floats(0.0, 2.0)
+RADIUS = 0.1
+
+
+@settings(max_examples=200, deadline=None)
+@given(place, place, *[velocity] * 6, seconds, seconds, seconds)
+def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_seen_to_be_going(
+    x: float,
+    y: float,
+    vx: float,
+    vy: float,
+    wx: float,
+    wy: float,
+    ux: float,
+    uy: float,
+    ahead: float,
+    begin: float,
+    longer: float,
+) -> None:
+    me, peer = Disk(0.0, 0.0, RADIUS, vx, vy), Disk(x, y, RADIUS, wx, wy, ux, uy)
+    end = begin + longer
+    line = fit_line(me, peer, ahead=ahead, begin=begin, end=end)
+    if line is None:
+        assert math.hypot(x, y) < 2.0 * RADIUS + 1e-8
+        return
+    assert line.gap(0.0, 0.0) >= RADIUS
+
+    def kept(part: float) -> bool:
+        own = line.gap(part * ahead * vx, part * ahead * vy)
+        first = -line.gap(x + part * begin * ux, y + part * begin * uy)
+        last = -line.gap(x + part * end * wx, y + part * end * wy)
+        return min(own, first, last) >= RADIUS - 1e-9
+
+    # All times are the same fraction of what they should be.
+    assert any(kept(part / 256.0) for part in range(257))
+
+
+def test_behind_one_that_drives_off_the_line_follows_it() -> None:
+    """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s; the line is to be obeyed 0.6 s from now."""
+    me, peer = Disk(0.0, 0.0, RADIUS, 0.1, 0.0), Disk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.1, 0.0)
+    line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
+    assert line is not None
+    assert line.offset == pytest.approx(0.3 + 0.12 - RADIUS)
+
+
+def test_one_that_does_not_move_as_it_wants_to_keeps_its_place() -> None:
+    me, peer = Disk(0.0, 0.0, RADIUS), Disk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.0, 0.0)
+    line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
+    assert line is not None
+    assert line.offset == pytest.approx(0.3 - RADIUS)
