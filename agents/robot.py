@@ -270,6 +270,7 @@ class Robot:
         wanted, held = max(told, mover.radius), mover.held if told < mover.radius else 0
         if wanted > self._radius and not (told >= wanted or self._has_room(wanted, held, lines, things)):
             wanted = max(told, self._spec.radius)
+        lines.wanted = mover.radius
         if wanted != self._radius:
             self._resize(wanted, held, lines, things)
         return mover.handles if self._radius >= mover.radius else None

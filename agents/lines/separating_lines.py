@@ -93,6 +93,7 @@ class SeparatingLines:
         self._talking = self._each if urgent is None else []  # pairs of those who hear this robot's States
         self._near: frozenset[int] = frozenset()
         self._disturbed = False  # whether any peer was ever fenced, or began anew
+        self.wanted = 0.0  # m, radius of the disk for which own lines leave room, if that is larger
         self._tick = 0
         self._x = self._y = 0.0
         self._bound = float("inf")
@@ -295,7 +296,7 @@ class SeparatingLines:
 
     def _own_disk(self, velocity: tuple[float, float]) -> Disk:
         """Own disk, with all that its centre may pass before commands that are out have ended."""
-        me = Disk(self._x, self._y, self._radius + self._bound, *velocity)
+        me = Disk(self._x, self._y, max(self._radius, self.wanted) + self._bound, *velocity)
         if self._swept is None:
             return me
         mx, my = self._swept.middle
