@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -44,6 +44,8 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
         ProcessError, BusError: the fleet could not be started.
     """
     _check(extras)
+    if scenario.is_external:
+        options = replace(options, mode="realtime")  # whoever is not simulated does not wait
     with ExitStack() as stack:
         recording = _recording_path(extras, stack)
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:

@@ -135,13 +135,14 @@ class Control:
     pace: Literal["common", "own"] = "common"  # one factor for all robots, or each saturates by itself
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
-    turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
     escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
     barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
     symmetry_noise: Probability | None = None  # orca, barrier: random part of the wish, of the speed limit
     margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
+    # Of any law.
+    turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
 
 @dataclass(frozen=True, slots=True)

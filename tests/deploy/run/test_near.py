@@ -52,7 +52,7 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
 def test_who_begins_anew_among_far_peers_moves_again() -> None:
     """By letters it gets a line with everybody, although it hears hardly anybody."""
     scenario = crowd(
-        Network("near", 0.06), process=(ProcessFault(3, 1.0, "restart"), ProcessFault(9, 2.0, "restart"))
+        Network("near", 0.06), process=(ProcessFault(3, 1.0, "restart"), ProcessFault(9, 1.0, "restart"))
     )
     report = in_process(scenario)
     assert report["verdict"] == "arrived"

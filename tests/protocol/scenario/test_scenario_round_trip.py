@@ -15,10 +15,12 @@ from protocol.scenario.base import Base
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import (
     Actuation,
+    Carrying,
     Control,
     Link,
     Network,
     Order,
+    Part,
     Partition,
     ProcessFault,
     RobotSpec,
@@ -108,12 +110,15 @@ def test_every_field_is_written() -> None:
         "base": Base(patience=0.05),
         "body": "e-puck",
         "things": (Thing(center=(0.0, 0.2), radius=0.01),),
+        "parts": (Part(0.01, (0.0, -0.2), (0.0, -0.3)),),
+        "carrying": Carrying(0.02),
         "orders": (Order(1.0, halt=True),),
         "robots": (RobotSpec(1, 0.06, (0.0, 0.0), (0.1, 0.0)),),
     }
     assert said.keys() == {field.name for field in fields(Scenario)}
-    scenario = Scenario(**said)
-    assert parse_toml(write_toml(scenario)) == scenario
+    for otherwise in ({"parts": ()}, {"world": World()}):  # one plant moves parts
+        scenario = Scenario(**(said | otherwise))
+        assert parse_toml(write_toml(scenario)) == scenario
 
 
 @pytest.mark.slow
