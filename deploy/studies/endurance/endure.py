@@ -219,6 +219,7 @@ def result(
         "recoveries": [each._asdict() for each in recovery.recovered],
         "runs": len(reports),
         "verdicts": dict(verdicts),
+        "failed": [f"{r['verdict']}: {r['reason']}" for r in reports[:-1] if r["verdict"] != "arrived"],
         "ended": last["reason"],
         "ticks": ticks,
         "missed_commands": missed,

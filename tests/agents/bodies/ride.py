@@ -94,6 +94,7 @@ class Ride:
         self.x = self.y = 0.0
         self.motion = product.base.Motion(rng.uniform(-4.0, 4.0))
         self.angle, self.number, self.now = 0.0, 0, 0
+        self.restless = 0.5 if kind == "spinning" else 0.1  # how often it is to go elsewhere
         self.lines = self._lines()
 
     def _lines(self) -> Any:
@@ -162,7 +163,7 @@ class Ride:
 
     def _desired(self) -> Vector:
         rng = self.rng
-        if rng.random() < 0.1:
+        if rng.random() < self.restless:
             self.angle = rng.choice((rng.uniform(0.0, math.tau), math.atan2(self.y, self.x)))
         speed = rng.choice((0.0, 0.3, 1.0, 1.0, 1.0, 1.0)) * self.speed
         return speed * math.cos(self.angle), speed * math.sin(self.angle)

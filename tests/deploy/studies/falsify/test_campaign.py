@@ -32,7 +32,7 @@ from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml
 from tests.deploy.studies.falsify.planted import Here, not_waiting, plant
 
-PLAN = Plan(3, 20, "local")
+PLAN = Plan(57, 12, "local")
 
 
 @pytest.fixture(autouse=True)
@@ -62,11 +62,11 @@ def test_the_same_whatever_the_number_of_workers() -> None:
 
 def test_a_campaign_that_was_stopped_goes_on(tmp_path: Path) -> None:
     with RunLog(tmp_path / "log") as log:
-        _executed(replace(PLAN, runs=12), log, Here())
+        _executed(replace(PLAN, runs=8), log, Here())
     with RunLog(tmp_path / "log") as log:
         workers = Here()
         whole = _executed(PLAN, log, workers)
-    assert workers.performed == 8
+    assert workers.performed == 4
     assert _without_times(whole).keys() == _without_times(_executed(PLAN, RunLog(None), Here())).keys()
 
 
