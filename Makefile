@@ -7,7 +7,7 @@ COMPILED := .venv/.compiled
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix protocol/geometry/,disk.py polygon.py) \
-  $(addprefix protocol/,cursor.py reader.py codec.py) \
+  $(addprefix protocol/wire/,cursor.py reader.py codec.py) \
   $(addprefix agents/,roster.py polygon.py estimate.py robot.py node.py) \
   $(addprefix agents/peers/,attention.py far.py state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
@@ -81,9 +81,9 @@ fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that read
 
 figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; half an hour, goes on after Ctrl-C
 	@mkdir -p out
-	$(BIN)/disknav run figure-1 --plot docs/figure-1.png
+	$(BIN)/disknav run figure-1 --plot docs/pictures/figure-1.png
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
-	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/figure-2.png
+	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/pictures/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
 	$(BIN)/python -m deploy.studies.paper.sampled > out/sampled.md
 	$(BIN)/python -m deploy.studies.certified --write

@@ -26,12 +26,12 @@ from agents.peers.state import PeerState
 from agents.robot import Robot
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
-from protocol.codec import decode, encode
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, world_key
 from protocol.messages import AnyMessage, Health, Roster, Sense, State, Summary, Tick
 from protocol.requests import joining
 from protocol.streams import STREAMS
+from protocol.wire.codec import decode, encode
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD: Final = 0.5  # s between health messages

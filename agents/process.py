@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 from agents.node import PATIENCE, RobotNode
-from protocol import log
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal
@@ -14,8 +13,9 @@ from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
-from protocol.log import LOG
-from protocol.title import entitle
+from protocol.process import log
+from protocol.process.log import LOG
+from protocol.process.title import entitle
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 

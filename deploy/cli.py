@@ -9,8 +9,8 @@ from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.software import compiled
 from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
-from protocol.installation import is_checkout
-from protocol.log import LAUNCHER, LOG, begin
+from protocol.process.installation import is_checkout
+from protocol.process.log import LAUNCHER, LOG, begin
 
 _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 

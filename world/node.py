@@ -14,13 +14,13 @@ from typing import Any
 
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
-from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.interest import LEAD
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.scenario.model import Scenario
+from protocol.wire.codec import decode
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
 from world.shell.journal import Began

@@ -14,7 +14,7 @@ from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run
-from protocol.log import LOG
+from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.node import WorldNode
 from world.shell.failure_detector import GATHERING

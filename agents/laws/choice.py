@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 from protocol.scenario.model import Scenario
 
 _LIBRARIES = {"orca": "pyrvo", "barrier": "daqp"}

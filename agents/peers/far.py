@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.navigation.far_field import FarField, far_field
-from protocol.codec import LARGEST
 from protocol.errors import MessageError
 from protocol.messages import Summary
+from protocol.wire.codec import LARGEST
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]

@@ -6,11 +6,11 @@ from __future__ import annotations
 from typing import Final, final
 
 from agents.peers.state import PeerState, addressed_to
-from protocol.codec import LARGEST, check_finite, encode
-from protocol.cursor import Cursor
 from protocol.messages import HIGHEST_ID, Answer, Proposal, State
-from protocol.reader import Reader
 from protocol.streams import STREAMS
+from protocol.wire.codec import LARGEST, check_finite, encode
+from protocol.wire.cursor import Cursor
+from protocol.wire.reader import Reader
 
 _COMPILED: Final = not __file__.endswith(".py")  # as Python, a cursor is slower than msgspec
 _LIMIT: Final = STREAMS["state"].limit

@@ -7,8 +7,8 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Peer
-from protocol.codec import LARGEST
 from protocol.messages import Answer, Claim, Proposal, State
+from protocol.wire.codec import LARGEST
 
 Vector = tuple[float, float]
 FAR: Final = -1  # in place of the index of one who speaks in letters

@@ -15,8 +15,8 @@ from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
 from protocol.errors import UsageError
-from protocol.installation import missing_library
-from protocol.title import entitle
+from protocol.process.installation import missing_library
+from protocol.process.title import entitle
 
 if TYPE_CHECKING:
     from deploy.monitor.foxglove import FoxgloveServer

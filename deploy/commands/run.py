@@ -13,7 +13,7 @@ from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, 
 from deploy.run.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
-from protocol.log import LAUNCHER, begin
+from protocol.process.log import LAUNCHER, begin
 
 
 def run(

@@ -14,7 +14,7 @@ from deploy.run.options import RunOptions, restarts
 from deploy.run.result import table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
-from protocol.log import LAUNCHER, begin
+from protocol.process.log import LAUNCHER, begin
 
 _RESTARTS = "on-failure:1000"
 

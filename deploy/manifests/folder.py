@@ -12,7 +12,7 @@ from deploy.manifests import compose, kubernetes
 from deploy.manifests.plan import KEYS, Plan
 from deploy.manifests.systemd import systemd
 from protocol.errors import UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
 

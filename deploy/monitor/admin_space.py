@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from protocol.reader import DAMAGED
+from protocol.wire.reader import DAMAGED
 
 ROUTERS = "@/*/router"
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from deploy.monitor.source import SharedView
 from deploy.monitor.view.fleet import View
 from protocol.errors import UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 try:
     from prometheus_client import CollectorRegistry, start_http_server

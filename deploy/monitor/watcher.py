@@ -17,17 +17,17 @@ from deploy.monitor.view.fleet import View
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.local import LocalNetwork
-from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage, Message
-from protocol.reader import DAMAGED
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
 from protocol.requests.joining import Overview, decode_reply
 from protocol.requests.steering import Steer, Steering
 from protocol.scenario.model import Scenario
+from protocol.wire.codec import decode
+from protocol.wire.reader import DAMAGED
 
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from deploy.recording.reader import Recording, read
 from protocol.errors import UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 PICTURES = (".png", ".svg", ".pdf")
 ANIMATIONS = (".gif", ".mp4")

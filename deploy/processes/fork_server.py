@@ -35,8 +35,8 @@ from deploy.processes.fork_messages import (
     encode_news,
 )
 from deploy.processes.forked import run_forked
-from protocol import log
-from protocol.title import entitle
+from protocol.process import log
+from protocol.process.title import entitle
 
 _ENDINGS = (signal.SIGTERM, signal.SIGHUP)
 

@@ -16,8 +16,8 @@ from typing import NoReturn
 
 from deploy.processes.fork_messages import Start
 from protocol.errors import DisknavError
-from protocol.log import LOG
-from protocol.title import entitle
+from protocol.process.log import LOG
+from protocol.process.title import entitle
 
 FAULT = 3  # exit status of a process that an exception ended
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>

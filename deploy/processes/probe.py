@@ -9,9 +9,9 @@ from deploy.security.roster import ROUTER, WORLD
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.errors import BusError, UsageError
 from protocol.keys import robot_key, world_key
+from protocol.wire.codec import decode
 
 
 def probed_key(run: str, role: str) -> str:

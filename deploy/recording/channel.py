@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from deploy.recording.form import to_object
 from protocol.keys import Address
-from protocol.reader import Reader
 from protocol.streams import STREAMS
+from protocol.wire.reader import Reader
 
 
 class Channel:

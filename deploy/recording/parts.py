@@ -10,7 +10,7 @@ from pathlib import Path
 from deploy.recording.rotation import ONE_FILE, Rotation
 from deploy.recording.writer import RecordingFile
 from protocol.errors import RecordingError, UsageError
-from protocol.log import LOG
+from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 
 

@@ -19,7 +19,7 @@ from protocol.bus.drive import Stop, drive, follow, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, everything, world_key
-from protocol.log import LOG
+from protocol.process.log import LOG
 
 SUCCESS, FAULT = 0, 3
 _NICENESS = 5

@@ -24,10 +24,10 @@ from deploy.recording.mcap.series import Series, series
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
 from protocol.keys import parse
 from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
-from protocol.reader import DAMAGED
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
+from protocol.wire.reader import DAMAGED
 from world.world import World
 
 _M = TypeVar("_M", bound=Message)

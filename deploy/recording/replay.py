@@ -10,11 +10,11 @@ from typing import NamedTuple
 from deploy.recording.reader import Recording
 from deploy.recording.trajectory import Trajectory, trajectory
 from protocol.bus.bus import Bus, Publish
-from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Result
 from protocol.streams import STREAMS
+from protocol.wire.codec import encode
 
 
 class Published(NamedTuple):

@@ -17,12 +17,12 @@ from deploy.recording.channel import Channel
 from deploy.recording.form import schema
 from deploy.recording.mcap.file import McapFile
 from deploy.recording.pictures import Pictures
-from protocol.codec import check_finite
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import parse
 from protocol.messages import VERSION
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
+from protocol.wire.codec import check_finite
 
 LIBRARY = "disknav"
 _TOGETHER = 512  # messages that are encoded together

@@ -24,8 +24,8 @@ from deploy.recording.parts import Parts, next_free
 from deploy.recording.rotation import Rotation
 from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
+from protocol.process.title import entitle
 from protocol.scenario.model import Scenario
-from protocol.title import entitle
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
 _NICENESS = 10  # the fleet first, and yet a share of a busy machine

@@ -19,7 +19,7 @@ from deploy.run.options import RunOptions
 from deploy.run.topology import Mesh, Routed, Topology
 from deploy.security.membership import Membership
 from protocol.errors import DisknavError
-from protocol.log import LOG
+from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.shell.admission import AWAY
 from world.shell.journal import Journal

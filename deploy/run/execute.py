@@ -22,7 +22,7 @@ from deploy.run.options import RunOptions
 from deploy.run.result import Result, complete
 from deploy.run.unjudged import interrupted, unjudged
 from protocol.errors import UsageError
-from protocol.log import LOG
+from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 
 

@@ -23,12 +23,12 @@ from deploy.run.topology import Topology
 from deploy.run.unjudged import INTERRUPTED, unjudged
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
-from protocol.log import LOG
 from protocol.messages import Clock, Result
+from protocol.process.log import LOG
 from protocol.scenario.model import ProcessFault, Scenario
+from protocol.wire.codec import decode
 
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short

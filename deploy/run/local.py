@@ -16,11 +16,11 @@ from deploy.run.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
-from protocol.codec import decode
 from protocol.keys import everything, world_key
-from protocol.log import LOG
 from protocol.messages import Clock
+from protocol.process.log import LOG
 from protocol.scenario.model import ProcessFault, Scenario
+from protocol.wire.codec import decode
 from world.node import WorldNode
 from world.shell.journal import Journal
 from world.shell.replay import Resumed, resume

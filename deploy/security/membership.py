@@ -12,7 +12,7 @@ from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, rout
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import AUTHORITY, Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 DEFAULT_PORT = 7447
 

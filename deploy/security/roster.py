@@ -10,7 +10,7 @@ import msgspec
 
 from protocol.errors import CertificateError
 from protocol.keys import checked_run
-from protocol.reader import DAMAGED
+from protocol.wire.reader import DAMAGED
 
 ROSTER = "roster.json"
 WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"

@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 from deploy.software.compiled import compiled
 from disknav import ownership
-from protocol.installation import ROOT, how_to_install, is_checkout
+from protocol.process.installation import ROOT, how_to_install, is_checkout
 
 Level = Literal["good", "note", "bad"]
 _EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")

@@ -8,7 +8,7 @@ from concurrent.futures import CancelledError
 from typing import TYPE_CHECKING, TypeVar
 
 from protocol.errors import DisknavError, ProcessError, UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -23,7 +23,7 @@ from protocol.draws import Purpose, generator
 
 MARKER = "<!-- measured -->"
 REPORT = Path(__file__).parents[2] / "docs" / "certified-k.md"
-PICTURE = REPORT.with_suffix(".png")
+PICTURE = REPORT.parent / "pictures" / "certified-k.png"
 RADIUS, WORKSPACE = 0.04, 0.30  # m
 STARTS = 10
 LOWEST = 1.1  # k, below which starts are not tried

@@ -7,7 +7,7 @@ from typing import TypeVar
 import msgspec
 
 from protocol.errors import MessageError
-from protocol.reader import DAMAGED
+from protocol.wire.reader import DAMAGED
 
 T = TypeVar("T")
 

@@ -17,9 +17,9 @@ import msgspec
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Health, Id
-from protocol.reader import DAMAGED
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
+from protocol.wire.reader import DAMAGED
 
 
 class Request(msgspec.Struct, frozen=True):

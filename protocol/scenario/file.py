@@ -10,8 +10,8 @@ import tomllib
 from pathlib import Path
 
 from protocol.errors import DocumentError, Problem, ScenarioError
-from protocol.scenario.body_checks import with_radii
-from protocol.scenario.checks import checked
+from protocol.scenario.checks.bodies import with_radii
+from protocol.scenario.checks.fields import checked
 from protocol.scenario.model import Scenario
 from protocol.scenario.schema import json_schema, typed
 from protocol.scenario.settings import apply_settings

@@ -17,8 +17,8 @@ import msgspec
 from deploy.recording.reader import read
 from deploy.run.local import LocalFleet
 from protocol.errors import JournalError, RecordingError, UsageError
-from protocol.reader import DAMAGED
 from protocol.scenario.model import Time
+from protocol.wire.reader import DAMAGED
 from tests.deploy.recording.recorded import record
 from tests.fuzz.mutation import damaged_bytes, damaged_tree
 from tests.fuzz.target import Target

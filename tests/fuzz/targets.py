@@ -26,7 +26,6 @@ from deploy.studies.faults.scenario import fault_scenario
 from protocol import keys
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.bus.local import LocalNetwork
-from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError, ScenarioError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything, robot_key
 from protocol.messages import Health, State
@@ -42,6 +41,7 @@ from protocol.scenario.file import (
 )
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
+from protocol.wire.codec import REASONS, decode, encode
 from tests.fuzz.hosts import HOSTS
 from tests.fuzz.kept import KEPT, folder
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Literal
 
 from protocol.messages import Vector
-from protocol.scenario.body_checks import misfits
+from protocol.scenario.checks.bodies import misfits
+from protocol.scenario.checks.in_range import out_of_range
 from protocol.scenario.gain import grown
-from protocol.scenario.in_range import out_of_range
 from protocol.scenario.model import RobotSpec, Scenario
 from world.coordinator.lives import Lives
 from world.coordinator.missions import Missions

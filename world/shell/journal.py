@@ -20,8 +20,8 @@ import msgspec
 
 from protocol.errors import JournalError
 from protocol.messages import Command, Count, Id
-from protocol.reader import DAMAGED
 from protocol.scenario.model import Scenario
+from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
 from world.shell import records
 

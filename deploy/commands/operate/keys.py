@@ -52,7 +52,7 @@ def new(
     from deploy.processes.hosts.protection import roster_of
     from deploy.processes.hosts.table import read_hosts
     from deploy.security.roster import Roster
-    from protocol.installation import missing_library
+    from protocol.process.installation import missing_library
 
     try:
         from deploy.security.keystore import create

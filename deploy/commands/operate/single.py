@@ -17,8 +17,8 @@ from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import checked_run
-from protocol.log import LOG, begin
-from protocol.title import entitle
+from protocol.process.log import LOG, begin
+from protocol.process.title import entitle
 
 Wait = Annotated[
     float, typer.Option(min=1.0, help="How long router and world, or the robots, may take to be there, s.")

@@ -21,9 +21,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from deploy.monitor.source import Source
 from deploy.monitor.web.stream import FrameStream
 from protocol.messages import Id
-from protocol.reader import DAMAGED
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer
+from protocol.wire.reader import DAMAGED
 
 PAGE = Path(__file__).parent / "page"
 _HEADERS = {

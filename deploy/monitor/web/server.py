@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from deploy.monitor.source import Source
 from protocol.errors import UsageError
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 if TYPE_CHECKING:
     import uvicorn

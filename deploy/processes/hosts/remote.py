@@ -22,7 +22,7 @@ from deploy.processes.fork_messages import Store
 from deploy.processes.fork_server import serve
 from deploy.processes.spawn import MODULES
 from deploy.software.provenance import SOFTWARE, code_digest
-from protocol import log
+from protocol.process import log
 
 GREETING = "disknav-host"  # then a digest of the code, and the folder
 _PATIENCE = 30.0  # s; the launcher says something every second

@@ -16,7 +16,7 @@ from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
 from deploy.processes.spawn import Spawner
 from protocol.errors import ProcessError
-from protocol.log import LOG
+from protocol.process.log import LOG
 
 _GREETING = 30.0  # s for all hosts to answer
 

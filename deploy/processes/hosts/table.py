@@ -11,12 +11,12 @@ from typing import Annotated
 from annotated_types import Ge, Le, MinLen
 
 from protocol.errors import HostsError, Problem
+from protocol.scenario.checks.sound import Sound
 from protocol.scenario.file import read_toml
 from protocol.scenario.model import RobotId
 from protocol.scenario.ranges import STRICT
 from protocol.scenario.schema import typed
 from protocol.scenario.shape import Document, Finding, keys_of, written
-from protocol.scenario.sound import Sound
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
 

@@ -17,7 +17,7 @@ from typing import Any, Self
 
 from deploy.run.topology import Routed
 from protocol.errors import ProcessError
-from protocol.title import entitle
+from protocol.process.title import entitle
 
 _PATIENCE = 30.0  # s for the process to come up, and to end
 _HERE = "127.0.0.1"

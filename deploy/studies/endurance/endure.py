@@ -28,11 +28,11 @@ from deploy.studies.endurance.samples import Samples
 from deploy.studies.endurance.workload import workload
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth
 from protocol.scenario.model import Scenario
+from protocol.wire.codec import decode
 
 LAUNCHER = "launcher"
 CABLES = "cables"

@@ -24,8 +24,8 @@ from deploy.studies.endurance.intervals import Intervals
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.studies.endurance.workload import workload
 from protocol.bus.connection import Connection
-from protocol.installation import missing_library
 from protocol.messages import Clock
+from protocol.process.installation import missing_library
 
 Flooding = Literal["monitor", "operator", "robot"]
 SLOWER = 0.20  # of the rate without the flood

@@ -16,8 +16,8 @@ from deploy.studies.endurance.garbage import garbage
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import ProcessError
+from protocol.process.title import entitle
 from protocol.streams import STREAMS
-from protocol.title import entitle
 
 _PULSE = 0.001  # s between bursts
 _PATIENCE = 30.0  # s for the flooder to say something

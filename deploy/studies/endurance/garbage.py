@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from random import Random
 
-from protocol.codec import encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, State
 from protocol.streams import STREAMS
+from protocol.wire.codec import encode
 
 _STRANGER = 999  # an id that no roster has
 _CYCLE = 2000  # messages until it begins anew

@@ -24,7 +24,7 @@ from deploy.run.result import complete
 from deploy.studies.runners.metered import MeteredFleet
 from deploy.studies.study import Build, Run
 from protocol.errors import ProcessError
-from protocol.title import entitle
+from protocol.process.title import entitle
 
 Result = dict[str, Any]
 Outcome = tuple[Run, Result]

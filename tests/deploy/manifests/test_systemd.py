@@ -23,10 +23,10 @@ from deploy.security.membership import Membership
 from deploy.security.roster import Roster
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.file import write_toml
+from protocol.wire.codec import decode
 
 SCENARIO = load("figure-2", ["control.speed=0.3"], 4)
 DISKNAV = str(Path(sys.executable).parent / "disknav")

@@ -21,12 +21,12 @@ from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Truth
 from protocol.requests.joining import Overview, encode_reply
 from protocol.streams import STREAMS
+from protocol.wire.codec import encode
 from tests.deploy.monitor.watched import ring, until
 
 

@@ -18,9 +18,9 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import encode
 from protocol.keys import world_key
 from protocol.messages import Result, Truth
+from protocol.wire.codec import encode
 from tests.deploy.monitor.watched import until
 from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import ROBOTS, scenario

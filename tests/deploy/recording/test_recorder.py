@@ -13,11 +13,11 @@ from deploy.recording.recorder import PATIENCE, Recorder
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import WriterProcess
 from protocol.bus.local import LocalBus, LocalNetwork
-from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
 from protocol.requests import joining
+from protocol.wire.codec import encode
 from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import scenario
 

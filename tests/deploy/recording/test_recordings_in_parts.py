@@ -18,10 +18,10 @@ from deploy.recording.reader import read
 from deploy.recording.replay import verify
 from deploy.recording.rotation import Rotation, rotation
 from deploy.recording.trajectory import trajectory
-from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth
+from protocol.wire.codec import encode
 from tests.deploy.recording.recorded import ROBOTS, scenario
 
 Said = list[tuple[str, bytes]]

@@ -21,10 +21,10 @@ from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.local import LocalNetwork
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode, encode
 from protocol.errors import RecordingError
 from protocol.keys import everything, parse
 from protocol.messages import Message, Result, Tick
+from protocol.wire.codec import decode, encode
 from tests.deploy.recording.recorded import record
 
 

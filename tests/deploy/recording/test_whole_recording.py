@@ -17,10 +17,10 @@ from deploy.run.local import LocalFleet
 from deploy.scene.fleet import TOPICS
 from deploy.scene.ros import NAME
 from protocol.bus.events import Sample
-from protocol.codec import encode
 from protocol.keys import everything, parse, robot_key
 from protocol.messages import Command
 from protocol.streams import STREAMS
+from protocol.wire.codec import encode
 from tests.deploy.recording.recorded import ROBOTS, scenario
 
 

@@ -28,11 +28,11 @@ from deploy.run.options import Mode, RunOptions, fresh_run_name, restarts
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.errors import UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
+from protocol.wire.codec import decode
 from tests.deploy.monitor.watched import until
 from tests.deploy.processes.test_spawn import gone
 

@@ -18,13 +18,13 @@ from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.requests.joining import Refusal, decode_reply
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
+from protocol.wire.codec import encode
 
 TOKENS = ("robot/0/alive", "robot/x/alive", "robot/01/alive", "robot/7/alive", "robot/999999999/alive")
 PATTERNS = ("**", "world/*", "world/**", "robot/*/command")

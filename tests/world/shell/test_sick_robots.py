@@ -15,9 +15,9 @@ from agents.node import RobotNode
 from deploy.library.load import load
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
-from protocol.codec import decode
 from protocol.errors import JoinError, MessageError
 from protocol.messages import Command, Proposal, State, Tick
+from protocol.wire.codec import decode
 from tests.world.driving import joined, two
 from world.coordinator.patience import SILENT, blamed
 from world.node import WorldNode

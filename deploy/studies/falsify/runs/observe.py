@@ -14,10 +14,10 @@ from deploy.studies.falsify.runs.exposure import Sides
 from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from deploy.studies.falsify.runs.violation import Violation, raised, violations
 from protocol.bus.events import Event, Sample
-from protocol.codec import decode
 from protocol.keys import every_robot, world_key
 from protocol.messages import Clock, Command, Truth
 from protocol.scenario.model import Scenario
+from protocol.wire.codec import decode
 
 PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner
 _CUT = "interrupted"  # verdict of a run that is not waited for

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Literal
 
 from deploy.studies.falsify.scenarios.dice import Dice
-from protocol.scenario.fault_checks import EVENTS
+from protocol.scenario.checks.faults import EVENTS
 from protocol.scenario.model import ProcessFault
 
 Event = Literal["kill", "pause", "resume", "restart"]

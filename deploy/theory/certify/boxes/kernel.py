@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar, cast
 
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 try:
     from numba import njit

@@ -6,7 +6,7 @@ balls are true only where they hold for all their numbers; each choice below is 
 
 from __future__ import annotations
 
-from protocol.installation import missing_library
+from protocol.process.installation import missing_library
 
 try:
     from flint import arb

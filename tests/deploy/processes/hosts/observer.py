@@ -9,9 +9,9 @@ from pathlib import Path
 from deploy.security.membership import Membership
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Result, Truth
+from protocol.wire.codec import decode
 
 
 def main(endpoint: str, run: str, keys: str) -> None:

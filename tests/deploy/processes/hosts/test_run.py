@@ -25,11 +25,11 @@ from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
+from protocol.wire.codec import decode
 from tests.deploy.processes.hosts.ssh_server import ROOT, Server, free_ports, needs_sshd, ssh_server
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title

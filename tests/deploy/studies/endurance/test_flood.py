@@ -11,9 +11,9 @@ from deploy.studies.endurance.flood import Flooding, Plan, flood, result
 from deploy.studies.endurance.flooder import Flooded
 from deploy.studies.endurance.garbage import garbage
 from deploy.studies.endurance.intervals import SETTLING, Intervals
-from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import State
+from protocol.wire.codec import decode
 
 PLAN = Plan(10_000.0, 6, 2, 1.0, secure=True)
 

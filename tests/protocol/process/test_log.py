@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
-from protocol import log
 from protocol.errors import UsageError
+from protocol.process import log
 
 SAYS = """
 import sys
 from pathlib import Path
-from protocol import log
+from protocol.process import log
 log.begin("launcher")
 log.begin("robot-3", "yard", Path(sys.argv[1]) if sys.argv[1] else None, wired=bool(sys.argv[2]))
 log.LOG.info("life 1 begins")

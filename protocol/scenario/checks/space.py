@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
+from protocol.scenario.checks.sound import Sound
 from protocol.scenario.model import DEFAULT_RADIUS
 from protocol.scenario.shape import Finding, Steps
-from protocol.scenario.sound import Sound
 
 _NAMED = 3  # disks that one thing stands on, that are spelled out
 

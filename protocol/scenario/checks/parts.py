@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from protocol.geometry import Disk, Shape
+from protocol.scenario.checks.sound import Sound
+from protocol.scenario.checks.space import Placed, shapes_of
 from protocol.scenario.shape import Finding
-from protocol.scenario.sound import Sound
-from protocol.scenario.space_checks import Placed, shapes_of
 
 _ENDS = ("start", "goal")
 

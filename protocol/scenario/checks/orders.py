@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from protocol.geometry import Disk, Shape
+from protocol.scenario.checks.sound import Sound
+from protocol.scenario.checks.space import thing_at
 from protocol.scenario.shape import Finding, Steps
-from protocol.scenario.sound import Sound
-from protocol.scenario.space_checks import thing_at
 
 ACTIONS = ("goal", "add", "remove", "place", "take", "halt")
 

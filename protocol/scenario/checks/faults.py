@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from protocol.scenario.checks.sound import Sound
 from protocol.scenario.shape import Finding, Steps
-from protocol.scenario.sound import Sound
 
 _MEMBERS = 50_000  # the scenario is part of several messages
 # what a process is -> what may happen to it -> what it is then

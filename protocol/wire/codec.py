@@ -24,7 +24,7 @@ from protocol.messages import (
     Tick,
     Truth,
 )
-from protocol.reader import reader
+from protocol.wire.reader import reader
 
 LARGEST: Final = 1e100  # a number whose square is one, too; nothing in a run comes near it
 REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity")

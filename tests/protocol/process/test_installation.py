@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from protocol import installation
+from protocol.process import installation
 
 
 def test_a_checkout_is_set_up_again(tmp_path: Path) -> None:

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.checks.sound import Sound
 from protocol.scenario.model import RobotSpec
 from protocol.scenario.shape import Document, Finding, Steps, written
-from protocol.scenario.sound import Sound
 
 
 def with_radii(document: Document) -> Document:

@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from math import hypot
 
 from protocol.geometry import Disk, Shape
-from protocol.scenario.base_checks import base_findings
-from protocol.scenario.body_checks import body_findings
-from protocol.scenario.fault_checks import fault_findings
+from protocol.scenario.checks.bases import base_findings
+from protocol.scenario.checks.bodies import body_findings
+from protocol.scenario.checks.faults import fault_findings
+from protocol.scenario.checks.orders import named_robots, order_findings
+from protocol.scenario.checks.parts import part_findings
+from protocol.scenario.checks.sound import Sound
+from protocol.scenario.checks.space import Placed, room_of, space_findings
 from protocol.scenario.model import Time
-from protocol.scenario.order_checks import named_robots, order_findings
-from protocol.scenario.part_checks import part_findings
 from protocol.scenario.shape import Document, Finding, Steps
-from protocol.scenario.sound import Sound
-from protocol.scenario.space_checks import Placed, room_of, space_findings
 
 _NAMED = 3  # overlaps of one disk that are spelled out
 _LONGEST = 10**9  # ticks

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from protocol.scenario.base import Base
-from protocol.scenario.body_checks import fields_of
+from protocol.scenario.checks.bodies import fields_of
+from protocol.scenario.checks.sound import Sound
 from protocol.scenario.model import Time, World
 from protocol.scenario.shape import Finding, Steps
-from protocol.scenario.sound import Sound
 
 _WILD = "*?#$ "
 _TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late

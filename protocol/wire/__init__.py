@@ -1,0 +1,1 @@
+"""Bytes: how messages are written and read."""
