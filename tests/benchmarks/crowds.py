@@ -1,0 +1,132 @@
+"""Many robots that never rest: commands missed, processor time, and contacts, by number of robots.
+
+All goals are random and renewed for ever, at the paper's density. In real time the world waits for nobody:
+what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and
+tick, measured after the first two seconds.
+
+    python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
+    python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import psutil
+
+from deploy.library.load import resolved
+from deploy.library.random_instances import random_instance, random_starts
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from protocol.messages import Clock
+from protocol.scenario.model import Journey, Network, Order, Scenario
+
+_LEGS = 6  # goals of each robot, which it goes to in turn for ever
+_WARM = 2.0  # s of simulated time before processor time is counted
+
+
+def restless(robots: int, rate: float, seconds: float, network: Network, seed: int = 0) -> Scenario:
+    """Random robots under way between random goals; no two goals of one leg are too close."""
+    instance = random_instance(robots, seed)
+    radii, room = [spec.radius for spec in instance.robots], instance.workspace.disk_radius
+    legs = [random_starts(radii, room, seed, 10 + leg) for leg in range(_LEGS)]
+    orders = tuple(
+        Order(0.0, goal=Journey(spec.id, tuple(leg[index] for leg in legs), patrol=True))
+        for index, spec in enumerate(instance.robots)
+    )
+    clock = replace(instance.time, step=1.0 / rate, limit=seconds)
+    return resolved(replace(instance, time=clock, orders=orders, network=network))
+
+
+class Row(NamedTuple):
+    """What a crowd did."""
+
+    robots: int
+    ticks: int
+    missed: float  # share of all commands
+    us: float
+    start: float  # s, until the first tick
+    seconds: float  # that it took from there on
+    clearance: float  # m, smallest gap; negative is contact
+
+
+class _Meter:
+    """Follows the clock for processor time."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._warm = scenario.ticks(_WARM)
+        self._began = time.perf_counter()
+        self._cpu = self._last = 0.0
+        self._tick = 0
+        self.start = self.opened = 0.0
+        self.us = 0.0
+        self._robots, self._end = len(scenario.robots), scenario.ticks(scenario.time.limit)
+
+    def __call__(self, clock: Clock) -> None:
+        if clock.founded and not self.start:
+            self.opened = time.perf_counter()
+            self.start = self.opened - self._began
+        if clock.tick >= self._warm and not self._tick:
+            self._tick, self._cpu = clock.tick, _processor_time()
+        elif self._tick and clock.tick >= 0.95 * self._end and not self.us:
+            self.us = 1e6 * (_processor_time() - self._cpu) / self._robots / (clock.tick - self._tick)
+
+
+def _processor_time() -> float:
+    """Of this process and all that it started, s."""
+    own = psutil.Process(os.getpid())
+    return sum(sum(each.cpu_times()[:2]) for each in (own, *own.children(recursive=True)))
+
+
+def measure(scenario: Scenario, options: RunOptions) -> Row:
+    """One run."""
+    meter = _Meter(scenario)
+    if options.transport == "local":
+        with LocalFleet([scenario], lockstep=options.mode == "lockstep", watch=meter) as local:
+            report: dict[str, Any] = local.execute()[0]
+    else:
+        with Fleet([scenario], options, watch=meter) as fleet:
+            report = fleet.execute()[0]
+    robots, ticks = len(scenario.robots), report["ticks"]
+    return Row(
+        robots,
+        ticks,
+        report["missed_commands"] / robots / max(1, ticks),
+        meter.us,
+        meter.start,
+        time.perf_counter() - meter.opened,
+        report["min_clearance"],
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robots", type=int, nargs="+", default=[32, 64, 128, 200])
+    parser.add_argument("--rate", type=float, default=10.0, help="ticks per simulated second")
+    parser.add_argument("--seconds", type=float, default=60.0, help="of simulated time")
+    parser.add_argument("--interest", choices=("near", "all"))
+    parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
+    parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
+    chosen = parser.parse_args(arguments)
+    print("robots  ticks  missed %       us  start s  took s  clearance mm")
+    for robots in chosen.robots:
+        scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
+        row = measure(scenario, RunOptions(chosen.transport, chosen.mode))
+        print(
+            f"{row.robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {row.us:7.0f}  {row.start:7.2f}"
+            f"  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
