@@ -97,7 +97,13 @@ def _of(described: inspect.Type) -> Form:
         case inspect.DictType():
             values = _of(described.value_type).schema
             return Form({"type": "object", "properties": {}, "additionalProperties": values})
-    return _form(described.cls) if isinstance(described, inspect.StructType) else _scalar(described)
+    return _nested(described.cls) if isinstance(described, inspect.StructType) else _scalar(described)
+
+
+def _nested(cls: type[msgspec.Struct]) -> Form:
+    """A Struct in a field; where it is a message, it has its tag on the wire there, too."""
+    form, tag = _form(cls), cls.__struct_config__.tag
+    return form if tag is None else form._replace(from_json=lambda value: [tag, *form.from_json(value)])
 
 
 def _scalar(described: inspect.Type) -> Form:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from random import Random
 from typing import Any
@@ -39,7 +40,7 @@ from protocol.scenario.file import (
     read_scenario,
     write_toml,
 )
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Network, Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import REASONS, decode, encode
 from tests.fuzz.hosts import HOSTS
@@ -75,7 +76,7 @@ def _traffic() -> dict[str, list[tuple[str, bytes]]]:
         def wake(self, now: float) -> None:
             """Nothing is due."""
 
-    for scenario in (fault_scenario(1), crash(0)):
+    for scenario in (fault_scenario(1), crash(0), replace(crash(0), network=Network("near"))):
         fleet = LocalFleet([scenario], speed=0.0)
         bus = fleet.network.connect()
         bus.subscribe(everything(fleet.run))

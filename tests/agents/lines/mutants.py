@@ -586,8 +586,8 @@ FAR = (
             Edit(_ROBOT, "            letter = self._letter(lines)  #", "            #"),
             Edit(
                 _ROBOT,
-                "velocity, self._kept, letter=letter)",
-                "velocity, self._kept, letter=None if lines is None else self._letter(lines))",
+                "(), report, letter, handles",
+                "(), report, None if lines is None else self._letter(lines), handles",
             ),
         ),
         model="skirmish",

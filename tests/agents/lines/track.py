@@ -369,7 +369,7 @@ def _copied_seat(seat: Seat, owner: Track) -> Seat:
 def _copied_ledger(ledger: Any) -> Any:
     twin = _twin(ledger)
     twin._pairs = {peer: _copied_bond(pair) for peer, pair in ledger._pairs.items()}
-    twin._each = list(twin._pairs.values())
+    twin._each = twin._talking = list(twin._pairs.values())
     return twin
 
 

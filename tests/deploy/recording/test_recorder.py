@@ -17,6 +17,7 @@ from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
 from protocol.requests import joining
+from protocol.streams import STREAMS
 from protocol.wire.codec import encode
 from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import scenario
@@ -41,7 +42,7 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
         (good, encode(msgspec.structs.replace(command, velocity=(float("nan"), 0.0)))),
         (good, encode(msgspec.structs.replace(command, robot=2))),
         (foreign, encode(msgspec.structs.replace(command, robot=5))),
-        (good, bytes(2000)),
+        (good, bytes(STREAMS["command"].limit + 1)),
     ):
         world.say(key, payload)
     world.say(world_key("fake", "result"), encode(Result('{"verdict": "arrived"}')))
