@@ -29,6 +29,7 @@ from tests.deploy.processes.hosts.ssh_server import free_ports
 
 pytestmark = [
     pytest.mark.process,
+    pytest.mark.alone,
     pytest.mark.timeout(90),
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
