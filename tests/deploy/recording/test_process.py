@@ -106,7 +106,7 @@ def test_a_killed_writer_leaves_all_but_the_last_moment_and_the_next_writes_anot
     _feed(world, bus, lambda: _pids(supervisor) and more.exists() and more.stat().st_size > 4000)
     last = _feed_past(world, bus, more)
     world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
-    supervisor.stop(spare=[table.WRITER])
+    _feed(world, bus, lambda: table.RECORDER not in _pids(supervisor))  # it has heard that the run is over
     supervisor.stop()
     before, after = read(path), read(more)
     assert before.cut

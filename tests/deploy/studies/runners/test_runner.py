@@ -50,6 +50,7 @@ def test_other_settings_or_other_code_reuse_nothing() -> None:
     assert keys == [run.key for run in _study().runs("local", "code")]
 
 
+@pytest.mark.alone  # it has to be stopped before it is done
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_a_study_that_was_stopped_leaves_nobody_and_goes_on(tmp_path: Path, number: signal.Signals) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
