@@ -98,6 +98,8 @@ class Membership:
     def unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""
         robot = spec.id
+        if self.scenario.parts:
+            return f"robot {robot}: nobody can join robots that carry parts"
         for problem in (*out_of_range(spec), *misfits(spec, self.scenario.body)):
             return f"robot {robot}: {problem}"
         if (status := self._lives.status_of(robot)) not in ("", "gone"):

@@ -14,7 +14,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Scenario, World
+from protocol.scenario.model import Network, Order, RobotSpec, Scenario, World
 from world.shell.journal import Journal
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
@@ -89,9 +89,24 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
         validated(replace(SCENARIO, parts=(replace(first, **change), *others)))
 
 
-def test_parts_need_a_plant_that_knows_of_them() -> None:
-    with pytest.raises(ScenarioError, match="integrator"):
-        validated(replace(SCENARIO, world=World("mujoco")))
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"world": World("mujoco")}, 'parts: .*"integrator" only'),
+        ({"body": "turtlebot3-burger"}, 'robots.0..body: .* "point"'),
+        ({"network": Network("near")}, "network.interest: .*everybody"),
+        ({"orders": (Order(1.0, add=RobotSpec(9, 0.03, (0.0, 0.0), (0.0, 0.0))),)}, "orders.0..add: nobody"),
+    ],
+)
+def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str) -> None:
+    with pytest.raises(ScenarioError, match=text):
+        validated(replace(SCENARIO, **change))
+
+
+def test_nobody_joins_robots_that_carry_parts() -> None:
+    fleet = LocalFleet([SCENARIO])
+    assert fleet.step()
+    assert "carry parts" in fleet.world.world.add(RobotSpec(9, 0.03, (0.0, 0.0), (0.0, 0.0)))
 
 
 @pytest.mark.process
