@@ -36,6 +36,7 @@ from protocol.wire.codec import decode, encode
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 REPORT_PERIOD: Final = 0.5  # s between health messages
 _ASK_TIMEOUT = 2.0
+_ASK_BRIEFLY = 0.1
 _RETRY = 0.2  # s until the next question after one that nobody answered
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
@@ -146,20 +147,23 @@ class RobotNode:
         if now <= self._heard_world + self._bearable:
             self._due = now + _RETRY  # not there yet, cut off for a moment, or the reply was lost
         elif self._over:
-            self.finished = True  # the world left first
+            self.finished = True  # the world left first, and not even the end of its token was heard
         else:
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
             raise BusError(text) from error
 
     @property
     def _bearable(self) -> float:
-        """For how long nobody may answer, s; when all is over, only if the world said that it may be back."""
+        """For how long nobody may answer, s; when all is over, long only if the world said that it may be
+        back."""
         if self.core is None:
             return self._wait
-        return self._away if self._over else max(self._patience, self._away)
+        return max(_ASK_TIMEOUT if self._over else self._patience, self._away)
 
     def _ask(self, request: bytes) -> bytes:
-        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, _ASK_TIMEOUT)
+        # A world whose run is over may leave at any moment, and who asks does not hear that its token went.
+        timeout = _ASK_BRIEFLY if self._over else _ASK_TIMEOUT
+        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, timeout)
 
     def _begin(self, admission: joining.Admission) -> None:
         self.core = Robot(admission.scenario, self._robot, admission.incarnation)
