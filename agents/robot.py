@@ -268,10 +268,11 @@ class Robot:
         own = self._roster.member(self.robot)
         told = self._radius if own is None else own.radius
         wanted, held = max(told, mover.radius), mover.held if told < mover.radius else 0
-        if wanted > self._radius and not (told >= wanted or self._has_room(wanted, held, lines, things)):
-            wanted = max(told, self._spec.radius)
+        is_kept = wanted <= self._radius and things.held in (0, held)
+        if not (is_kept or told >= wanted or self._has_room(wanted, held, lines, things)):
+            wanted, held = max(told, self._spec.radius), 0
         lines.wanted = mover.radius
-        if wanted != self._radius:
+        if (wanted, held) != (self._radius, things.held):
             self._resize(wanted, held, lines, things)
         return mover.handles if self._radius >= mover.radius else None
 
@@ -286,10 +287,12 @@ class Robot:
         return inside and lines.has_room(radius) and things.has_room(radius, held)
 
     def _resize(self, radius: float, held: int, lines: SeparatingLines, things: Things) -> None:
+        things.resize(radius, held)
+        if radius == self._radius:
+            return
         self._radius = radius
         self._boundary = boundary_of(self._scenario.workspace.shape, radius)
         lines.resize(radius)
-        things.resize(radius, held)
         sized = [
             replace(spec, radius=radius) if spec.id == self.robot else spec for spec in self._scenario.robots
         ]
