@@ -96,7 +96,7 @@ class RobotNode:
         except BusError:
             if not self._over:
                 raise
-            self.finished = True  # the world left first
+            self.finished = True  # the world left first, and not even the end of its token was heard
             return
         now = time.monotonic()
         if reply is None:

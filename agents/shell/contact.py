@@ -17,6 +17,7 @@ from protocol.requests import joining
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
+_BRIEF = 0.1  # s that it may take when the run is over: who asks does not hear that the world's token went
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
 
@@ -46,7 +47,7 @@ class Contact:
         self._bus, self._run, self._robot, self._say = bus, run, robot, say
         self._session = os.urandom(8).hex()
         self._patience = patience
-        self._bearable = wait  # s that nobody may answer
+        self._bearable, self._timeout = wait, _TIMEOUT  # s that nobody may answer, and one question may take
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._gone = inf  # s, monotonic: since when its token is missing
         self._refused = 0
@@ -78,16 +79,16 @@ class Contact:
         return reply
 
     def _ask(self, request: bytes) -> bytes:
-        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, _TIMEOUT)
+        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
 
     def admitted(self, away: float) -> None:
         """An incarnation begins in a run whose world may be gone for `away` seconds and still come back."""
         self._away, self._refused, self.back = away, 0, False
-        self._bearable = max(self._patience, away)
+        self._bearable, self._timeout = max(self._patience, away), _TIMEOUT
 
     def over(self) -> None:
-        """The run is over: the world may leave, unless it said that it may be back."""
-        self._bearable = self._away
+        """The run is over: the world may leave at any moment, and is waited for only if it may be back."""
+        self._bearable, self._timeout = max(_TIMEOUT, self._away), _BRIEF
 
     @property
     def may_return(self) -> bool:
