@@ -47,10 +47,11 @@ def test_who_was_ready_for_one_part_takes_no_other_up_on_it() -> None:
     tick()
     mover.radius, mover.held = LARGE, 1
     tick()
-    assert core._radius == LARGE
+    assert core._filter is not None
+    assert core._filter.radius == LARGE
     mover.held, mover.handles = 2, Handling(2, LARGE)
     tick()
-    assert core._radius == SMALL
+    assert core._filter.radius == SMALL
     mover.held, mover.handles = 1, Handling(1, LARGE)
     tick()
     assert [place.carrier for place in world.coordinator.part_places] == [1, 0]
