@@ -340,7 +340,7 @@ class SeparatingLines:
         if self._far_talk is None or pair.heard != state.incarnation or state.robot in self._near:
             return
         if not pair.owns:
-            pair.answers_left = pair.answers_left or 1  # it asks at least who lives
+            pair.answers_left = 1  # it asks at least who lives
             self._far_talk.take_up(pair)
         elif not pair.end.linked:
             self._far_talk.take_up(pair)
