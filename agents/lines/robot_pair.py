@@ -183,7 +183,7 @@ class RobotPair:
             self._stand(member)
 
     def _expect(self, incarnation: int) -> None:
-        """The peer lives, in this incarnation or in one that was heard: what older ones say is of no account."""
+        """The peer lives, in this incarnation or in a newer one; what older ones say does not count."""
         self.excused = False
         if incarnation > self.end.peer_incarnation:
             self.end.expect(incarnation)
