@@ -60,6 +60,10 @@ class Outlook:
             tuple(state.position for state in self.peers if state.position is not None),
         )
 
+    def home(self, robot: int) -> Vector | None:
+        """Where a robot of the scenario rests, m."""
+        return next((each.goal for each in self._scenario.robots if each.id == robot), None)
+
     def heeding(self, robots: Collection[int]) -> Outlook:
         """The same, as if only these robots had claimed anything, or had a part in hand."""
         found = copy(self)
@@ -104,8 +108,10 @@ class Outlook:
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
         """The disk of a robot whose life is over, without what it carries."""
         assert member.position is not None
-        has_part = member.robot in carried
-        radius = self._scenario.spec(member.robot).radius if has_part else member.radius
+        known = {each.id: each.radius for each in self._scenario.robots}
+        part = carried.get(member.robot)
+        with_it = part is not None and member.radius <= self._scenario.parts[part - 1].radius
+        radius = known.get(member.robot, member.radius) if with_it else member.radius
         return Disk(*member.position, radius + member.bound)
 
     def _on_the_floor(self, roster: KnownRoster) -> dict[int, Vector]:

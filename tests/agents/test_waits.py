@@ -7,13 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from agents.node import PATIENCE, RobotNode
+from agents.node import RobotNode
+from agents.shell.contact import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Presence
-from protocol.bus.local import LocalNetwork
+from protocol.bus.events import Presence, Sample
+from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
+from protocol.messages import Tick
+from protocol.wire.codec import encode
 from world.node import WorldNode
 from world.shell.journal import Journal
 
@@ -60,6 +63,43 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: boo
         fleet.start_world()
         fleet.execute()
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))
+
+
+class Unanswered:
+    """A bus on which nobody answers any more once it is `mute`."""
+
+    def __init__(self, bus: LocalBus) -> None:
+        self._bus = bus
+        self.mute, self.waited = False, 0.0
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._bus, name)
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+        if not self.mute:
+            return self._bus.ask(key, payload, timeout)
+        self.waited += timeout
+        raise BusError("nobody answers")
+
+
+def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
+    """A question keeps a robot from hearing anything: at the end of a run it is short."""
+    network = LocalNetwork()
+    bus = network.connect()
+    world = bus.node = WorldNode(bus, "yard", [SCENARIO])
+    buses = {robot: network.connect() for robot in SCENARIO.ids}
+    links = {robot: Unanswered(bus) for robot, bus in buses.items()}
+    nodes = {robot: RobotNode(link, "yard", robot) for robot, link in links.items()}
+    for robot, bus in buses.items():
+        bus.node = nodes[robot]
+    network.run(lambda: world.world.tick > 10)
+    links[1].mute = True
+    nodes[1].handle(Sample(robot_key("yard", 1, "tick"), encode(Tick(1, 1, world.world.tick, (), over=True))))
+    nodes[1].wake(time.monotonic())
+    assert 0.0 < links[1].waited < 0.5, "the launcher tells to end whoever has not left after 2 s"
+    assert not nodes[1].finished, "the world may be busy"
+    nodes[1].handle(Presence(world_key("yard", "alive"), False))
+    assert nodes[1].finished
 
 
 def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:

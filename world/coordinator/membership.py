@@ -65,6 +65,10 @@ class Membership:
         self._leaving.add(robot)
         return ""
 
+    def leaves(self, robot: int) -> bool:
+        """Whether a robot is over with the tick that is open."""
+        return robot in self._leaving
+
     def joined(self, robot: int) -> None:
         """The process of a robot is there."""
         self.newcomers -= {robot}
@@ -98,8 +102,6 @@ class Membership:
     def unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""
         robot = spec.id
-        if self.scenario.parts:
-            return f"robot {robot}: nobody can join robots that carry parts"
         for problem in (*out_of_range(spec), *misfits(spec, self.scenario.body)):
             return f"robot {robot}: {problem}"
         if (status := self._lives.status_of(robot)) not in ("", "gone"):

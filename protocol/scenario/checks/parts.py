@@ -46,9 +46,6 @@ def _carriers(sound: Sound) -> Iterator[Finding]:
             yield (*robot, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
     if sound.get("network", "interest") == "near":
         yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
-    for index in range(sound.size("orders")):
-        if sound.get("orders", index, "add", default="") != "":
-            yield ("orders", index, "add"), "nobody can join robots that carry parts"
 
 
 def _texts(disk: Disk, room: Shape | None, others: Sequence[tuple[str, Shape]]) -> Iterator[str]:

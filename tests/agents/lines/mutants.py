@@ -15,7 +15,9 @@ _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
 _THINGS = "agents.lines.things"
-_ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
+_ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
+    f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
+)
 _ROLL, _COMMANDS, _LIVES, _BODIES = (
     "world.coordinator.roster",
     "world.coordinator.commands",
@@ -181,6 +183,27 @@ LIVES = (
         ),
     ),
     Mutant(
+        "rosters-name-followers",
+        "an owner ignores lives of the follower that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "rosters-name-owners",
+        "a follower ignores lives of the owner that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((2, 1), proposals=1, founding=(1,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "first-roster-names-lives",
+        "so it is with the first roster that a life hears",
+        (Edit(_LEDGER, 'if member.status != "live" or not founding:', 'if member.status != "live":'),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
         "lives-are-ordered",
         "which of two lives is the newer one follows from their numbers, not from who was heard last",
         (
@@ -235,7 +258,7 @@ LIVES = (
             ),
         ),
         model="pair",
-        bounds=Bounds(lives=(2, 2), proposals=1, fences=1, versions=5),
+        bounds=Bounds((1, 1), proposals=1, founding=(1,), removals=1, appearances=1),
     ),
     Mutant(
         "dead-lines-are-kept",
@@ -508,9 +531,9 @@ SURROUNDINGS = (
         "a robot moves only while it is behind a tangent to everything that stands",
         (
             Edit(
-                _ROBOT,
-                "if things is None or not (lines.ready and things.ready)",
-                "if things is None or not lines.ready",
+                _FILTER,
+                "return self.lines.ready and self.things.ready",
+                "return self.lines.ready",
             ),
         ),
         model="skirmish",
@@ -518,7 +541,7 @@ SURROUNDINGS = (
     Mutant(
         "start-of-founders",
         "only a founding life knows that its disk is where the scenario lets it begin",
-        (Edit(_ROBOT, "starts[self.robot] if founding else None", "starts[self.robot]"),),
+        (Edit(_FILTER, "starts[robot] if founding else None", "starts[robot]"),),
         model="skirmish",
     ),
     Mutant(
@@ -538,9 +561,9 @@ SURROUNDINGS = (
         "a version that announces a thing is acknowledged only by who is clear of its place",
         (
             Edit(
-                _ROBOT,
-                "(lines.keeps_clear and things is not None and things.keeps_clear)",
-                "lines.keeps_clear",
+                _FILTER,
+                "(self.lines.keeps_clear and self.things.keeps_clear)",
+                "self.lines.keeps_clear",
             ),
         ),
         model="skirmish",
@@ -583,11 +606,11 @@ FAR = (
         "offer-before-moving",
         "a letter is written before the velocity is chosen, which keeps to what it offers",
         (
-            Edit(_ROBOT, "            letter = self._letter(lines)  #", "            #"),
+            Edit(_ROBOT, "            letter = self._letter(filter_)  #", "            #"),
             Edit(
                 _ROBOT,
                 "(), report, letter, handles",
-                "(), report, None if lines is None else self._letter(lines), handles",
+                "(), report, None if filter_ is None else self._letter(filter_), handles",
             ),
         ),
         model="skirmish",

@@ -29,6 +29,7 @@ _ROBOT = [
     "agents.estimate",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
+    "agents.safety_filter",
     "agents.robot",
 ]
 _WORLD = [

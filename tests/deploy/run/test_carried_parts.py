@@ -14,7 +14,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Network, Order, RobotSpec, Scenario, World
+from protocol.scenario.model import Network, Scenario, World
 from world.shell.journal import Journal
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
@@ -95,18 +95,11 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
         ({"world": World("mujoco")}, 'parts: .*"integrator" only'),
         ({"body": "turtlebot3-burger"}, 'robots.0..body: .* "point"'),
         ({"network": Network("near")}, "network.interest: .*everybody"),
-        ({"orders": (Order(1.0, add=RobotSpec(9, 0.03, (0.0, 0.0), (0.0, 0.0))),)}, "orders.0..add: nobody"),
     ],
 )
 def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str) -> None:
     with pytest.raises(ScenarioError, match=text):
         validated(replace(SCENARIO, **change))
-
-
-def test_nobody_joins_robots_that_carry_parts() -> None:
-    fleet = LocalFleet([SCENARIO])
-    assert fleet.step()
-    assert "carry parts" in fleet.world.world.add(RobotSpec(9, 0.03, (0.0, 0.0), (0.0, 0.0)))
 
 
 @pytest.mark.process

@@ -28,6 +28,7 @@ _CHAIN = (
     *(
         "agents.roster",
         "agents.peers.link",
+        "agents.safety_filter",
         "agents.robot",
         "agents.node",
         "deploy.run.local",
