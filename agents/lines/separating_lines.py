@@ -80,7 +80,8 @@ class SeparatingLines:
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
         for member in members:
-            if member.status != "live":
+            founding = member.robot in radii and member.incarnation == member.founding
+            if member.status != "live" or not founding:
                 self.on_member(member)
 
     def _pair(self, peer: int) -> RobotPair:
@@ -288,7 +289,7 @@ class SeparatingLines:
         if self._far_talk is None or pair.heard != state.incarnation or state.robot in self._near:
             return
         if not pair.owns:
-            pair.answers_left = pair.answers_left or 1  # it asks at least who lives
+            pair.answers_left = 1  # it asks at least who lives
             self._far_talk.take_up(pair)
         elif not pair.end.linked:
             self._far_talk.take_up(pair)

@@ -30,6 +30,10 @@ class Things:
         speed: the most that the robot really moves, m/s.
         period: of one tick, s.
         reach: see `agents.lines.separating_lines.SeparatingLines`.
+
+    Attributes:
+        held: the thing that only a smaller disk may be clear of, as this robot asks to take it up; 0 for
+            none.
     """
 
     def __init__(
@@ -42,6 +46,7 @@ class Things:
         period: float,
         reach: float = 0.0,
     ) -> None:
+        self.held = 0
         self._radius, self._period, self._max_step = radius, period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
         self._tangents = {number: Tangent(shape, radius) for number, shape in shapes.items()}
@@ -101,9 +106,8 @@ class Things:
     def has_room(self, radius: float, held: int = 0) -> bool:
         """Whether the own disk would be clear of everything if it were one of `radius`, m, thing `held` left
         out."""
-        growth = radius - self._radius
         for number, tangent in self._tangents.items():
-            side = tangent.half_plane
+            side, growth = tangent.half_plane, radius - tangent.radius
             if number == held or (side is None and number in self._appearing):
                 continue
             if side is None or not self._own.satisfies(side, growth):
@@ -112,7 +116,7 @@ class Things:
 
     def resize(self, radius: float, held: int = 0) -> None:
         """The own disk is one of `radius` from now on, m; thing `held` is kept clear of as before."""
-        self._radius = radius
+        self._radius, self.held = radius, held
         for number, tangent in self._tangents.items():
             if number != held:
                 tangent.resize(radius)
