@@ -100,7 +100,8 @@ class SeparatingLines:
         self._shape: Polygon | None = None
         self._swept: Sweep | None = None
         for member in members:
-            if member.status != "live":
+            founding = member.robot in radii and member.incarnation == member.founding
+            if member.status != "live" or not founding:
                 self.on_member(member)
 
     def _pair(self, peer: int) -> RobotPair:

@@ -183,6 +183,27 @@ LIVES = (
         ),
     ),
     Mutant(
+        "rosters-name-followers",
+        "an owner ignores lives of the follower that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "rosters-name-owners",
+        "a follower ignores lives of the owner that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((2, 1), proposals=1, founding=(1,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "first-roster-names-lives",
+        "so it is with the first roster that a life hears",
+        (Edit(_LEDGER, 'if member.status != "live" or not founding:', 'if member.status != "live":'),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
         "lives-are-ordered",
         "which of two lives is the newer one follows from their numbers, not from who was heard last",
         (
@@ -237,7 +258,7 @@ LIVES = (
             ),
         ),
         model="pair",
-        bounds=Bounds(lives=(2, 2), proposals=1, fences=1, versions=5),
+        bounds=Bounds((1, 1), proposals=1, founding=(1,), removals=1, appearances=1),
     ),
     Mutant(
         "dead-lines-are-kept",
