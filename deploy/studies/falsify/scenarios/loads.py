@@ -54,7 +54,8 @@ def _start(
     point = _somewhere(dice, room)
     if dice.chance(0.2):
         return point
-    other = dice.pick((*robots, *parts))
+    others: list[RobotSpec | Part] = [*robots, *parts]
+    other = dice.pick(others)
     return beside(other.start, other.radius, point, radius, reach * dice.pick(_GAPS))
 
 
