@@ -124,6 +124,11 @@ def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
     owner._expect = expect
 
 
+def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot takes itself for the larger disk that a part needs, wherever it is."""
+    modules["agents.safety_filter"].SafetyFilter.has_room = lambda *_: True
+
+
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot moves before everybody is behind something."""
     modules["agents.lines.separating_lines"].SeparatingLines.ready = True
