@@ -350,12 +350,13 @@ class Robot:
         own = self._roster.member(self.robot)
         told = filter_.radius if own is None else own.radius
         wanted, held = max(told, mover.radius), mover.held if told < mover.radius else 0
-        if wanted > filter_.radius and not (told >= wanted or filter_.has_room(wanted, held, self._estimate)):
-            wanted = max(told, self._spec.radius)
+        is_kept = wanted <= filter_.radius and filter_.things.held in (0, held)
+        if not (is_kept or told >= wanted or filter_.has_room(wanted, held, self._estimate)):
+            wanted, held = max(told, self._spec.radius), 0
         filter_.lines.wanted = mover.radius
         if wanted != filter_.radius:
-            filter_.resize(wanted, held)
             self._law = self._law_of_disk(wanted)
+        filter_.resize(wanted, held)
         return mover.handles if filter_.radius >= mover.radius else None
 
     def _law_of_disk(self, radius: float) -> Law:

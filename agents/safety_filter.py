@@ -169,7 +169,8 @@ class SafetyFilter:
 
     def resize(self, radius: float, held: int) -> None:
         """The own disk is one of `radius` from now on, m; a larger one only where it `has_room`."""
-        self.radius = radius
-        self._boundary = boundary_of(self._room, radius)
-        self.lines.resize(radius)
         self.things.resize(radius, held)
+        if radius != self.radius:
+            self.radius = radius
+            self._boundary = boundary_of(self._room, radius)
+            self.lines.resize(radius)
