@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from agents.lines.line import ROUNDING, HalfPlane
-from agents.polygon import Polygon
-from protocol.bodies.sweep import Sweep
+from agents.lines.line import HalfPlane
+from agents.lines.own_set import OwnSet
 from protocol.geometry import Shape
 
 Vector = tuple[float, float]
@@ -39,25 +38,16 @@ class Tangent:
                 self.half_plane = side
                 break
 
-    def renew(
-        self,
-        x: float,
-        y: float,
-        bound: float,
-        shape: Polygon | None = None,
-        far: float = 0.0,
-        swept: Sweep | None = None,
-    ) -> None:
-        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`;
-        from there the body passes `swept`.
+    def renew(self, own: OwnSet, far: float = 0.0) -> None:
+        """Turn the half-plane towards the own position.
 
         Of what is more than `far` (m) out of reach, the disk around it does.
         """
-        around = self._around
+        around, x, y = self._around, own.x, own.y
         dx, dy = around.x - x, around.y - y
         distance = math.hypot(dx, dy)
         target: Shape = around
-        if self.shape is not around and distance - around.radius - self.radius - bound <= far:
+        if self.shape is not around and distance - around.radius - self.radius - own.bound <= far:
             target = self.shape
             px, py = self.shape.nearest(x, y)
             dx, dy = px - x, py - y
@@ -66,10 +56,7 @@ class Tangent:
             return
         nx, ny = dx / distance, dy / distance
         tangent = HalfPlane(nx, ny, target.limit(nx, ny, self.radius))
-        extent = bound if shape is None else shape.extent(nx, ny)
-        if swept is not None:
-            extent += swept.extent(nx, ny)
-        if tangent.slack(x, y) >= extent + ROUNDING:
+        if own.satisfies(tangent):
             self.half_plane = tangent
 
     def resize(self, own_radius: float) -> None:

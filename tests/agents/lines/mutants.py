@@ -14,7 +14,9 @@ from tests.interpreted import Edit
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
-_THINGS = "agents.lines.things"
+_THINGS, _OWN_SET, _INITIAL, _TALK = (
+    f"agents.lines.{name}" for name in ("things", "own_set", "initial_lines", "talk.near")
+)
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
     f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
 )
@@ -72,7 +74,7 @@ PAIR = (
     Mutant(
         "propose-satisfied",
         "an owner proposes only a line that its own disk satisfies now",
-        (Edit(_LEDGER, "if line is None or not self._fits(line, owner=True):", "if line is None:"),),
+        (Edit(_TALK, "if line is None or not fits(line):", "if line is None:"),),
     ),
     Mutant(
         "obey-at-once",
@@ -248,9 +250,9 @@ LIVES = (
         "offer-to-who-was-heard",
         "nothing is offered to a life that has not been heard",
         (
-            Edit(_LEDGER, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
+            Edit(_TALK, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
             Edit(
-                _LEDGER,
+                _TALK,
                 "        if state is None or not state.placed:\n            return 0\n",
                 "        if state is None:\n"
                 "            state = PeerState(pair.peer, 0, 0, True, 0.0, float(pair.peer), 0.0, 0.0, "
@@ -386,7 +388,7 @@ WHO_IS_THERE = (
     Mutant(
         "tangent-when-clear",
         "a tangent is taken only if the own disk satisfies it",
-        (Edit(_DISK, "if tangent.slack(x, y) >= extent + ROUNDING:", "if True:"),),
+        (Edit(_DISK, "if own.satisfies(tangent):", "if True:"),),
     ),
     Mutant(
         "standing-behind-the-line",
@@ -434,8 +436,8 @@ ITSELF = (
         "every place where the own centre can be keeps to the lines, not the most likely one",
         (
             Edit(
-                _LEDGER,
-                "return self._bound if self._shape is None else self._shape.extent(nx, ny)",
+                _OWN_SET,
+                "return self.bound if self.shape is None else self.shape.extent(nx, ny)",
                 "return 0.0",
             ),
         ),
@@ -547,7 +549,7 @@ SURROUNDINGS = (
     Mutant(
         "own-error-at-things",
         "every place where the own centre can be keeps clear of things",
-        (Edit(_THINGS, "side.limit - (extent + 2.0 * ROUNDING)", "side.limit"),),
+        (Edit(_THINGS, "found.append(own.kept_in(side.nx, side.ny, side.limit))", "found.append(side)"),),
         model="skirmish",
     ),
     Mutant(
@@ -618,7 +620,7 @@ FAR = (
     Mutant(
         "look-at-initial-lines",
         "an initial line counts although nobody has spoken of it",
-        (Edit(_LEDGER, "if self._initial is None or not len(self._initial):", "if True:"),),
+        (Edit(_INITIAL, "if not len(self._peers):", "if True:"),),
         model="skirmish",
     ),
     Mutant(
@@ -626,7 +628,7 @@ FAR = (
         "who has moved looks again at those that were out of reach",
         (
             Edit(_LEDGER, "AHEAD: Final = 20.0", "AHEAD: Final = 0.0"),
-            Edit(_LEDGER, "+ reach <= self._looked:", "* 0.0 <= self._looked:"),
+            Edit(_INITIAL, "+ reach <= self._looked:", "* 0.0 <= self._looked:"),
         ),
         model="skirmish",
     ),

@@ -24,7 +24,8 @@ _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
     *("agents.lines.ends", "agents.lines.robot_pair"),
-    *("agents.lines.entries", "agents.lines.far_talk", "agents.lines.separating_lines"),
+    *("agents.lines.talk.entries", "agents.lines.talk.near", "agents.lines.talk.far"),
+    "agents.lines.separating_lines",
     *(
         "agents.roster",
         "agents.peers.link",

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from agents.lines.ends import Owner
-from agents.lines.far_talk import FarTalk
 from agents.lines.line import Line
 from agents.lines.placement import Disk
 from agents.lines.robot_pair import RobotPair
+from agents.lines.talk.far import FarTalk
 from agents.peers.far import FarPicture
 from protocol.messages import Answer, Proposal, Summary
 

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterable
 from typing import Final, final
 
 from agents.lines.ends import Follower, Owner
-from agents.lines.entries import answer_of, proposals_of
 from agents.lines.line import Line
 from agents.lines.placement import Disk, fit_line
 from agents.lines.robot_pair import RobotPair
+from agents.lines.talk.entries import answer_of, proposals_of
 from agents.peers.far import FarPicture
 from protocol.messages import Answer, Proposal
 
