@@ -13,8 +13,10 @@ from protocol.geometry import Disk, Shape
 
 Vector = tuple[float, float]
 Reals = NDArray[np.float64]
+Cells = NDArray[np.bool_]
 
 _NEAR: Final = 2  # cells around a point that stand for its own where that is not free
+_SAG: Final = 1.0 / 16.0  # of a cell: room for what steps between cells, and straight ways, cut off
 _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -34,14 +36,18 @@ class Grid:
             np.arange(left, right + size, size), np.arange(low, high + size, size), indexing="ij"
         )
         self.room = room
-        self._depth = self._inside()
+        self._depth = depth(room, self.x, self.y)
 
-    def clear(self, shapes: Iterable[Shape], radius: float) -> NDArray[np.bool_]:
+    def clear(self, shapes: Iterable[Shape], radius: float) -> Cells:
         """Cells in which a disk of `radius` (m) is inside, and overlaps none of the shapes."""
-        free: NDArray[np.bool_] = self._depth >= radius
+        free: Cells = self._depth >= radius + _SAG * self.size
         for shape in shapes:
-            free &= self._away(shape) >= radius
+            free &= ~self.blocked(shape, radius)
         return free
+
+    def blocked(self, shape: Shape, radius: float) -> Cells:
+        """Cells in which a disk of `radius` (m) overlaps a shape."""
+        return np.asarray(away(shape, self.x, self.y) < radius + _SAG * self.size)
 
     def cell(self, point: Vector) -> tuple[int, int]:
         """Which cell a point is in."""
@@ -49,7 +55,7 @@ class Grid:
         j = round((point[1] - self._low) / self.size)
         return min(max(i, 0), self.x.shape[0] - 1), min(max(j, 0), self.x.shape[1] - 1)
 
-    def ways(self, free: NDArray[np.bool_], begin: Sequence[Vector]) -> Reals:
+    def ways(self, free: Cells, begin: Sequence[Vector]) -> Reals:
         """How far it is from the nearest of some points to every cell through free ones, m; infinite where
         there is no way."""
         far = np.full(free.shape, np.inf)
@@ -57,23 +63,37 @@ class Grid:
             cell = self._near(free, point)
             if cell is not None:
                 far[cell] = 0.0
-        padded = np.pad(far, 1, constant_values=np.inf)
-        inner = padded[1:-1, 1:-1]
+        wide, wall = np.pad(far, 1, constant_values=np.inf), np.where(free, 0.0, np.inf)
+        inner, diagonal = wide[1:-1, 1:-1], self.size * math.sqrt(2.0)
         while True:  # until no cell gets nearer
             before = inner.copy()
-            for dx, dy in _STEPS:
-                shifted = padded[1 + dx : padded.shape[0] - 1 + dx, 1 + dy : padded.shape[1] - 1 + dy]
-                np.minimum(inner, shifted + self.size * math.hypot(dx, dy), out=inner, where=free)
+            aside = np.minimum(wide[:, :-2], wide[:, 2:])
+            straight = np.minimum(aside[1:-1], np.minimum(wide[:-2, 1:-1], wide[2:, 1:-1])) + self.size
+            oblique = np.minimum(aside[:-2], aside[2:]) + diagonal
+            np.minimum(inner, np.minimum(straight, oblique) + wall, out=inner)
             if (before == inner).all():
                 return inner
 
+    def lengths(self, far: Reals, points: Sequence[Vector]) -> Reals:
+        """Of such ways, those to points whose own cells may not be free, m."""
+        x, y = np.array(points, dtype=float).reshape(-1, 2).T
+        i = np.clip(np.rint((x - self._left) / self.size).astype(int), 0, far.shape[0] - 1)
+        j = np.clip(np.rint((y - self._low) / self.size).astype(int), 0, far.shape[1] - 1)
+        x, y = self.x[i, j] - x, self.y[i, j] - y
+        wide = np.pad(far, 1, constant_values=np.inf)
+        beside = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
+        return np.asarray(
+            np.minimum.reduce(
+                [
+                    wide[i + 1 + dx, j + 1 + dy] + np.hypot(x + dx * self.size, y + dy * self.size)
+                    for dx, dy in beside
+                ]
+            )
+        )
+
     def way(self, far: Reals, point: Vector) -> float:
-        """Of such ways, that to a point whose own cell may not be free, m."""
-        i, j = self.cell(point)
-        near = far[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
-        x = self.x[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[0]
-        y = self.y[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[1]
-        return float((near + np.hypot(x, y)).min())
+        """Of such ways, that to one point, m."""
+        return float(self.lengths(far, [point])[0])
 
     def path(self, far: Reals, begin: Vector) -> list[Vector]:
         """Cells from a point to where such ways begin, m; empty if there is no way."""
@@ -87,7 +107,7 @@ class Grid:
                 return points
             cell = min(self._beside(cell), key=lambda each: (far[each], each))
 
-    def sees(self, free: NDArray[np.bool_], one: Vector, other: Vector) -> bool:
+    def sees(self, free: Cells, one: Vector, other: Vector) -> bool:
         """Whether all cells on the straight way between two points are free, up to one beside each."""
         length = math.dist(one, other)
         count = max(1, math.ceil(length / self.size))
@@ -98,7 +118,7 @@ class Grid:
                 return False
         return True
 
-    def _near(self, free: NDArray[np.bool_], point: Vector) -> tuple[int, int] | None:
+    def _near(self, free: Cells, point: Vector) -> tuple[int, int] | None:
         """The cell of a point, or the nearest free one not far from it."""
         i, j = self.cell(point)
         if free[i, j]:
@@ -116,16 +136,16 @@ class Grid:
         around = [(cell[0] + dx, cell[1] + dy) for dx, dy in _STEPS]
         return [(i, j) for i, j in around if 0 <= i < shape[0] and 0 <= j < shape[1]]
 
-    def _inside(self) -> Reals:
-        """How deep each cell is in the room, m."""
-        if isinstance(self.room, Disk):
-            return np.asarray(self.room.radius - np.hypot(self.x - self.room.x, self.y - self.room.y))
-        depths = [offset - nx * self.x - ny * self.y for nx, ny, offset in self.room.sides]
-        return np.asarray(np.minimum.reduce(depths))
 
-    def _away(self, shape: Shape) -> Reals:
-        """How far each cell is from a shape, m; beside corners at least that."""
-        if isinstance(shape, Disk):
-            return np.asarray(np.hypot(self.x - shape.x, self.y - shape.y) - shape.radius)
-        sides = [nx * self.x + ny * self.y - offset for nx, ny, offset in shape.sides]
-        return np.asarray(np.maximum.reduce(sides))
+def depth(room: Shape, x: Reals, y: Reals) -> Reals:
+    """How deep points are in a room, m."""
+    if isinstance(room, Disk):
+        return np.asarray(room.radius - np.hypot(x - room.x, y - room.y))
+    return np.asarray(np.minimum.reduce([offset - nx * x - ny * y for nx, ny, offset in room.sides]))
+
+
+def away(shape: Shape, x: Reals, y: Reals) -> Reals:
+    """How far points are from a shape, m; beside corners at least that."""
+    if isinstance(shape, Disk):
+        return np.asarray(np.hypot(x - shape.x, y - shape.y) - shape.radius)
+    return np.asarray(np.maximum.reduce([nx * x + ny * y - offset for nx, ny, offset in shape.sides]))

@@ -92,7 +92,7 @@ def measure(scenario: Scenario, count: int) -> Row:
     """One run over `count` hosts, in lock-step."""
     run = fresh_run_name()
     with TemporaryDirectory(prefix="disknav-") as name, Hosts(count, Path(name) / "log") as hosts:
-        folder = Path(name)
+        folder, told = Path(name), None
         for host, rows in _tables(scenario, run, hosts, count).items():
             path = folder / f"{host}.pickle"
             path.write_bytes(pickle.dumps(rows))
@@ -101,8 +101,8 @@ def measure(scenario: Scenario, count: int) -> Row:
             if host == 1:
                 observer = "tests.deploy.processes.hosts.observer"
                 told = hosts.start(1, [sys.executable, "-m", observer, _router(hosts, 1), run]).stdout
-                assert told is not None
             assert starter.stdout.readline() == "ready\n", (folder / "log").read_text()
+        assert told is not None
         return _followed(scenario, count, hosts, map(json.loads, told))
 
 

@@ -17,8 +17,8 @@ from world.judge.goals import Goals
 from world.judge.nearest import FEW
 
 _TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
-_ROWS = 64  # robots whose pairs are looked at together, where there are many: they stay in the cache
-_FACTORS = 8  # that are multiplied before a logarithm is taken
+_ROWS = 8  # of the triangle of many pairs, whose factors are multiplied before a logarithm is taken
+_TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
 class NavigationFunction:
@@ -69,11 +69,10 @@ def _log_product(positions: Plane, radii: Reals) -> float:
         beta = (x[rows, None] - x[begin:]) ** 2
         beta += (y[rows, None] - y[begin:]) ** 2
         beta -= (radii[rows, None] + radii[begin:]) ** 2
-        beta[np.tril_indices(len(beta))] = 1.0  # each pair once
+        beta[:, : len(beta)][_TWICE[: len(beta), : len(beta)]] = 1.0  # each pair once
         if beta.min() <= 0.0:
             return -math.inf
-        factors = np.multiply.reduceat(beta, range(0, len(beta), _FACTORS), axis=0)
-        total += float(np.log(factors).sum())
+        total += float(np.log(beta.prod(axis=0)).sum())
     return total
 
 
