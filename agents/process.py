@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from agents.node import PATIENCE, RobotNode
+from agents.node import RobotNode
+from agents.shell.contact import PATIENCE
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal

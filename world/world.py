@@ -153,7 +153,7 @@ class World:
         live = {
             robot: asked
             for robot, asked in coordinator.commands.handles.items()
-            if coordinator.lives.status_of(robot) == "live"
+            if coordinator.lives.status_of(robot) == "live" and not coordinator.membership.leaves(robot)
         }
         return coordinator.parts.handle(live, self.simulation.places)
 
@@ -171,6 +171,7 @@ class World:
             return
         simulation.recast(self.scenario)
         coordinator.missions.recast(self.scenario)
+        coordinator.parts.recast(self.scenario)
         self._judge_anew()
 
     def _decide(self) -> None:

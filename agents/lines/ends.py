@@ -13,9 +13,9 @@ The lower id owns the line: only it proposes, numbering its proposals. Rules:
   incarnations have none.
 - Nothing is offered to an incarnation that has not been heard: it need not know this one.
 - Numbers count within one incarnation of the owner. Whatever names an older incarnation of either end than
-the
-  newest known is ignored. An owner whose follower restarted keeps obeying all it obeyed, for the
-  follower may have adopted any of it before it died, until the newcomer adopts a fresh line.
+  the newest known is ignored; known is what was heard of, and what a roster names. An owner whose follower
+  restarted keeps obeying all it obeyed, for the follower may have adopted any of it before it died, until the
+  newcomer adopts a fresh line.
 
 Invariant: the line that the follower holds is among those that the owner obeys; an end that has
 never had a line in this incarnation stands still. It asks nothing of delay, order or delivery.
@@ -74,11 +74,15 @@ class Owner:
 
     def accept(self, peer_incarnation: int) -> bool:
         """Hear from an incarnation of the follower; False when it is an old one, to be ignored."""
-        if peer_incarnation > self.peer_incarnation:
-            self._expect(peer_incarnation)
+        self.expect(peer_incarnation)
         if peer_incarnation == self.peer_incarnation:
             self.met = True
         return peer_incarnation == self.peer_incarnation
+
+    def expect(self, peer_incarnation: int) -> None:
+        """Ignore incarnations of the follower that are older than this one, which is there."""
+        if peer_incarnation > self.peer_incarnation:
+            self._begin(peer_incarnation)
 
     def propose(self, line: Line) -> int:
         """Offer a line that the own disk satisfies now; its number. Obeyed from now on."""
@@ -104,12 +108,12 @@ class Owner:
 
     def fence(self, incarnation: int) -> None:
         """The follower's `incarnation` is fenced: its disk stands still for ever and replaces all lines."""
-        self._expect(incarnation + 1)
+        self._begin(incarnation + 1)
         self._inherited = ()
         self.agreed = False
 
-    def _expect(self, peer_incarnation: int) -> None:
-        """Ignore older incarnations of the follower from now on."""
+    def _begin(self, peer_incarnation: int) -> None:
+        """Talk with this incarnation of the follower from now on."""
         self._inherited = self.obeyed
         self.held, self.held_number = None, 0
         self.proposed = {}
@@ -150,10 +154,14 @@ class Follower:
 
     def accept(self, peer_incarnation: int) -> bool:
         """Hear from an incarnation of the owner; False when it is an old one, to be ignored."""
+        self.expect(peer_incarnation)
+        return peer_incarnation == self.peer_incarnation
+
+    def expect(self, peer_incarnation: int) -> None:
+        """Ignore incarnations of the owner that are older than this one, which is there."""
         if peer_incarnation > self.peer_incarnation:
             self.held_number = self.seen = 0
             self.peer_incarnation = peer_incarnation
-        return peer_incarnation == self.peer_incarnation
 
     def on_proposal(
         self, peer_incarnation: int, incarnation: int, number: int, line: Line, fits: Callable[[Line], bool]
@@ -172,5 +180,5 @@ class Follower:
 
     def fence(self, incarnation: int) -> None:
         """The owner's `incarnation` is fenced: its disk stands still for ever and replaces the line."""
-        self.accept(incarnation + 1)
+        self.expect(incarnation + 1)
         self._held = None

@@ -6,6 +6,7 @@ follow from starts and radii, and are looked at together, as often as somebody c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final, final
 
@@ -28,10 +29,15 @@ class InitialLines:
         robot: own id.
         starts: where every robot begins, m.
         radii: of every robot, m.
+        ahead: way (m) that the own centre may go before lines are looked at again.
     """
 
-    def __init__(self, robot: int, starts: Mapping[int, Vector], radii: Mapping[int, float]) -> None:
-        self._robot = robot
+    def __init__(
+        self, robot: int, starts: Mapping[int, Vector], radii: Mapping[int, float], ahead: float = 0.0
+    ) -> None:
+        self._robot, self._ahead = robot, ahead
+        self._looked_x = self._looked_y = 0.0
+        self._looked = -1.0  # gap (m) up to which lines were looked at there
         self._peers = np.array(sorted(peer for peer in starts if peer != robot), dtype=np.int64)
         ids = self._peers.tolist()
         there: Array = np.array([starts[peer] for peer in ids], dtype=np.float64).reshape(-1, 2)
@@ -51,6 +57,16 @@ class InitialLines:
         """Peers with whom there may be no line, for they may touch."""
         ids: list[int] = self._peers[self._gaps < _ROUNDING].tolist()
         return ids
+
+    def approached(self, x: float, y: float, reach: float) -> list[int]:
+        """Every peer whose line may be less than `reach` (m) from the own centre at (x, y), m, and some more.
+        None is looked for as long as the centre has not moved by what the others were farther off."""
+        if not len(self._peers):
+            return []
+        if math.hypot(x - self._looked_x, y - self._looked_y) + reach <= self._looked:
+            return []
+        self._looked_x, self._looked_y, self._looked = x, y, reach + self._ahead
+        return self.within(x, y, self._looked)
 
     def within(self, x: float, y: float, reach: float) -> list[int]:
         """Every peer whose line may be less than `reach` (m) from the own disk if that is at (x, y), m."""

@@ -176,11 +176,19 @@ class RobotPair:
         if member.incarnation < self.heard:
             return  # whoever was heard since is there, and nothing of an older incarnation excuses it
         if member.status == "live":
-            self.excused = False
+            self._expect(member.incarnation)
         elif member.status == "gone":
             self._release(member.incarnation)
         else:
             self._stand(member)
+
+    def _expect(self, incarnation: int) -> None:
+        """The peer lives, in this incarnation or in a newer one; what older ones say does not count."""
+        self.excused = False
+        if incarnation > self.end.peer_incarnation:
+            self.end.expect(incarnation)
+            self.state = None
+            self.renew()
 
     def _stand(self, member: Member) -> None:
         """The peer's disk stands at a place, or is to appear there; nothing is there yet if this robot is in

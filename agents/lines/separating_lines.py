@@ -1,18 +1,4 @@
-"""All the lines of one robot: what it must obey now, what it says about them.
-
-Messages carry only what is open. A proposal is repeated in every State until it is answered, or,
-if a State has no room for all, at least the newest of the pair (`entries.fitting`). An answer is said when
-a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
-proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
-lost, the next repetition that arrives brings about another, and that settles all older ones.
-
-The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
-replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
-messages ten times their usual size.
-
-An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
-that halves the age of the lines, and the arrival times with it.
-"""
+"""All the lines of one robot: what it must obey now, and what it says about them (`agents.lines.talk`)."""
 
 from __future__ import annotations
 
@@ -21,25 +7,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from agents.lines.ends import Follower, Owner
-from agents.lines.entries import answer_of, fitting, proposals_of
-from agents.lines.far_talk import FarTalk
 from agents.lines.initial_lines import InitialLines
 from agents.lines.line import ROUNDING, HalfPlane, Line
-from agents.lines.placement import Disk, fit_line, initial_line, is_same
+from agents.lines.own_set import OwnSet
+from agents.lines.placement import Disk, initial_line
 from agents.lines.robot_pair import RobotPair
+from agents.lines.talk.far import FarTalk
+from agents.lines.talk.near import ANSWER_TICKS, NearTalk
 from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.messages import Answer, Member, Proposal
 
-ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
-OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
-FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
 AHEAD: Final = 20.0  # ticks of motion ahead of which initial lines are looked at
 SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
-UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
 
 class SeparatingLines:
@@ -78,15 +60,16 @@ class SeparatingLines:
     ) -> None:
         self._robot, self._incarnation = robot, incarnation
         self._radius, self._radii, self._starts = radii[robot], radii, starts
-        self._period, self._max_step = period, speed * period
-        self._reach = reach if reach > 0.0 else self._max_step
+        self._period, max_step = period, speed * period
+        self._reach = reach if reach > 0.0 else max_step
         self._founding = {each.robot: each.founding for each in members}
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []
+        self._near_talk = NearTalk(max_step, period)
         self._far_talk = None if urgent is None else FarTalk(urgent)
-        self._initial = None if starts is None or urgent is None else InitialLines(robot, starts, radii)
-        self._looked_x = self._looked_y = 0.0
-        self._looked = -1.0  # gap (m) up to which initial lines were looked at there
+        self._initial: InitialLines | None = None
+        if starts is not None and urgent is not None:
+            self._initial = InitialLines(robot, starts, radii, AHEAD * max_step)
         for peer in sorted(radii) if self._initial is None else self._initial.unusable:
             if peer != robot:
                 self._pair(peer)
@@ -95,12 +78,10 @@ class SeparatingLines:
         self._disturbed = False  # whether any peer was ever fenced, or began anew
         self.wanted = 0.0  # m, radius of the disk for which own lines leave room, if that is larger
         self._tick = 0
-        self._x = self._y = 0.0
-        self._bound = float("inf")
-        self._shape: Polygon | None = None
-        self._swept: Sweep | None = None
+        self._own = OwnSet(0.0, 0.0, math.inf)
         for member in members:
-            if member.status != "live":
+            founding = member.robot in radii and member.incarnation == member.founding
+            if member.status != "live" or not founding:
                 self.on_member(member)
 
     def _pair(self, peer: int) -> RobotPair:
@@ -135,11 +116,10 @@ class SeparatingLines:
         within `shape` around it if that is given. From there it passes `swept` until all commands that are
         still out have ended."""
         self._tick = tick
-        self._x, self._y = position
-        self._bound, self._shape, self._swept = bound, shape, swept
+        self._own = OwnSet(*position, bound, shape, swept)
         for pair in self._each if self._disturbed else ():
             if pair.disk is not None:
-                pair.disk.renew(self._x, self._y, bound, shape, swept=swept)
+                pair.disk.renew(self._own)
 
     def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
@@ -164,29 +144,18 @@ class SeparatingLines:
         self._disturbed = self._disturbed or member.status != "live"
         pair.on_member(member)
         if pair.disk is not None:
-            pair.disk.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
+            pair.disk.renew(self._own)
 
     def has_room(self, radius: float) -> bool:
         """Whether the own disk satisfies all it obeys if it is one of `radius`, m, around the same centre."""
-        growth = radius - self._radius
-        return all(
-            side.slack(self._x, self._y) - growth >= self._passed(side) + ROUNDING
-            for pair in self._each
-            for side in pair.half_planes
-        )
+        own, growth = self._own, radius - self._radius
+        return all(own.satisfies(side, growth) for pair in self._each for side in pair.half_planes)
 
     def resize(self, radius: float) -> None:
         """The own disk is one of `radius` from now on, m; a larger one only where it `has_room`."""
         self._radius = radius
         for pair in self._each:
             pair.resize(radius)
-
-    def _passed(self, side: HalfPlane) -> float:
-        """How far the own set, and all that it passes, reaches beyond the own position towards a side, m."""
-        extent = self._extent(side.nx, side.ny)
-        if self._swept is not None:
-            extent += self._swept.extent(side.nx, side.ny)
-        return extent
 
     @property
     def keeps_clear(self) -> bool:
@@ -206,11 +175,11 @@ class SeparatingLines:
     def make_room(self, desired: tuple[float, float]) -> tuple[float, float]:
         """The desired velocity (m/s), turned away from peers whose new incarnation is too close for a
         line."""
-        vx, vy = desired
+        own, (vx, vy) = self._own, desired
         for pair in self._each if self._disturbed else ():
             if not pair.peer_restarted or pair.end.linked:
                 continue
-            dx, dy = pair.crowding(self._x, self._y, self._bound)
+            dx, dy = pair.crowding(own.x, own.y, own.bound)
             lacking = math.hypot(dx, dy)
             if lacking > 0.0:
                 nx, ny = dx / lacking, dy / lacking
@@ -223,20 +192,19 @@ class SeparatingLines:
 
         Without those that are out of reach within a tick.
         """
-        x, y = self._x, self._y
-        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
+        own = self._own
+        x, y = own.x, own.y
+        near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
         self._look(x, y, near)
         found = []
         for pair in self._each:
             if pair.settled:
                 if pair.limit - pair.nx * x - pair.ny * y < near:
-                    margin = self._extent(pair.nx, pair.ny) + 2.0 * ROUNDING
-                    found.append(HalfPlane(pair.nx, pair.ny, pair.limit - margin))
+                    found.append(own.kept_in(pair.nx, pair.ny, pair.limit))
                 continue
             for side in pair.half_planes:
                 if side.slack(x, y) < near:
-                    margin = self._extent(side.nx, side.ny) + 2.0 * ROUNDING
-                    found.append(HalfPlane(side.nx, side.ny, side.limit - margin))
+                    found.append(own.kept_in(side.nx, side.ny, side.limit))
         return found
 
     def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
@@ -251,19 +219,10 @@ class SeparatingLines:
         ]
 
     def _look(self, x: float, y: float, reach: float) -> None:
-        """Look at all initial lines that may be less than `reach` (m) from the own centre at (x, y), m. None
-        of the others is, as long as the centre has not moved by what they were farther off."""
-        if self._initial is None or not len(self._initial):
-            return
-        if math.hypot(x - self._looked_x, y - self._looked_y) + reach <= self._looked:
-            return
-        self._looked_x, self._looked_y, self._looked = x, y, reach + AHEAD * self._max_step
-        for peer in self._initial.within(x, y, self._looked):
-            self._pair(peer)
-
-    def _extent(self, nx: float, ny: float) -> float:
-        """How far the own set reaches from the own position in the direction (nx, ny), m."""
-        return self._bound if self._shape is None else self._shape.extent(nx, ny)
+        """Look at all initial lines that may be less than `reach` (m) from the own centre at (x, y), m."""
+        if self._initial is not None:
+            for peer in self._initial.approached(x, y, reach):
+                self._pair(peer)
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
         """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
@@ -275,32 +234,22 @@ class SeparatingLines:
         return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in obeyed_lines)
 
     def _slack(self, side: tuple[int, HalfPlane]) -> float:
-        return side[1].slack(self._x, self._y)
+        return side[1].slack(self._own.x, self._own.y)
 
     def entries(self, desired: tuple[float, float]) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
         standing = not self.ready
         me = self._own_disk((0.0, 0.0) if standing else desired)
-        proposals: list[Proposal] = []
-        answers: list[Answer] = []
-        renewals = RENEWALS
-        for pair in self._talking:
-            if pair.owns:
-                renewals -= self._consider(pair, me, standing, renewals)
-                if not pair.settled:
-                    proposals += proposals_of(pair)
-            elif pair.answers_left:
-                pair.answers_left -= 1
-                answers.append(answer_of(pair))
-        return tuple(fitting(proposals, len(answers))), tuple(answers)
+        return self._near_talk.entries(self._tick, self._talking, me, self._owner_fits, standing=standing)
 
     def _own_disk(self, velocity: tuple[float, float]) -> Disk:
         """Own disk, with all that its centre may pass before commands that are out have ended."""
-        me = Disk(self._x, self._y, max(self._radius, self.wanted) + self._bound, *velocity)
-        if self._swept is None:
+        own = self._own
+        me = Disk(own.x, own.y, max(self._radius, self.wanted) + own.bound, *velocity)
+        if own.swept is None:
             return me
-        mx, my = self._swept.middle
-        return Disk(me.x + mx, me.y + my, me.radius + self._swept.spread, *velocity)
+        mx, my = own.swept.middle
+        return Disk(me.x + mx, me.y + my, me.radius + own.swept.spread, *velocity)
 
     # -- where some are far
 
@@ -323,10 +272,11 @@ class SeparatingLines:
         """More is known of where everybody is: see to lines that this robot or a far peer may soon reach."""
         talk = self._far_talk
         assert talk is not None
-        if math.isinf(self._bound):
+        own = self._own
+        if math.isinf(own.bound):
             return
         if self._initial is not None:
-            self._look(self._x, self._y, talk.urgent + self._bound)
+            self._look(own.x, own.y, talk.urgent + own.bound)
             for peer in self._initial.reached(picture, talk.urgent):
                 self._pair(peer)
         far = [pair for pair in self._each if pair.owns and pair.peer not in self._near]
@@ -339,14 +289,14 @@ class SeparatingLines:
         if self._far_talk is None or pair.heard != state.incarnation or state.robot in self._near:
             return
         if not pair.owns:
-            pair.answers_left = pair.answers_left or 1  # it asks at least who lives
+            pair.answers_left = 1  # it asks at least who lives
             self._far_talk.take_up(pair)
         elif not pair.end.linked:
             self._far_talk.take_up(pair)
 
     def letters(self) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What is to be said to far peers in this tick, as `entries` is to near ones."""
-        if self._far_talk is None or math.isinf(self._bound):
+        if self._far_talk is None or math.isinf(self._own.bound):
             return (), ()
         return self._far_talk.entries(self._own_disk((0.0, 0.0)), self._owner_fits)
 
@@ -366,12 +316,6 @@ class SeparatingLines:
             if end.on_proposal(incarnation, offer.peer_incarnation, offer.number, line, self._follower_fits):
                 pair.renew()
 
-    def _seen_velocity(self, pair: RobotPair) -> tuple[float, float]:
-        """Of the peer, from where its last two States were, m/s; measurements may leap, disks do not."""
-        ux, uy = pair.moved_x, pair.moved_y
-        leap = max(1.0, math.hypot(ux, uy) / self._max_step) * self._period
-        return ux / leap, uy / leap
-
     def _owner_fits(self, line: Line) -> bool:
         return self._fits(line, owner=True)
 
@@ -380,56 +324,7 @@ class SeparatingLines:
 
     def _fits(self, line: Line, owner: bool) -> bool:
         """Whether the own disk surely satisfies a line now and until every command that is out has ended."""
-        side = line.side(self._radius, owner)
-        return line.is_unit and side.slack(self._x, self._y) >= self._passed(side) + ROUNDING
-
-    def _consider(self, pair: RobotPair, me: Disk, standing: bool, renewals: int) -> int:
-        """Propose a new line if the pair needs one; whoever of the two cannot move needs none of the gap.
-
-        Returns 1 if it is one of the `renewals`, else 0.
-        """
-        state = pair.state
-        if state is None or not state.placed:
-            return 0
-        ticks = max(0, self._tick - state.tick) + 2
-        apart = 2.0 * ticks * self._max_step
-        # A pair is left alone if neither comes near the line before a new one could be agreed.
-        mine, theirs = apart + me.radius, apart + pair.radius + state.bound
-        if (
-            pair.settled
-            and pair.offset - pair.nx * me.x - pair.ny * me.y > mine
-            and -(pair.offset - pair.nx * state.x - pair.ny * state.y) > theirs
-        ):
-            return 0
-        end = pair.end
-        assert isinstance(end, Owner)
-        if not end.met or len(end.proposed) >= OUTSTANDING:
-            return 0
-        newest, renewal = end.newest, 0
-        if newest is not None and newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
-            if end.number > 0 or renewals == 0:
-                return 0
-            renewal = 1
-        halted = pair.disk is not None
-        peer = Disk(state.x, state.y, pair.radius + state.bound)
-        if not halted:
-            (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(pair)
-        # The follower holds a line from when it has come, as late as its State came here, until the next has.
-        late = 2.0 * max(0, self._tick - state.tick - 1) * self._period
-        line = fit_line(
-            me,
-            peer,
-            ahead=ticks * self._period,
-            begin=late,
-            end=late + FOLLOWED * self._period,
-            share=0.0 if standing else 1.0 if halted else 0.5,
-        )
-        if line is None or not self._fits(line, owner=True):
-            return 0
-        if newest is None or not is_same(line, newest, UNCHANGED * self._max_step):
-            end.propose(line)
-            pair.renew()
-        return renewal
+        return line.is_unit and self._own.satisfies(line.side(self._radius, owner))
 
 
 def _peer_of(pair: RobotPair) -> int:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from agents.lines.line import ROUNDING, HalfPlane
-from agents.polygon import Polygon
-from protocol.bodies.sweep import Sweep
+from agents.lines.line import HalfPlane
+from agents.lines.own_set import OwnSet
 from protocol.geometry import Shape
 
 Vector = tuple[float, float]
@@ -26,11 +25,12 @@ class Tangent:
 
     Attributes:
         shape: as given.
+        radius: of the own disk that keeps to it, m.
         half_plane: where the own centre stays; None while the own disk is not known to be clear.
     """
 
     def __init__(self, shape: Shape, own_radius: float, obeyed: Iterable[HalfPlane] = ()) -> None:
-        self.shape, self._radius = shape, own_radius
+        self.shape, self.radius = shape, own_radius
         self._around = shape.around
         self.half_plane: HalfPlane | None = None  # not known to be clear of it, so stand still
         for side in obeyed:
@@ -38,25 +38,16 @@ class Tangent:
                 self.half_plane = side
                 break
 
-    def renew(
-        self,
-        x: float,
-        y: float,
-        bound: float,
-        shape: Polygon | None = None,
-        far: float = 0.0,
-        swept: Sweep | None = None,
-    ) -> None:
-        """Turn the half-plane towards the own position (x, y), known to within `bound`, m, or to `shape`;
-        from there the body passes `swept`.
+    def renew(self, own: OwnSet, far: float = 0.0) -> None:
+        """Turn the half-plane towards the own position.
 
         Of what is more than `far` (m) out of reach, the disk around it does.
         """
-        around = self._around
+        around, x, y = self._around, own.x, own.y
         dx, dy = around.x - x, around.y - y
         distance = math.hypot(dx, dy)
         target: Shape = around
-        if self.shape is not around and distance - around.radius - self._radius - bound <= far:
+        if self.shape is not around and distance - around.radius - self.radius - own.bound <= far:
             target = self.shape
             px, py = self.shape.nearest(x, y)
             dx, dy = px - x, py - y
@@ -64,19 +55,16 @@ class Tangent:
         if distance == 0.0:
             return
         nx, ny = dx / distance, dy / distance
-        tangent = HalfPlane(nx, ny, target.limit(nx, ny, self._radius))
-        extent = bound if shape is None else shape.extent(nx, ny)
-        if swept is not None:
-            extent += swept.extent(nx, ny)
-        if tangent.slack(x, y) >= extent + ROUNDING:
+        tangent = HalfPlane(nx, ny, target.limit(nx, ny, self.radius))
+        if own.satisfies(tangent):
             self.half_plane = tangent
 
     def resize(self, own_radius: float) -> None:
         """This robot is another disk: the same line, for the centre of that."""
         side = self.half_plane
-        if side is not None and own_radius != self._radius:
-            self.half_plane = HalfPlane(side.nx, side.ny, side.limit + self._radius - own_radius)
-        self._radius = own_radius
+        if side is not None and own_radius != self.radius:
+            self.half_plane = HalfPlane(side.nx, side.ny, side.limit + self.radius - own_radius)
+        self.radius = own_radius
 
     def lacking(self, x: float, y: float, room: float) -> Vector:
         """How far to back off from (x, y), m, to be clear of it by `room`, m."""
@@ -85,7 +73,7 @@ class Tangent:
             px, py = self._around.x, self._around.y
         dx, dy = x - px, y - py
         distance = math.hypot(dx, dy)
-        lacking = room + self._radius - self.shape.distance(x, y)
+        lacking = room + self.radius - self.shape.distance(x, y)
         if lacking <= 0.0:
             return 0.0, 0.0
         if distance == 0.0:

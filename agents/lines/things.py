@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from agents.lines.line import ROUNDING, HalfPlane
+from agents.lines.own_set import OwnSet
 from agents.lines.tangent import Tangent
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
@@ -29,6 +30,10 @@ class Things:
         speed: the most that the robot really moves, m/s.
         period: of one tick, s.
         reach: see `agents.lines.separating_lines.SeparatingLines`.
+
+    Attributes:
+        held: the thing that only a smaller disk may be clear of, as this robot asks to take it up; 0 for
+            none.
     """
 
     def __init__(
@@ -41,19 +46,17 @@ class Things:
         period: float,
         reach: float = 0.0,
     ) -> None:
+        self.held = 0
         self._radius, self._period, self._max_step = radius, period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
         self._tangents = {number: Tangent(shape, radius) for number, shape in shapes.items()}
         self._listed = set(shapes)
         self._each = list(self._tangents.values())
         self._appearing: set[int] = set()
-        self._x = self._y = 0.0
-        self._bound = math.inf
-        self._shape: Polygon | None = None
-        self._swept: Sweep | None = None
+        self._own = OwnSet(0.0, 0.0, math.inf)
         if start is not None:
             for tangent in self._each:
-                tangent.renew(*start, 0.0, far=math.inf)
+                tangent.renew(OwnSet(*start, 0.0), math.inf)
 
     def locate(
         self, position: Vector, bound: float, shape: Polygon | None = None, swept: Sweep | None = None
@@ -61,10 +64,9 @@ class Things:
         """Take the own position (m) at the start of a tick; the truth is at most `bound` (m) from it, and
         within `shape` around it if that is given. From there it passes `swept` until all commands that are
         still out have ended."""
-        self._x, self._y = position
-        self._bound, self._shape, self._swept = bound, shape, swept
+        self._own = OwnSet(*position, bound, shape, swept)
         for tangent in self._each:
-            tangent.renew(self._x, self._y, bound, shape, _FAR * self._max_step, swept)
+            tangent.renew(self._own, _FAR * self._max_step)
 
     @property
     def shapes(self) -> list[Shape]:
@@ -97,42 +99,36 @@ class Things:
         for number, each in news.items():
             if each.status != "gone" and number not in self._tangents:
                 tangent = self._tangents[number] = Tangent(each.shape, self._radius)
-                tangent.renew(self._x, self._y, self._bound, self._shape, swept=self._swept)
+                tangent.renew(self._own)
         self._appearing = {number for number, each in news.items() if each.status == "appearing"}
         self._each = list(self._tangents.values())
 
     def has_room(self, radius: float, held: int = 0) -> bool:
         """Whether the own disk would be clear of everything if it were one of `radius`, m, thing `held` left
         out."""
-        growth = radius - self._radius
         for number, tangent in self._tangents.items():
-            side = tangent.half_plane
+            side, growth = tangent.half_plane, radius - tangent.radius
             if number == held or (side is None and number in self._appearing):
                 continue
-            if side is None or side.slack(self._x, self._y) - growth < self._passed(side) + ROUNDING:
+            if side is None or not self._own.satisfies(side, growth):
                 return False
         return True
 
     def resize(self, radius: float, held: int = 0) -> None:
         """The own disk is one of `radius` from now on, m; thing `held` is kept clear of as before."""
-        self._radius = radius
+        self._radius, self.held = radius, held
         for number, tangent in self._tangents.items():
             if number != held:
                 tangent.resize(radius)
 
-    def _passed(self, side: HalfPlane) -> float:
-        """How far the own set, and all that it passes, reaches beyond the own position towards a side, m."""
-        extent = self._bound if self._shape is None else self._shape.extent(side.nx, side.ny)
-        return extent + (0.0 if self._swept is None else self._swept.extent(side.nx, side.ny))
-
     def make_room(self, desired: Vector) -> Vector:
         """The desired velocity (m/s), turned away from where something is to appear and this robot is."""
-        vx, vy = desired
+        own, (vx, vy) = self._own, desired
         for number in sorted(self._appearing):
             tangent = self._tangents[number]
             if tangent.half_plane is not None:
                 continue
-            dx, dy = tangent.lacking(self._x, self._y, self._bound + _ROOM * self._radius)
+            dx, dy = tangent.lacking(own.x, own.y, own.bound + _ROOM * self._radius)
             lacking = math.hypot(dx, dy)
             if lacking > 0.0:
                 nx, ny = dx / lacking, dy / lacking
@@ -143,13 +139,13 @@ class Things:
     def half_planes(self) -> list[HalfPlane]:
         """Where the estimated own centre must stay, without those out of reach within a tick; radius and
         extent of the own set are subtracted."""
-        near = self._bound + 2.0 * ROUNDING + 2.0 * self._reach
+        own = self._own
+        near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for tangent in self._each:
             side = tangent.half_plane
-            if side is not None and side.slack(self._x, self._y) < near:
-                extent = self._bound if self._shape is None else self._shape.extent(side.nx, side.ny)
-                found.append(HalfPlane(side.nx, side.ny, side.limit - (extent + 2.0 * ROUNDING)))
+            if side is not None and side.slack(own.x, own.y) < near:
+                found.append(own.kept_in(side.nx, side.ny, side.limit))
         return found
 
     def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:

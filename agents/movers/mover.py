@@ -53,6 +53,7 @@ class Mover:
         self.aim: Vector | None = None
         self._traffic = Traffic(self._planner.grid)
         self._robot, self._scenario = robot, scenario
+        self._homes = {each.id: each.goal for each in scenario.robots}
         self._reach = scenario.carrying.reach
         self._patience, self._pause = scenario.ticks(STUCK), scenario.ticks(AGAIN)
         self._task = 0  # part that is fetched or carried
@@ -134,7 +135,7 @@ class Mover:
             return 0, 0.0, robot
         if claim is not None:
             return 1, 0.0, robot
-        return 2, 0.0 if at is None else -math.dist(at, self._scenario.spec(robot).goal), robot
+        return 2, 0.0 if at is None else -math.dist(at, self._homes.get(robot, at)), robot
 
     def _traveller(self, peer: PeerState) -> Traveller | None:
         """Where a peer goes, as far as can be told."""
@@ -142,11 +143,11 @@ class Mover:
             return None
         part = 0 if peer.claim is None else peer.claim.part
         if not 0 < part <= len(self._scenario.parts):
-            home = self._scenario.spec(peer.robot).goal
-            return Traveller(peer.position, home, self._scenario.spec(peer.robot).radius, self._among(0))
+            home = self._homes.get(peer.robot, peer.position)
+            return Traveller(peer.position, home, peer.radius, self._among(0))
         carries = self._carriers.get(peer.robot) == part
         to = self._spec(part).goal if carries else self._at.get(part, peer.position)
-        radius = self._scenario.loaded_radius(peer.robot, part) if carries else self._small
+        radius = max(peer.radius, self._spec(part).radius) if carries else self._small
         return Traveller(peer.position, to, radius, self._among(part))
 
     def _among(self, part: int) -> tuple[Shape, ...]:

@@ -1,13 +1,16 @@
-"""Whose States one robot hears: everybody's, until it is told who is near."""
+"""Whose States one robot hears: everybody's, until it is told who is near; of the others it knows the world's
+last summary."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import final
 
 from mypy_extensions import mypyc_attr
 
+from agents.peers.far import FarPicture
 from protocol.interest import LEAD
+from protocol.messages import Summary
 
 
 @final
@@ -21,7 +24,7 @@ class Attention:
         due: tick whose summary has to be there in the present tick; -1 for none.
     """
 
-    __slots__ = ("_coming", "_due", "_from", "_since", "due", "everybody", "near")
+    __slots__ = ("_coming", "_due", "_from", "_painted", "_picture", "_since", "due", "everybody", "near")
 
     def __init__(self) -> None:
         self.everybody = True
@@ -30,6 +33,8 @@ class Attention:
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
         self._coming: tuple[int, ...] | None = None
         self._from = 0  # tick from which those count
+        self._picture: FarPicture | None = None  # newest
+        self._painted = -1  # tick of the picture that was taken in last
 
     def announce(self, tick: int, near: Iterable[int], *, summed_up: bool) -> None:
         """In `tick` the world says who will be near; `summed_up` if its summary is of that tick, too."""
@@ -50,3 +55,29 @@ class Attention:
     def counts(self, peer: int, tick: int) -> bool:
         """Whether a State of `tick` is heard in the present one."""
         return self.everybody or tick >= self._since.get(peer, tick + 1)
+
+    def on_summary(self, summary: Summary, radii: Mapping[int, float]) -> None:
+        """The world says where everybody is, for a tick that begins soon.
+
+        Args:
+            summary: that has arrived.
+            radii: of all robots, m.
+
+        Raises:
+            MessageError: it is not made as a summary is.
+        """
+        if self._picture is None or summary.tick > self._picture.tick:
+            self._picture = FarPicture(summary, radii, self._picture)
+
+    @property
+    def has_summary(self) -> bool:
+        """Whether the summary that is due in this tick has arrived, if one is."""
+        return self.due < 0 or (self._picture is not None and self._picture.tick >= self.due)
+
+    def new_picture(self) -> FarPicture | None:
+        """The newest summary, once for each that is due."""
+        picture = self._picture
+        if picture is None or not self._painted < self.due <= picture.tick:
+            return None
+        self._painted = picture.tick
+        return picture

@@ -349,7 +349,10 @@ class Scenario:
 
     def spec(self, robot: int) -> RobotSpec:
         """The entry of one robot; raises KeyError for an unknown id."""
-        for spec in self.robots:
+        robots = self.robots
+        if 0 < robot <= len(robots) and robots[robot - 1].id == robot:
+            return robots[robot - 1]  # as a rule they are numbered in order
+        for spec in robots:
             if spec.id == robot:
                 return spec
         raise KeyError(robot)

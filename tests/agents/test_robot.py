@@ -98,8 +98,8 @@ def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     tick = replace(opened, robot=robot.robot, sense=Sense(place, 0, 0.0, (0.0, 0.0)))
     robot.begin(tick)
     robot.command()
-    assert robot._lines is not None
-    end = robot._lines._pairs[owner].end
+    assert robot._filter is not None
+    end = robot._filter.lines._pairs[owner].end
     held = end.obeyed
     robot.begin_anew()
     robot.begin(replace(tick, tick=1, roster=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))

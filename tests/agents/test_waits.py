@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from agents.node import PATIENCE, RobotNode
+from agents.node import RobotNode
+from agents.shell.contact import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Presence, Sample

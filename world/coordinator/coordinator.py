@@ -249,8 +249,7 @@ class Coordinator:
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
         if self._interest is not None:
-            goals = {spec.id: self.missions.goal(spec.id) or spec.goal for spec in self.scenario.robots}
-            self._interest.open(self.tick, self.scenario, sensed, goals)
+            self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
         self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest)
         return self.told
 

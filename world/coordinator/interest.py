@@ -7,7 +7,7 @@ more than `outer`: always both.
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 from protocol.interest import LEAD, inner, outer, period
 from protocol.messages import Sense, Summary, Vector
 from protocol.scenario.model import Scenario
+from world.close_pairs import close_pairs
 
 
 @dataclass(slots=True)
 class _Told:
-    """Whom one incarnation hears, as it was told."""
+    """Whom one incarnation hears, as it was told; ids ascending."""
 
     incarnation: int
-    near: frozenset[int] = frozenset()
-    coming: frozenset[int] = frozenset()
+    near: tuple[int, ...]  # itself included
+    coming: tuple[int, ...] = ()
     since: int = 0  # tick from which those are heard
 
 
@@ -42,14 +43,19 @@ class Interest:
         self._places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
         self._ids: tuple[int, ...] = ()
         self._radii: NDArray[np.float64] = np.zeros(0)
-        self._near: NDArray[np.bool_] = np.zeros((0, 0), dtype=np.bool_)
-        self._sets: dict[int, frozenset[int]] = {}
+        self._pairs: frozenset[tuple[int, int]] = frozenset()  # who are near, the lower id first
+        self._near: dict[int, tuple[int, ...]] = {}  # of each robot, ascending
         self._told: dict[int, _Told] = {}
 
     def open(
-        self, tick: int, scenario: Scenario, sensed: Mapping[int, Sense], goals: Mapping[int, Vector]
+        self,
+        tick: int,
+        scenario: Scenario,
+        sensed: Mapping[int, Sense],
+        goal: Callable[[int], Vector | None],
     ) -> None:
-        """A tick begins, with what every robot is told of its own place, and its goal, m."""
+        """A tick begins, with what every robot is told of its own place, and where it is sent, m, unless to
+        the scenario's goal."""
         self._places |= {
             robot: sense.position for robot, sense in sensed.items() if sense.position is not None
         }
@@ -58,8 +64,9 @@ class Interest:
         if self._ids != scenario.ids:
             self._recast(scenario)
         places = np.array([self._places[robot] for robot in self._ids], dtype=np.float64)
-        self._survey(places, self._radii)
+        self._survey(places.view(np.complex128)[:, 0])
         if tick % self._period == 0:
+            goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
             away = places - np.array([goals[robot] for robot in self._ids], dtype=np.float64)
             ids, gammas = np.array(self._ids, dtype="<u4"), (away**2).sum(axis=1)
             packed = (ids.tobytes(), places.astype("<f8").tobytes(), gammas.astype("<f8").tobytes())
@@ -67,44 +74,44 @@ class Interest:
 
     def _recast(self, scenario: Scenario) -> None:
         """Robots came or went; who was near remains so."""
-        before, known = self._ids, self._near
         self._ids = scenario.ids
         radii = {spec.id: spec.radius for spec in scenario.robots}
         self._radii = np.array([radii[robot] for robot in self._ids], dtype=np.float64)
         self._places = {spec.id: self._places.get(spec.id, spec.start) for spec in scenario.robots}
-        self._near = np.zeros((len(self._ids), len(self._ids)), dtype=np.bool_)
-        stay = [robot for robot in self._ids if robot in before]
-        old, new = [before.index(robot) for robot in stay], [self._ids.index(robot) for robot in stay]
-        self._near[np.ix_(new, new)] = known[np.ix_(old, old)]
 
-    def _survey(self, places: NDArray[np.float64], radii: NDArray[np.float64]) -> None:
+    def _survey(self, places: NDArray[np.complex128]) -> None:
         """Who is near whom from these places (m), and from who was."""
-        between = places[:, None, :] - places[None, :, :]
-        gap = np.sqrt((between**2).sum(axis=2)) - radii[:, None] - radii[None, :]
-        self._near = (gap < self._inner) | (self._near & (gap <= self._outer))
-        np.fill_diagonal(self._near, val=False)
         ids = np.array(self._ids)
-        self._sets = {
-            robot: frozenset(ids[row].tolist()) for robot, row in zip(self._ids, self._near, strict=True)
-        }
+        first, second = close_pairs(places, self._radii, self._outer)
+        gaps = np.abs(places[first] - places[second]) - (self._radii[first] + self._radii[second])
+        pairs = zip(ids[first].tolist(), ids[second].tolist(), strict=True)
+        inside = (gaps < self._inner).tolist()
+        found = [pair for pair, is_in in zip(pairs, inside, strict=True) if is_in or pair in self._pairs]
+        near: dict[int, list[int]] = {robot: [] for robot in self._ids}
+        for one, other in found:
+            near[one].append(other)
+            near[other].append(one)
+        self._pairs = frozenset(found)
+        self._near = {robot: tuple(sorted(peers)) for robot, peers in near.items()}
 
     def tell(self, robot: int, incarnation: int, tick: int) -> tuple[int, ...] | None:
         """Whom to announce as near to a robot in this tick; None if nobody is to be announced."""
         told = self._told.get(robot)
         if told is None or told.incarnation != incarnation:
-            told = self._told[robot] = _Told(incarnation)
+            told = self._told[robot] = _Told(incarnation, (robot,))
         elif tick % self._period:
             return None
         elif tick >= told.since:
             told.near = told.coming
-        told.coming, told.since = self._sets.get(robot, frozenset()), tick + LEAD
-        return tuple(sorted(told.coming))
+        announced = self._near.get(robot, ())
+        told.coming, told.since = tuple(sorted((robot, *announced))), tick + LEAD
+        return announced
 
-    def heard(self, robot: int, incarnation: int, tick: int, active: Container[int]) -> tuple[int, ...]:
+    def heard(self, robot: int, incarnation: int, tick: int, active: frozenset[int]) -> tuple[int, ...]:
         """Which of the active robots this one hears in this tick, itself included; an incarnation that was
         told of nobody hears nobody."""
         told = self._told.get(robot)
-        if told is not None and told.coming is not told.near and tick >= told.since:
+        if told is not None and told.coming and tick >= told.since:
             told.near = told.coming
-        near = frozenset() if told is None or told.incarnation != incarnation else told.near
-        return tuple(each for each in sorted(near | {robot}) if each in active)
+        near = (robot,) if told is None or told.incarnation != incarnation else told.near
+        return near if active.issuperset(near) else tuple(each for each in near if each in active)

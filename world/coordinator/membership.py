@@ -65,6 +65,10 @@ class Membership:
         self._leaving.add(robot)
         return ""
 
+    def leaves(self, robot: int) -> bool:
+        """Whether a robot is over with the tick that is open."""
+        return robot in self._leaving
+
     def joined(self, robot: int) -> None:
         """The process of a robot is there."""
         self.newcomers -= {robot}

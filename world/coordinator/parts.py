@@ -60,6 +60,10 @@ class Parts:
         """Which part stands, or is to stand, as a thing; 0 if none."""
         return next((each.part for each in self.places if each.thing == thing), 0)
 
+    def recast(self, scenario: Scenario) -> None:
+        """Robots came and went."""
+        self._scenario = scenario
+
     def loaded(self, scenario: Scenario) -> Scenario:
         """`scenario` with the disks that robots are with what they carry."""
         carriers = {each.carrier: each.part for each in self.places if each.carrier}

@@ -7,6 +7,7 @@ shape (..., q): any number of ticks may be measured at once.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from world.judge.surroundings import Surroundings, closest
 
 Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
+Indices = NDArray[np.intp]
 
 
 class Disks:
@@ -40,6 +42,13 @@ class Disks:
     def surround(self, things: Mapping[int, Shape]) -> None:
         """Other things stand now, by number."""
         self.surroundings = Surroundings(self.surroundings.room, things, self.surroundings.radii)
+
+    def only(self, first: Indices, second: Indices) -> Disks:
+        """The same disks, and of all pairs these, by the indices of either robot."""
+        few, radii = copy(self), self.surroundings.radii
+        few.first, few.second = first, second
+        few.contact = radii[first] + radii[second]
+        return few
 
     def __len__(self) -> int:
         """Number of gaps of a configuration."""

@@ -31,26 +31,26 @@ class Contact:
 class Contacts:
     """All contacts of a run, in the order in which they began."""
 
-    def __init__(self, disks: Disks) -> None:
+    def __init__(self) -> None:
         self.all: list[Contact] = []
-        self._disks = disks
         self._latest: dict[tuple[int, int], Contact] = {}
 
-    def recast(self, disks: Disks) -> None:
+    def recast(self) -> None:
         """Other disks from now on; an overlap that goes on is noted anew."""
-        self._disks, self._latest = disks, {}
+        self._latest = {}
 
-    def add(self, tick: float, gaps: Reals, before: Plane, after: Plane, span: float = 1.0) -> None:
-        """Note the contacts during a straight motion that begins at `tick` and takes `span` ticks, given its
-        gaps (`clearance.gaps`)."""
+    def add(
+        self, tick: float, disks: Disks, gaps: Reals, before: Plane, after: Plane, span: float = 1.0
+    ) -> None:
+        """Note the contacts of `disks` during a straight motion that begins at `tick` and takes `span` ticks,
+        given its gaps (`clearance.gaps`)."""
         if gaps.min() >= -TOUCH:
             return
         for index in (gaps < -TOUCH).nonzero()[0].tolist():
-            for begin, end in self._intervals(index, before, after):
-                self._note(index, tick + span * begin, tick + span * end, float(gaps[index]))
+            for begin, end in _intervals(disks, index, before, after):
+                self._note(disks.names(index), tick + span * begin, tick + span * end, float(gaps[index]))
 
-    def _note(self, index: int, begin: float, end: float, gap: float) -> None:
-        pair = self._disks.names(index)
+    def _note(self, pair: tuple[int, int], begin: float, end: float, gap: float) -> None:
         latest = self._latest.get(pair)
         if latest is not None and begin <= latest.end + _SAME:
             latest.end = end
@@ -59,19 +59,20 @@ class Contacts:
         self._latest[pair] = Contact(pair, begin, end, gap)
         self.all.append(self._latest[pair])
 
-    def _intervals(self, index: int, before: Plane, after: Plane) -> list[Interval]:
-        disks, pairs = self._disks, len(self._disks.contact)
-        if index < pairs:
-            i, j = disks.first[index], disks.second[index]
-            inside = within(before[i] - before[j], after[i] - after[j], disks.contact[index] - TOUCH)
-            return [] if inside is None else [inside]
-        robot, surroundings = (index - pairs) % len(disks.ids), disks.surroundings
-        if index - pairs >= len(disks.ids) or not isinstance(surroundings.room, Disk):
-            return surroundings.overlaps(index - pairs, before[robot], after[robot], TOUCH)
-        inside = within(before[robot], after[robot], surroundings.wall[robot] + TOUCH)
-        if inside is None:
-            return [(0.0, 1.0)]
-        return [part for part in ((0.0, inside[0]), (inside[1], 1.0)) if part[0] < part[1]]
+
+def _intervals(disks: Disks, index: int, before: Plane, after: Plane) -> list[Interval]:
+    pairs = len(disks.contact)
+    if index < pairs:
+        i, j = disks.first[index], disks.second[index]
+        inside = within(before[i] - before[j], after[i] - after[j], disks.contact[index] - TOUCH)
+        return [] if inside is None else [inside]
+    robot, surroundings = (index - pairs) % len(disks.ids), disks.surroundings
+    if index - pairs >= len(disks.ids) or not isinstance(surroundings.room, Disk):
+        return surroundings.overlaps(index - pairs, before[robot], after[robot], TOUCH)
+    inside = within(before[robot], after[robot], surroundings.wall[robot] + TOUCH)
+    if inside is None:
+        return [(0.0, 1.0)]
+    return [part for part in ((0.0, inside[0]), (inside[1], 1.0)) if part[0] < part[1]]
 
 
 def within(start: complex, end: complex, radius: float) -> Interval | None:

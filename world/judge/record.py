@@ -18,6 +18,7 @@ from world.judge.contacts import Contacts
 from world.judge.deviation import LateralDeviation
 from world.judge.goals import Goals
 from world.judge.measures import tight
+from world.judge.nearest import NearestGaps
 from world.judge.phi import NavigationFunction
 from world.judge.trajectory import TrajectoryDigest
 
@@ -38,10 +39,11 @@ class Record:
 
     def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector], parts: int = 1) -> None:
         disks = self._disks = Disks(scenario)
+        self._gaps = NearestGaps(disks)
         self.goals = goals
         self._phi = NavigationFunction(disks, goals, scenario.k)
         self._digest = TrajectoryDigest(disks.ids)
-        self._contacts = Contacts(disks)
+        self._contacts = Contacts()
         self._deviation = LateralDeviation(goals)
         self._aside: list[tuple[Vector, ...]] = []
         self._parts = parts
@@ -70,8 +72,9 @@ class Record:
         self.goals.recast(scenario)
         disks = self._disks = Disks(scenario)
         disks.surround(shapes)
+        self._gaps = NearestGaps(disks)
         self._phi = NavigationFunction(disks, self.goals, scenario.k)
-        self._contacts.recast(disks)
+        self._contacts.recast()
         self._digest.recast(disks.ids)
         self._deviation.recast()
         self._plane = as_plane([positions])
@@ -145,9 +148,9 @@ class Record:
             return
         plane, parts = as_plane(aside), self._parts
         before = np.concatenate((self._plane, plane[:-1]))
-        during = gaps(self._disks, before, plane)
+        disks, during = self._gaps(before, plane)
         for row, nearest in enumerate(during):
-            self._contacts.add(self._tick + row / parts, nearest, before[row], plane[row], 1.0 / parts)
+            self._contacts.add(self._tick + row / parts, disks, nearest, before[row], plane[row], 1.0 / parts)
         self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
         self._deviation.add(plane)
         self._plane = plane[-1:]

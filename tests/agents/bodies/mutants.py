@@ -9,11 +9,11 @@ from typing import NamedTuple
 from tests.agents.bodies.ride import ROUNDING, Product, excess_of
 from tests.interpreted import Edit
 
-_BASE, _SWEEP, _INERTIAL, _LINES = (
+_BASE, _SWEEP, _INERTIAL, _OWN_SET = (
     "protocol.bodies.base",
     "protocol.bodies.sweep",
     "agents.bodies.inertial",
-    "agents.lines.separating_lines",
+    "agents.lines.own_set",
 )
 _RIDES = 400  # in which a mutant has to be found, at most
 
@@ -86,7 +86,7 @@ MUTANTS = (
         "adopt-swept",
         "a line is adopted only if it allows everything that follows from the commands that are out",
         "omnidirectional",
-        (Edit(_LINES, "extent += self._swept.extent(side.nx, side.ny)", "pass"),),
+        (Edit(_OWN_SET, "extent += self.swept.extent(nx, ny)", "pass"),),
     ),
     Mutant(
         "reachable",

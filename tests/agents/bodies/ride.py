@@ -33,7 +33,7 @@ Vector = tuple[float, float]
 _MODULES = (
     "protocol.bodies.base",
     "protocol.bodies.sweep",
-    *(f"agents.lines.{name}" for name in ("line", "boundary", "ends", "tangent", "robot_pair")),
+    *(f"agents.lines.{name}" for name in ("line", "own_set", "boundary", "ends", "tangent", "robot_pair")),
     "agents.lines.separating_lines",
     "agents.lines.safe_velocity",
     "agents.bodies.inertial",

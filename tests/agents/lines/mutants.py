@@ -14,8 +14,12 @@ from tests.interpreted import Edit
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
-_THINGS = "agents.lines.things"
-_ROSTER, _ROBOT, _ESTIMATE = "agents.roster", "agents.robot", "agents.estimate"
+_THINGS, _OWN_SET, _INITIAL, _TALK = (
+    f"agents.lines.{name}" for name in ("things", "own_set", "initial_lines", "talk.near")
+)
+_ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
+    f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
+)
 _ROLL, _COMMANDS, _LIVES, _BODIES = (
     "world.coordinator.roster",
     "world.coordinator.commands",
@@ -70,7 +74,7 @@ PAIR = (
     Mutant(
         "propose-satisfied",
         "an owner proposes only a line that its own disk satisfies now",
-        (Edit(_LEDGER, "if line is None or not self._fits(line, owner=True):", "if line is None:"),),
+        (Edit(_TALK, "if line is None or not fits(line):", "if line is None:"),),
     ),
     Mutant(
         "obey-at-once",
@@ -181,6 +185,27 @@ LIVES = (
         ),
     ),
     Mutant(
+        "rosters-name-followers",
+        "an owner ignores lives of the follower that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "rosters-name-owners",
+        "a follower ignores lives of the owner that are older than the one that a roster names",
+        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
+        model="pair",
+        bounds=Bounds((2, 1), proposals=1, founding=(1,), versions=4, talks_on=True),
+    ),
+    Mutant(
+        "first-roster-names-lives",
+        "so it is with the first roster that a life hears",
+        (Edit(_LEDGER, 'if member.status != "live" or not founding:', 'if member.status != "live":'),),
+        model="pair",
+        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
+    ),
+    Mutant(
         "lives-are-ordered",
         "which of two lives is the newer one follows from their numbers, not from who was heard last",
         (
@@ -225,9 +250,9 @@ LIVES = (
         "offer-to-who-was-heard",
         "nothing is offered to a life that has not been heard",
         (
-            Edit(_LEDGER, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
+            Edit(_TALK, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
             Edit(
-                _LEDGER,
+                _TALK,
                 "        if state is None or not state.placed:\n            return 0\n",
                 "        if state is None:\n"
                 "            state = PeerState(pair.peer, 0, 0, True, 0.0, float(pair.peer), 0.0, 0.0, "
@@ -235,7 +260,7 @@ LIVES = (
             ),
         ),
         model="pair",
-        bounds=Bounds(lives=(2, 2), proposals=1, fences=1, versions=5),
+        bounds=Bounds((1, 1), proposals=1, founding=(1,), removals=1, appearances=1),
     ),
     Mutant(
         "dead-lines-are-kept",
@@ -363,7 +388,7 @@ WHO_IS_THERE = (
     Mutant(
         "tangent-when-clear",
         "a tangent is taken only if the own disk satisfies it",
-        (Edit(_DISK, "if tangent.slack(x, y) >= extent + ROUNDING:", "if True:"),),
+        (Edit(_DISK, "if own.satisfies(tangent):", "if True:"),),
     ),
     Mutant(
         "standing-behind-the-line",
@@ -411,8 +436,8 @@ ITSELF = (
         "every place where the own centre can be keeps to the lines, not the most likely one",
         (
             Edit(
-                _LEDGER,
-                "return self._bound if self._shape is None else self._shape.extent(nx, ny)",
+                _OWN_SET,
+                "return self.bound if self.shape is None else self.shape.extent(nx, ny)",
                 "return 0.0",
             ),
         ),
@@ -508,9 +533,9 @@ SURROUNDINGS = (
         "a robot moves only while it is behind a tangent to everything that stands",
         (
             Edit(
-                _ROBOT,
-                "if things is None or not (lines.ready and things.ready)",
-                "if things is None or not lines.ready",
+                _FILTER,
+                "return self.lines.ready and self.things.ready",
+                "return self.lines.ready",
             ),
         ),
         model="skirmish",
@@ -518,13 +543,13 @@ SURROUNDINGS = (
     Mutant(
         "start-of-founders",
         "only a founding life knows that its disk is where the scenario lets it begin",
-        (Edit(_ROBOT, "starts[self.robot] if founding else None", "starts[self.robot]"),),
+        (Edit(_FILTER, "starts[robot] if founding else None", "starts[robot]"),),
         model="skirmish",
     ),
     Mutant(
         "own-error-at-things",
         "every place where the own centre can be keeps clear of things",
-        (Edit(_THINGS, "side.limit - (extent + 2.0 * ROUNDING)", "side.limit"),),
+        (Edit(_THINGS, "found.append(own.kept_in(side.nx, side.ny, side.limit))", "found.append(side)"),),
         model="skirmish",
     ),
     Mutant(
@@ -538,9 +563,9 @@ SURROUNDINGS = (
         "a version that announces a thing is acknowledged only by who is clear of its place",
         (
             Edit(
-                _ROBOT,
-                "(lines.keeps_clear and things is not None and things.keeps_clear)",
-                "lines.keeps_clear",
+                _FILTER,
+                "(self.lines.keeps_clear and self.things.keeps_clear)",
+                "self.lines.keeps_clear",
             ),
         ),
         model="skirmish",
@@ -583,11 +608,11 @@ FAR = (
         "offer-before-moving",
         "a letter is written before the velocity is chosen, which keeps to what it offers",
         (
-            Edit(_ROBOT, "            letter = self._letter(lines)  #", "            #"),
+            Edit(_ROBOT, "            letter = self._letter(filter_)  #", "            #"),
             Edit(
                 _ROBOT,
                 "(), report, letter, handles",
-                "(), report, None if lines is None else self._letter(lines), handles",
+                "(), report, None if filter_ is None else self._letter(filter_), handles",
             ),
         ),
         model="skirmish",
@@ -595,7 +620,7 @@ FAR = (
     Mutant(
         "look-at-initial-lines",
         "an initial line counts although nobody has spoken of it",
-        (Edit(_LEDGER, "if self._initial is None or not len(self._initial):", "if True:"),),
+        (Edit(_INITIAL, "if not len(self._peers):", "if True:"),),
         model="skirmish",
     ),
     Mutant(
@@ -603,7 +628,7 @@ FAR = (
         "who has moved looks again at those that were out of reach",
         (
             Edit(_LEDGER, "AHEAD: Final = 20.0", "AHEAD: Final = 0.0"),
-            Edit(_LEDGER, "+ reach <= self._looked:", "* 0.0 <= self._looked:"),
+            Edit(_INITIAL, "+ reach <= self._looked:", "* 0.0 <= self._looked:"),
         ),
         model="skirmish",
     ),

@@ -12,14 +12,16 @@ _LINES = [
     f"agents.lines.{name}"
     for name in (
         "line",
+        "own_set",
         "boundary",
         "placement",
         "ends",
         "tangent",
         "robot_pair",
-        "entries",
         "initial_lines",
-        "far_talk",
+        "talk.entries",
+        "talk.near",
+        "talk.far",
         "separating_lines",
         "things",
     )
@@ -29,6 +31,7 @@ _ROBOT = [
     "agents.estimate",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
+    "agents.safety_filter",
     "agents.robot",
 ]
 _WORLD = [
@@ -47,7 +50,7 @@ class Product:
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
         names = [*_LINES, *_ROBOT, *_WORLD]
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.placement: Any = modules["agents.lines.separating_lines"]  # where `fit_line` is looked up
+        self.placement: Any = modules["agents.lines.talk.near"]  # where `fit_line` is looked up
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
         self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines

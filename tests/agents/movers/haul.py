@@ -108,9 +108,11 @@ class _Porter:
         self._place = None
         near = [place for place in roster.parts if self._is_near(place.thing, position, roster)]
         if near and self._rng.random() < 0.9:
-            self.held = near[0].thing
-            self.radius = self._scenario.loaded_radius(self._robot, near[0].part)
-            self.handles = Handling(near[0].part, self.radius)
+            wanted = self._rng.choice(near)
+            self.held = wanted.thing
+            self.radius = self._scenario.loaded_radius(self._robot, wanted.part)
+            if self._rng.random() < 0.7:  # else it only makes ready to
+                self.handles = Handling(wanted.part, self.radius)
         elif roster.parts and self._rng.random() < 0.3:  # from a robot, or out of reach
             part = self._rng.choice(roster.parts).part
             self.radius = self._scenario.loaded_radius(self._robot, part)
@@ -125,16 +127,23 @@ class _Porter:
 
 
 def _parts(rng: Random, plain: Scenario) -> tuple[Part, ...]:
-    """Up to four, between the robots."""
+    """Up to four, between the robots; at times of one size, beside each other or the wall."""
     found: list[Part] = []
-    room = plain.workspace.shape
+    room, alike, together = plain.workspace.shape, rng.random() < 0.7, rng.random() < 0.7
     for _ in range(60):
-        radius = rng.uniform(0.01, 0.05)
+        radius = found[0].radius if alike and found else rng.uniform(0.02, 0.07)
         at = rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2)
+        if together and found:
+            at = _beside(rng, found[-1], radius)
         robots = all(math.dist(at, each.start) > radius + each.radius + 1e-3 for each in plain.robots)
         if robots and room.distance(*at) + radius < 0.0 and _is_apart(at, radius, found):
             found.append(Part(radius, at, at))
     return tuple(found[:4])
+
+
+def _beside(rng: Random, other: Part, radius: float) -> Vector:
+    away, turn = other.radius + radius + 2e-3, rng.uniform(0.0, math.tau)
+    return other.start[0] + away * math.cos(turn), other.start[1] + away * math.sin(turn)
 
 
 def _is_apart(at: Vector, radius: float, others: Sequence[Part]) -> bool:

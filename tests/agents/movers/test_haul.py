@@ -9,19 +9,19 @@ from tests.agents.lines.product import Product
 from tests.agents.movers.haul import Haul, violation_of
 from tests.interpreted import Edit
 
-_ROBOT, _PARTS = "agents.robot", "world.coordinator.parts"
+_ROBOT, _FILTER, _PARTS = "agents.robot", "agents.safety_filter", "world.coordinator.parts"
 _RUNS = 300  # random ones in which a mutant has to be found, at most
 
 MUTANTS = (
     Mutant(
         "room-to-grow",
         "a robot takes itself for the larger disk only where that satisfies all that is obeyed",
-        (Edit(_ROBOT, "self._has_room(wanted, held, lines, things))", "True)"),),
+        (Edit(_ROBOT, "filter_.has_room(wanted, held, self._estimate))", "True)"),),
     ),
     Mutant(
         "inside-to-grow",
         "and is inside",
-        (Edit(_ROBOT, "return inside and lines.has_room", "return lines.has_room"),),
+        (Edit(_FILTER, "return inside and self.lines.has_room", "return self.lines.has_room"),),
     ),
     Mutant(
         "grown-before-asking",
@@ -29,7 +29,7 @@ MUTANTS = (
         (
             Edit(
                 _ROBOT,
-                "return mover.handles if self._radius >= mover.radius else None",
+                "return mover.handles if filter_.radius >= mover.radius else None",
                 "return mover.handles",
             ),
         ),
@@ -42,7 +42,7 @@ MUTANTS = (
     Mutant(
         "born-large",
         "a later life begins as the disk that its earlier one was",
-        (Edit(_ROBOT, "if own is not None and own.radius != self._radius:", "if False:"),),
+        (Edit(_ROBOT, "        if own is not None:\n", "        if False:\n"),),
     ),
     Mutant(
         "stands-at-its-size",

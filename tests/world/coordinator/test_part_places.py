@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from protocol.messages import Command, Handling, PartPlace, Vector
-from protocol.scenario.model import Part, Time, Workspace
+from protocol.scenario.model import Part, RobotSpec, Time, Workspace
 from tests.world.driving import joined, scenario
 from world.world import World
 
@@ -118,6 +118,36 @@ def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
     assert "is part 1" in found.remove_thing(1).text
     tick(found, {1: TAKE})
     assert found.remove(1) == "robot 1 carries part 1"
+
+
+def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
+    found = world()
+    told = found.open_tick()
+    assert found.remove(1) == ""
+    assert found.accept(Command(1, told[1].incarnation, found.tick, (0.0, 0.0), handles=TAKE))
+    found.close_tick()
+    assert found.coordinator.lives.status_of(1) == "gone"
+    assert where(found) == PartPlace(1, 1)
+
+
+def test_whoever_is_added_is_with_a_part_the_larger_of_its_own_disk_and_that() -> None:
+    found = world()
+    assert found.remove(1) == ""
+    larger = RobotSpec(1, 1.5 * LARGE, (0.095, 0.13), (0.3, 0.3))
+    guest = RobotSpec(3, SMALL, (0.095, -0.095), (0.3, -0.3))
+    assert found.add(larger) == found.add(guest) == ""
+    tick(found)
+    tick(found)
+    for robot in (1, 3):
+        found.coordinator.join(robot)
+    tick(found, {1: Handling(1, 1.5 * LARGE)})
+    assert (where(found).carrier, radius(found, 1)) == (1, 1.5 * LARGE)
+    for _ in range(5):
+        tick(found, {3: TAKE}, silent=(1,))
+    assert (where(found).carrier, radius(found, 1), radius(found, 3)) == (1, 1.5 * LARGE, SMALL)
+    _move(found, 3, (0.095, 0.01))
+    tick(found, {3: TAKE}, silent=(1,))
+    assert (where(found).carrier, radius(found, 1), radius(found, 3)) == (3, 1.5 * LARGE, LARGE)
 
 
 def _move(found: World, robot: int, place: Vector) -> None:

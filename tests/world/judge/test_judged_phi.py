@@ -54,6 +54,20 @@ def test_phi_equals_the_formula_in_many_digits(robots, k, seed):
     assert phi == pytest.approx(exact(setting, positions), rel=1e-10)
 
 
+@pytest.mark.parametrize("robots", [2, 20, 70])
+def test_phi_of_many_is_the_same(robots, monkeypatch):
+    setting, positions = spread(robots, 0, 1e4)
+    goals = Goals(setting)
+    goals.points = positions + 0.01
+    phi = NavigationFunction(Disks(setting), goals, setting.k)
+    positions = np.array([positions, positions])
+    positions[1, 0] = positions[1, -1] + RADIUS
+    found = phi(positions)
+    monkeypatch.setattr("world.judge.phi.FEW", 0)
+    assert phi(positions) == pytest.approx(found, rel=1e-12)
+    assert found[0] < found[1] == 1.0
+
+
 def test_phi_is_finite_for_many_robots_and_a_large_gain():
     setting, positions = spread(200, 0, 1e4)
     (phi,) = NavigationFunction(Disks(setting), Goals(setting), setting.k)(positions[None])

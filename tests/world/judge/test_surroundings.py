@@ -126,8 +126,8 @@ def test_phi_is_one_where_a_thing_or_a_wall_is_touched():
 def test_no_contact_without_overlap():
     setting = crossing()
     disks_of = Disks(setting)
-    contacts = Contacts(disks_of)
+    contacts = Contacts()
     still = np.array([-0.5 + 0.15j])
-    contacts.add(0, disks_of.surroundings.gaps(still, still), still, still)
+    contacts.add(0, disks_of, disks_of.surroundings.gaps(still, still), still, still)
     assert contacts.all == []
     assert isinstance(setting.workspace.shape, ConvexPolygon)

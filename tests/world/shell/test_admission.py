@@ -152,8 +152,9 @@ class Lossy:
 
 def test_a_lost_reply_costs_nothing() -> None:
     fleet = LocalFleet([SWAP])
-    lossy = Lossy(fleet.robots[2], 2)
-    fleet.robots[2].node._bus = lossy  # type: ignore[union-attr]
+    bus = fleet.robots[2]
+    lossy = Lossy(bus, 2)
+    bus.node = RobotNode(lossy, fleet.run, 2)  # type: ignore[arg-type]
     report = fleet.execute()[0]
     assert lossy.losses < 0
     assert report["trajectory_sha256"] == LocalFleet([SWAP]).execute()[0]["trajectory_sha256"]

@@ -57,11 +57,12 @@ def _stretches(truths: Sequence[Truth]) -> Iterator[list[Truth]]:
 
 
 def _at_that_time(scenario: Scenario, truth: Truth) -> Scenario:
-    """With the robots that are there then; without things, if any of them is taken away."""
+    """With the robots that are there then; without things, if any of them is taken away, and without
+    parts, which come and go."""
     known = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
     taken = any(order.take is not None for order in scenario.orders)
     robots = tuple(known[robot] for robot in truth.robots)
-    return replace(scenario, robots=robots, things=() if taken else scenario.things)
+    return replace(scenario, robots=robots, things=() if taken else scenario.things, parts=())
 
 
 def _nearest(scenario: Scenario, truths: Sequence[Truth], faults: dict[str, Any]) -> Nearness:
@@ -122,6 +123,7 @@ def _niche(scenario: Scenario, nearest: str, lives: int) -> tuple[str, ...]:
         "walls" if scenario.workspace.points else "round",
         "points" if scenario.body == "point" else "bodies",
         "orders" if scenario.orders else "",
+        "parts" if scenario.parts else "",
         "near" if scenario.hears_near else "all",
         str(min(3, int(math.log2(len(scenario.robots))))),
     )

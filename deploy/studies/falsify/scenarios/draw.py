@@ -19,6 +19,7 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, network, sensing
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import sensible, stories
+from deploy.studies.falsify.scenarios.loads import loads
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
 from deploy.studies.falsify.scenarios.shifted import shifted
 from deploy.studies.falsify.scenarios.surroundings import around, things
@@ -63,6 +64,7 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
     body, robots = bodies(dice, scale, control.speed, robots)
     room = around(dice, workspace, robots)
     standing = things(dice, robots, workspace.disk_radius, room.shape)
+    parts, carrying = loads(dice, robots, standing, room.shape)
     faults = stories(dice, scale.robots, scale.ticks, scale.step)
     scenario = Scenario(
         robots,
@@ -78,6 +80,8 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
         body=body,
         network=network(dice, scale),
         things=standing,
+        parts=parts,
+        carrying=carrying,
         orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
     )
     try:

@@ -21,6 +21,7 @@ from deploy.studies.falsify.scenarios.disturbances import (
 from deploy.studies.falsify.scenarios.draw import LAWS, TICKS
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import moment, sensible, stories
+from deploy.studies.falsify.scenarios.loads import loads
 from deploy.studies.falsify.scenarios.places import drawn_together, fits
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
@@ -129,6 +130,16 @@ def _other_bodies(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
     place, robots = dice.whole(0, len(scenario.robots) - 1), scenario.robots
     one = replace(robots[place], body=one_body(dice, scale, speed))
     return replace(scenario, robots=(*robots[:place], one, *robots[place + 1 :]))
+
+
+# -- parts
+
+
+def _other_parts(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
+    """Parts drawn again, or none."""
+    room = scenario.workspace.shape
+    parts, carrying = loads(dice, scenario.robots, scenario.things, room, some=0.8)
+    return replace(scenario, parts=parts, carrying=carrying)
 
 
 # -- network and sensors
@@ -298,7 +309,7 @@ def _crossed(dice: Dice, scenario: Scenario, other: Scenario) -> Scenario:
 
 CHANGES: tuple[Change, ...] = (
     *(_shift_fault, _shift_fault, _shift_fault, _other_robot, _more_faults, _fewer_faults),
-    *(_shift_order, _shift_order, _shift_order, _more_orders, _fewer_orders, _other_bodies),
+    *(_shift_order, _shift_order, _shift_order, _more_orders, _fewer_orders, _other_bodies, _other_parts),
     *(_other_link, _other_link, _other_sensing, _other_sensing, _other_actuation, _other_network),
     *(_moved, _moved, _without_one, _other_pace, _other_chance, _other_chance, _crossed),
 )

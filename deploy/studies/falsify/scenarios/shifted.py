@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from protocol.scenario.model import Journey, Order, Point, RobotSpec, Scenario, Thing, Workspace
+from protocol.scenario.model import Journey, Order, Part, Point, RobotSpec, Scenario, Thing, Workspace
 
 
 def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
@@ -39,5 +39,6 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
         workspace=Workspace(points=tuple(map(moved, scenario.workspace.points))),
         robots=tuple(map(robot, scenario.robots)),
         things=tuple(map(thing, scenario.things)),
+        parts=tuple(Part(part.radius, moved(part.start), moved(part.goal)) for part in scenario.parts),
         orders=tuple(map(order, scenario.orders)),
     )

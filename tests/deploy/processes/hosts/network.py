@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
@@ -111,6 +112,12 @@ class Hosts:
         """Plug it in again."""
         _ip("-n", self._name(0), "link", "set", f"port{host}", "up")
 
+    def sent(self) -> dict[int, int]:
+        """Bytes that each host has sent to others so far, by host; all headers included."""
+        told = _ip("-n", self._name(0), "-s", "-j", "link", "show")
+        ports = {port["ifname"]: port["stats64"]["rx"]["bytes"] for port in json.loads(told)}
+        return {host: ports[f"port{host}"] for host in self._numbers}
+
     def _name(self, host: int) -> str:
         return f"{self._prefix}-{host}"
 
@@ -164,5 +171,5 @@ class Hosts:
             subprocess.run(["ip", "netns", "del", self._name(host)], capture_output=True, check=False)
 
 
-def _ip(*arguments: str) -> None:
-    subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True)
+def _ip(*arguments: str) -> str:
+    return subprocess.run(["ip", *arguments], check=True, capture_output=True, text=True).stdout

@@ -14,9 +14,10 @@ from protocol.messages import Result, Truth
 from protocol.wire.codec import decode
 
 
-def main(endpoint: str, run: str, keys: str) -> None:
+def main(endpoint: str, run: str, keys: str | None = None) -> None:
     """Tell every truth, and at last the result."""
-    bus = ZenohBus(Membership(Path(keys)).client("monitor", (endpoint,)))
+    membership = Membership(None if keys is None else Path(keys))
+    bus = ZenohBus(membership.client("monitor", (endpoint,)))
     for stream in ("truth", "result"):
         bus.subscribe(world_key(run, stream))
     bus.ask(world_key(run, "scenario"), b"", 60.0)

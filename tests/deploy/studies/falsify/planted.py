@@ -24,10 +24,12 @@ _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
     *("agents.lines.ends", "agents.lines.robot_pair"),
-    *("agents.lines.entries", "agents.lines.far_talk", "agents.lines.separating_lines"),
+    *("agents.lines.talk.entries", "agents.lines.talk.near", "agents.lines.talk.far"),
+    "agents.lines.separating_lines",
     *(
         "agents.roster",
         "agents.peers.link",
+        "agents.safety_filter",
         "agents.robot",
         "agents.node",
         "deploy.run.local",
@@ -120,6 +122,11 @@ def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
         self._inherited = ()
 
     owner._expect = expect
+
+
+def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot takes itself for the larger disk that a part needs, wherever it is."""
+    modules["agents.safety_filter"].SafetyFilter.has_room = lambda *_: True
 
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:

@@ -90,6 +90,8 @@ def _sharpest(corners: tuple[Point, ...] | None) -> float:
 
 
 EXPRESSED: dict[str, Callable[[Scenario], object]] = {
+    "a part larger than a robot": lambda s: any(p.radius > s.robots[0].radius for p in s.parts),
+    "parts, a kill and orders": lambda s: s.parts and s.orders and _events(s, "kill"),
     "one robot": lambda s: len(s.robots) == 1,
     "eight robots": lambda s: len(s.robots) == 8,
     "more": lambda s: len(s.robots) > 8,

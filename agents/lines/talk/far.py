@@ -1,8 +1,8 @@
 """What a robot says of lines to peers that it does not hear, in letters that the world hands on.
 
 A far pair keeps to the line that it has. Its owner offers another only when one of the two may soon reach
-that line, and one offer at a time. Where the peer is it knows from the last summary. Whatever is lost is said
-again in the next tick.
+that line, and one offer at a time. Where the peer is it knows from the last summary. What is not answered as
+soon as it can be is said again; an answer is said once for each time that it is asked for.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterable
 from typing import Final, final
 
 from agents.lines.ends import Follower, Owner
-from agents.lines.entries import answer_of, proposals_of
 from agents.lines.line import Line
 from agents.lines.placement import Disk, fit_line
 from agents.lines.robot_pair import RobotPair
+from agents.lines.talk.entries import answer_of, proposals_of
 from agents.peers.far import FarPicture
 from protocol.messages import Answer, Proposal
 
@@ -35,6 +35,8 @@ class FarTalk:
     def __init__(self, urgent: float) -> None:
         self.urgent = urgent
         self._open: dict[int, RobotPair] = {}
+        self._said: dict[int, RobotPair] = {}  # in the last tick; the answer cannot be there in the next
+        self._asked: dict[int, RobotPair] = {}  # in the tick before that
         self._picture: FarPicture | None = None
 
     def survey(self, picture: FarPicture, me: Disk, far: Iterable[RobotPair]) -> None:
@@ -51,12 +53,15 @@ class FarTalk:
 
     def drop(self, near: frozenset[int]) -> None:
         """These are heard; lines with them are talked about in States."""
-        self._open = {peer: pair for peer, pair in self._open.items() if peer not in near}
+        self._open, self._said, self._asked = (
+            {peer: pair for peer, pair in pairs.items() if peer not in near}
+            for pairs in (self._open, self._said, self._asked)
+        )
 
     def entries(
         self, me: Disk, fits: Callable[[Line], bool]
     ) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """What this tick's letters say.
+        """What this tick's letters say; to be asked for in every tick.
 
         Args:
             me: own disk, its radius with the error bound.
@@ -64,6 +69,8 @@ class FarTalk:
         """
         proposals: list[Proposal] = []
         answers: list[Answer] = []
+        self._open |= self._asked
+        self._asked, self._said = self._said, {}
         for peer in list(self._open)[:LETTERS]:
             pair = self._open.pop(peer)  # whoever is not done is put back, behind all others
             end = pair.end
@@ -73,15 +80,15 @@ class FarTalk:
                 answers.append(answer_of(pair))
                 pair.answers_left -= 1
                 if pair.answers_left > 0 or not pair.ready:
-                    self._open[peer] = pair
+                    self._said[peer] = pair
             elif not end.met:
                 answers.append(Answer(peer, end.peer_incarnation, 0, 0))  # which asks for an answer
-                self._open[peer] = pair
+                self._said[peer] = pair
             else:
                 self._consider(pair, end, me, fits)
                 if end.proposed:
                     proposals += proposals_of(pair)[-1:]
-                    self._open[peer] = pair
+                    self._said[peer] = pair
                 elif not end.linked:
                     self._open[peer] = pair
         return tuple(proposals), tuple(answers)

@@ -1,0 +1,81 @@
+"""The base of a robot that is not simulated, on the bus: what it is told, and what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from agents.bases.base import Base
+from agents.bases.start import misplaced
+from agents.robot import Robot
+from protocol.bus.bus import Bus
+from protocol.messages import Command, Sense, Tick
+
+
+class AttachedBase:
+    """One base, for one life of its robot after another.
+
+    Args:
+        base: the base.
+        bus: the process's own connection.
+        say: takes what a person should know.
+
+    Attributes:
+        keys: under which it is heard.
+        trouble: what was said last to be wrong with it; "" if nothing.
+        in_place: whether all was well with it, and the robot where it may begin, at least once.
+    """
+
+    def __init__(self, base: Base, bus: Bus, say: Callable[[str], None]) -> None:
+        self.keys = base.keys
+        self.trouble = ""
+        self.in_place = False
+        self._base, self._say = base, say
+        bus.subscribe(*base.keys)
+        self._tell = bus.foreign(base.tells)
+
+    @property
+    def due(self) -> float:
+        """When `wake` wants to be called next, s, monotonic."""
+        return self._base.due
+
+    def hear(self, key: str, payload: bytes, now: float) -> None:
+        """Something arrived under one of its keys."""
+        self._base.hear(key, payload, now)
+
+    def begin(self, core: Robot, tick: Tick, now: float) -> Sense | None:
+        """What base and localisation say as a tick begins; the core is told if they begin anew."""
+        sense = self._base.begin(tick, now)
+        if self._base.begins_anew():
+            core.begin_anew()
+        elif core.lost and not self._base.note:
+            self._base.doubt(core.note)
+        return sense
+
+    def obey(self, command: Command, now: float) -> None:
+        """Carry out the Command of the tick that began last; to be called before it is sent."""
+        self._base.obey(command, now)
+
+    def stand(self, core: Robot, now: float, *, founded: bool) -> None:
+        """Brake at once: no tick goes on. For the rest see `wake`."""
+        self._base.stand(now)
+        self.wake(core, now, founded=founded)
+
+    def wake(self, core: Robot, now: float, *, founded: bool) -> None:
+        """Tell the base what it has to be told by now, and people what is wrong with it.
+
+        Args:
+            core: the robot that it moves.
+            now: s, monotonic.
+            founded: whether the run had begun when the robot was admitted: it begins where its disk stands.
+        """
+        for payload in self._base.wake(now):
+            self._tell(payload)
+        trouble = self._base.note
+        if not self.in_place and not trouble:
+            known = self._base.place()
+            if known is not None and not founded:
+                trouble = misplaced(core.scenario, core.robot, *known)
+            self.in_place = not trouble
+        if trouble != self.trouble:
+            self.trouble = trouble
+            self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")

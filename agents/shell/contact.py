@@ -1,0 +1,119 @@
+"""The world as one robot's process hears it: when it spoke last, and for how long it may be gone."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from math import inf
+from typing import Final, final
+
+from protocol.bus.bus import Bus
+from protocol.errors import BusError, JoinError, MessageError
+from protocol.keys import robot_key
+from protocol.messages import Health
+from protocol.requests import joining
+
+PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
+RETRY: Final = 0.2  # s until the next question after one that was of no use
+_TIMEOUT = 2.0  # s that a question may take
+_BRIEF = 0.1  # s that it may take when the run is over: who asks does not hear that the world's token went
+_REFUSALS = 5  # a dead predecessor's token may take a moment to go
+
+
+@final
+class Contact:
+    """Requests to join, and the world's token.
+
+    Args:
+        bus: the process's own connection.
+        run: name of the run.
+        robot: own id.
+        patience: s, see PATIENCE.
+        wait: s that there may be no world yet.
+        say: takes what a person should know.
+
+    Attributes:
+        heard: when the world was heard last, s, monotonic.
+        back: whether it was gone and has come back, and may have ended this life meanwhile without being
+            heard.
+    """
+
+    def __init__(
+        self, bus: Bus, run: str, robot: int, patience: float, wait: float, say: Callable[[str], None]
+    ) -> None:
+        self.heard = time.monotonic()
+        self.back = False
+        self._bus, self._run, self._robot, self._say = bus, run, robot, say
+        self._session = os.urandom(8).hex()
+        self._patience = patience
+        self._bearable, self._timeout = wait, _TIMEOUT  # s that nobody may answer, and one question may take
+        self._away = 0.0  # s that the world may be gone and still come back, as it said itself
+        self._gone = inf  # s, monotonic: since when its token is missing
+        self._refused = 0
+
+    def ask(self, health: Health | None) -> joining.Reply | None:
+        """Ask to take part, with `health` if an incarnation of this process has ended. To ask without it
+        changes nothing for one that goes on, and finds out whether it does.
+
+        Returns the answer; None if it is worth while to ask again a little later.
+
+        Raises:
+            JoinError: the world refuses this id.
+            BusError: the world is gone, or was never there.
+        """
+        request = joining.encode_request(joining.Join(self._robot, self._session, health))
+        try:
+            reply = joining.decode_reply(self._ask(request))
+        except (BusError, MessageError) as error:
+            if time.monotonic() <= self.heard + self._bearable:
+                return None  # not there yet, cut off for a moment, or the reply was lost
+            text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
+            raise BusError(text) from error
+        self.heard = time.monotonic()
+        if isinstance(reply, joining.Refusal):
+            self._refused += 1
+            if self._refused >= _REFUSALS:
+                raise JoinError(reply.text)
+            return None
+        return reply
+
+    def _ask(self, request: bytes) -> bytes:
+        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
+
+    def admitted(self, away: float) -> None:
+        """An incarnation begins in a run whose world may be gone for `away` seconds and still come back."""
+        self._away, self._refused, self.back = away, 0, False
+        self._bearable, self._timeout = max(self._patience, away), _TIMEOUT
+
+    def over(self) -> None:
+        """The run is over: the world may leave at any moment, and is waited for only if it may be back."""
+        self._bearable, self._timeout = max(_TIMEOUT, self._away), _BRIEF
+
+    @property
+    def may_return(self) -> bool:
+        """Whether the world said that it may be gone and come back."""
+        return self._away > 0.0
+
+    def on_token(self, alive: bool) -> None:
+        """The world's token came or went. While it is missing nothing is executed: the robot stands still."""
+        if not alive:
+            self._gone = time.monotonic()
+            self._say(f"the world of run {self._run!r} is gone; stands still")
+            return
+        if self._gone < inf:
+            self._say(f"the world of run {self._run!r} is back")
+            self.back = True
+        self._gone = inf
+
+    def check(self, now: float) -> None:
+        """Look whether the world is there at `now`, s.
+
+        Raises:
+            BusError: it has been gone for too long, or gives no sign of life.
+        """
+        if now > self._gone + self._bearable:
+            raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
+        if now > self.heard + self._patience and self._gone == inf:
+            self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
+            self.heard = time.monotonic()

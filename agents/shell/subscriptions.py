@@ -1,0 +1,88 @@
+"""Whose States one robot's process is subscribed to, and what reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import final
+
+from agents.peers.reader import PeerReader
+from protocol.bus.bus import Bus
+from protocol.keys import robot_key
+from protocol.messages import Roster
+from protocol.requests.joining import Admission
+
+
+@final
+class Subscriptions:
+    """Of all peers, or of those who are near.
+
+    Args:
+        bus: the process's own connection.
+        run: name of the run.
+        robot: own id.
+
+    Attributes:
+        readers: by the key of the State.
+    """
+
+    def __init__(self, bus: Bus, run: str, robot: int) -> None:
+        self.readers: dict[str, PeerReader] = {}
+        self._bus, self._run, self._robot = bus, run, robot
+        self._radii: dict[int, float] = {}  # of all others, m
+        self._oldest: Mapping[int, int] = {}  # first incarnations in this run
+        self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
+        self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
+
+    def begin(self, admission: Admission) -> None:
+        """An incarnation begins: hear everybody, unless the world will say who is near."""
+        scenario = admission.scenario
+        self._radii = {spec.id: spec.radius for spec in scenario.robots if spec.id != self._robot}
+        self._oldest, self._near = admission.oldest, frozenset()
+        self.readers = {}
+        for peer in () if scenario.hears_near else self._radii:
+            self._know(peer)
+        self._subscribe(self.readers)
+
+    def on_roster(self, roster: Roster, *, everybody: bool) -> None:
+        """Hear who has joined the fleet since this process was admitted, if `everybody` is heard; who is
+        heard may be another disk."""
+        for member in roster.members:
+            peer, radius = member.robot, member.radius
+            if peer == self._robot or self._radii.get(peer) == radius:
+                continue
+            self._radii[peer] = radius
+            if everybody or self._key(peer) in self.readers:
+                self._subscribe((self._know(peer),))
+
+    def attend(self, near: Iterable[int]) -> None:
+        """Hear those who will be near, and for a while those who were."""
+        before, self._near = self._near, frozenset(near)
+        keys = {peer: self._key(peer) for peer in sorted(self._near | before)}
+        for peer, key in keys.items():
+            if peer in self._near and peer in self._radii and key not in self.readers:
+                self._know(peer)
+        kept = frozenset(keys.values())
+        self._subscribe([key for key in self.readers if key in kept])
+        for key in sorted(self._heard - kept):
+            self._bus.unsubscribe(key)
+            self._heard.discard(key)
+            self.readers.pop(key, None)
+
+    def _key(self, peer: int) -> str:
+        return robot_key(self._run, peer, "state")
+
+    def _know(self, peer: int) -> str:
+        """Be ready to read the States of a peer; their key."""
+        key = self._key(peer)
+        known = self.readers.get(key)
+        index = len(self.readers) if known is None else known.index
+        oldest = self._oldest.get(peer, 0)
+        self.readers[key] = PeerReader(self._robot, peer, self._radii[peer], oldest, index)
+        return key
+
+    def _subscribe(self, keys: Iterable[str]) -> None:
+        """Each once."""
+        fresh = [key for key in keys if key not in self._heard]
+        if fresh:
+            self._bus.subscribe(*fresh)
+            self._heard.update(fresh)

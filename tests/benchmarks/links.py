@@ -1,0 +1,174 @@
+"""Bytes on the links between hosts, with robots that hear near ones only and with such that hear everybody.
+
+Hosts are network namespaces at a switch, with a router each. Robots go for ever between random places in a
+part of the workspace of their own host's. Counted is what hosts send, frames with all their headers, after
+the first two seconds; `bytes` are of all links together, per tick and robot. Needs root and iproute2.
+
+    python -m tests.benchmarks.links --hosts 4 --robots 64
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import pickle
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Literal, NamedTuple
+
+from deploy.library.load import resolved
+from deploy.library.random_instances import random_instance
+from deploy.processes import table
+from deploy.run.options import fresh_run_name
+from protocol.bus.connection import Connection
+from protocol.draws import Purpose, generator
+from protocol.scenario.model import Journey, Network, Order, Point, Scenario
+from tests.deploy.processes.hosts.network import Hosts, unable
+
+_LEGS = 6  # goals of each robot, which it goes to in turn for ever
+_WARM = 2.0  # s of simulated time before bytes are counted
+_PORT = 7447
+_START = 60.0  # s
+
+Interest = Literal["near", "all"]
+
+
+def homes(scenario: Scenario, hosts: int) -> dict[int, int]:
+    """Which host each robot is on, from 1 on: parts of the workspace with as many robots each."""
+    found: dict[int, int] = {}
+
+    def divide(robots: list[tuple[Point, int]], first: int, count: int, axis: int) -> None:
+        if count == 1:
+            found.update((robot, first) for _, robot in robots)
+            return
+        robots.sort(key=lambda each: (each[0][axis], each[1]))
+        half = count // 2
+        middle = len(robots) * half // count
+        divide(robots[:middle], first, half, 1 - axis)
+        divide(robots[middle:], first + half, count - half, 1 - axis)
+
+    divide([(spec.start, spec.id) for spec in scenario.robots], 1, hosts, 0)
+    return found
+
+
+def in_blocks(robots: int, hosts: int, seconds: float, network: Network, seed: int = 0) -> Scenario:
+    """Random robots for ever under way between the starts of all that are on the same host."""
+    instance = random_instance(robots, seed)
+    at = homes(instance, hosts)
+    random = generator(seed, Purpose.SCENARIO, 9)
+    legs: dict[int, list[Point]] = {spec.id: [] for spec in instance.robots}
+    for host in range(1, hosts + 1):
+        block = [spec for spec in instance.robots if at[spec.id] == host]
+        for _ in range(_LEGS):
+            for spec, other in zip(block, random.permutation(len(block)), strict=True):
+                legs[spec.id].append(block[other].start)
+    orders = tuple(
+        Order(0.0, goal=Journey(robot, tuple(points), patrol=True)) for robot, points in legs.items()
+    )
+    clock = replace(instance.time, limit=seconds)
+    return resolved(replace(instance, time=clock, orders=orders, network=network))
+
+
+class Row(NamedTuple):
+    """What crossed the links."""
+
+    robots: int
+    hosts: int
+    interest: Interest
+    ticks: int
+    sent: Mapping[int, int]  # bytes, by host
+    sha256: str
+
+    @property
+    def each(self) -> float:
+        """Bytes per tick and robot, of all links."""
+        return sum(self.sent.values()) / self.ticks / self.robots
+
+
+def measure(scenario: Scenario, count: int) -> Row:
+    """One run over `count` hosts, in lock-step."""
+    run = fresh_run_name()
+    with TemporaryDirectory(prefix="disknav-") as name, Hosts(count, Path(name) / "log") as hosts:
+        folder, told = Path(name), None
+        for host, rows in _tables(scenario, run, hosts, count).items():
+            path = folder / f"{host}.pickle"
+            path.write_bytes(pickle.dumps(rows))
+            starter = hosts.start(host, [sys.executable, "-m", "tests.benchmarks.one_host", str(path)])
+            assert starter.stdout is not None
+            if host == 1:
+                observer = "tests.deploy.processes.hosts.observer"
+                told = hosts.start(1, [sys.executable, "-m", observer, _router(hosts, 1), run]).stdout
+            assert starter.stdout.readline() == "ready\n", (folder / "log").read_text()
+        assert told is not None
+        return _followed(scenario, count, hosts, map(json.loads, told))
+
+
+def _tables(scenario: Scenario, run: str, hosts: Hosts, count: int) -> dict[int, list[table.Process]]:
+    """Rows by host; the world is on the first."""
+    at = homes(scenario, count)
+    rows: dict[int, list[table.Process]] = {}
+    for host in range(1, count + 1):
+        before = tuple(_router(hosts, other) for other in range(1, host))
+        here = Connection("client", (_router(hosts, host),), timeout=_START)
+        router = Connection("router", before, (_router(hosts, host),))
+        rows[host] = [table.linked_router(router, str(host))]
+        rows[host] += [table.world(here, run, [scenario], True)] * (host == 1)
+        rows[host] += [table.robot(here, run, robot) for robot in scenario.ids if at[robot] == host]
+    return rows
+
+
+def _router(hosts: Hosts, host: int) -> str:
+    return f"tcp/{hosts.address(host)}:{_PORT}"
+
+
+def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[str, object]]) -> Row:
+    begin, end = scenario.ticks(_WARM), scenario.ticks(scenario.time.limit) - 1
+    first: tuple[int, dict[int, int]] | None = None
+    last: tuple[int, dict[int, int]] | None = None
+    for each in told:
+        tick = each.get("tick", 0)
+        assert isinstance(tick, int)
+        if tick >= begin and first is None:
+            first = tick, hosts.sent()
+        elif tick >= end and last is None:
+            last = tick, hosts.sent()
+        report = each.get("report")
+        if isinstance(report, dict) and first is not None and last is not None:
+            sent = {host: last[1][host] - first[1][host] for host in last[1]}
+            interest: Interest = "near" if scenario.hears_near else "all"
+            robots, ticks = len(scenario.robots), last[0] - first[0]
+            return Row(robots, count, interest, ticks, sent, str(report["trajectory_sha256"]))
+    raise RuntimeError("the run ended before its time")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robots", type=int, nargs="+", default=[64])
+    parser.add_argument("--hosts", type=int, default=4)
+    parser.add_argument("--seconds", type=float, default=12.0, help="of simulated time")
+    chosen = parser.parse_args(arguments)
+    if (problem := unable()) is not None:
+        parser.error(problem)
+    print("robots  hosts  interest   bytes  ratio   world's host   largest other")
+    for robots in chosen.robots:
+        rows = [
+            measure(in_blocks(robots, chosen.hosts, chosen.seconds, Network(interest)), chosen.hosts)
+            for interest in ("all", "near")
+        ]
+        for row in rows:
+            world, *others = (row.sent[host] / row.ticks for host in sorted(row.sent))
+            print(
+                f"{row.robots:6d}  {row.hosts:5d}  {row.interest:>8}  {row.each:6.0f}"
+                f"  {row.each / rows[0].each:5.3f}  {world:13.0f}  {max(others):14.0f}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""The processes of one host: started from a pickled list of rows, in order; ended by SIGTERM.
+
+What is needed by others on other hosts reports, and is waited for.
+"""
+
+from __future__ import annotations
+
+import pickle
+import signal
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from deploy.processes.supervisor import Supervisor
+from protocol.bus.drive import Stop, stop_on_signal
+
+_START = 30.0  # s for a process to say that it is ready
+
+
+def main(table: str) -> None:
+    """Say `ready` once all are started, then wait for the end."""
+    with suppress(Stop), stop_on_signal(), Supervisor() as supervisor:
+        for row in pickle.loads(Path(table).read_bytes()):
+            supervisor.start([row])
+            if row.reports:
+                supervisor.report(row.name, _START)
+        print("ready", flush=True)
+        while True:
+            signal.pause()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
