@@ -13,8 +13,10 @@ from protocol.geometry import Disk, Shape
 
 Vector = tuple[float, float]
 Reals = NDArray[np.float64]
+Cells = NDArray[np.bool_]
 
 _NEAR: Final = 2  # cells around a point that stand for its own where that is not free
+_SAG: Final = 1.0 / 16.0  # of a cell: room for what steps between cells, and straight ways, cut off
 _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -34,14 +36,18 @@ class Grid:
             np.arange(left, right + size, size), np.arange(low, high + size, size), indexing="ij"
         )
         self.room = room
-        self._depth = self._inside()
+        self._depth = depth(room, self.x, self.y)
 
-    def clear(self, shapes: Iterable[Shape], radius: float) -> NDArray[np.bool_]:
+    def clear(self, shapes: Iterable[Shape], radius: float) -> Cells:
         """Cells in which a disk of `radius` (m) is inside, and overlaps none of the shapes."""
-        free: NDArray[np.bool_] = self._depth >= radius
+        free: Cells = self._depth >= radius + _SAG * self.size
         for shape in shapes:
-            free &= self._away(shape) >= radius
+            free &= ~self.blocked(shape, radius)
         return free
+
+    def blocked(self, shape: Shape, radius: float) -> Cells:
+        """Cells in which a disk of `radius` (m) overlaps a shape."""
+        return np.asarray(away(shape, self.x, self.y) < radius + _SAG * self.size)
 
     def cell(self, point: Vector) -> tuple[int, int]:
         """Which cell a point is in."""
@@ -49,7 +55,7 @@ class Grid:
         j = round((point[1] - self._low) / self.size)
         return min(max(i, 0), self.x.shape[0] - 1), min(max(j, 0), self.x.shape[1] - 1)
 
-    def ways(self, free: NDArray[np.bool_], begin: Sequence[Vector]) -> Reals:
+    def ways(self, free: Cells, begin: Sequence[Vector]) -> Reals:
         """How far it is from the nearest of some points to every cell through free ones, m; infinite where
         there is no way."""
         far = np.full(free.shape, np.inf)
@@ -87,7 +93,7 @@ class Grid:
                 return points
             cell = min(self._beside(cell), key=lambda each: (far[each], each))
 
-    def sees(self, free: NDArray[np.bool_], one: Vector, other: Vector) -> bool:
+    def sees(self, free: Cells, one: Vector, other: Vector) -> bool:
         """Whether all cells on the straight way between two points are free, up to one beside each."""
         length = math.dist(one, other)
         count = max(1, math.ceil(length / self.size))
@@ -98,7 +104,7 @@ class Grid:
                 return False
         return True
 
-    def _near(self, free: NDArray[np.bool_], point: Vector) -> tuple[int, int] | None:
+    def _near(self, free: Cells, point: Vector) -> tuple[int, int] | None:
         """The cell of a point, or the nearest free one not far from it."""
         i, j = self.cell(point)
         if free[i, j]:
@@ -116,16 +122,16 @@ class Grid:
         around = [(cell[0] + dx, cell[1] + dy) for dx, dy in _STEPS]
         return [(i, j) for i, j in around if 0 <= i < shape[0] and 0 <= j < shape[1]]
 
-    def _inside(self) -> Reals:
-        """How deep each cell is in the room, m."""
-        if isinstance(self.room, Disk):
-            return np.asarray(self.room.radius - np.hypot(self.x - self.room.x, self.y - self.room.y))
-        depths = [offset - nx * self.x - ny * self.y for nx, ny, offset in self.room.sides]
-        return np.asarray(np.minimum.reduce(depths))
 
-    def _away(self, shape: Shape) -> Reals:
-        """How far each cell is from a shape, m; beside corners at least that."""
-        if isinstance(shape, Disk):
-            return np.asarray(np.hypot(self.x - shape.x, self.y - shape.y) - shape.radius)
-        sides = [nx * self.x + ny * self.y - offset for nx, ny, offset in shape.sides]
-        return np.asarray(np.maximum.reduce(sides))
+def depth(room: Shape, x: Reals, y: Reals) -> Reals:
+    """How deep points are in a room, m."""
+    if isinstance(room, Disk):
+        return np.asarray(room.radius - np.hypot(x - room.x, y - room.y))
+    return np.asarray(np.minimum.reduce([offset - nx * x - ny * y for nx, ny, offset in room.sides]))
+
+
+def away(shape: Shape, x: Reals, y: Reals) -> Reals:
+    """How far points are from a shape, m; beside corners at least that."""
+    if isinstance(shape, Disk):
+        return np.asarray(np.hypot(x - shape.x, y - shape.y) - shape.radius)
+    return np.asarray(np.maximum.reduce([nx * x + ny * y - offset for nx, ny, offset in shape.sides]))

@@ -1,8 +1,7 @@
 """How a mover gets along: by the shortest way among what stands, out of the way of whoever goes first.
 
-Whoever carries a part goes before who fetches one, and that one before who has nothing to do; of two of a
-kind the lower id goes first. Everybody reckons the others' ways by itself, from where they are and what they
-claim. Nothing here is needed for safety: lines see to that.
+Everybody reckons the others' ways by itself, from where they are and what they claim. Nothing here is needed
+for safety: lines see to that.
 """
 
 from __future__ import annotations

@@ -149,7 +149,7 @@ def _scattered(
     """Boxes that keep clear of some places; they may overlap each other."""
     found: list[Thing] = []
     for _ in range(_TRIES):
-        x, y, along, across, turn = random.random(5)
+        x, y, along, across, turn = map(float, random.random(5))
         ahead, aside = (0.5 * (sides[0] + part * (sides[1] - sides[0])) for part in (along, across))
         centre = ((2.0 * x - 1.0) * reach, (2.0 * y - 1.0) * reach)
         thing = Thing(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))

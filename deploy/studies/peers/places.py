@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
-from deploy.library.among_things import blocks
+from deploy.library.among_things import blocks, boxes, forest
 from deploy.library.goal_sets import figure_3
 from deploy.library.load import resolved
 from deploy.library.random_instances import PAPER_DENSITY, random_instance
@@ -15,7 +15,7 @@ from deploy.library.swaps import circle, swap
 from deploy.studies.study import Build
 from protocol.scenario.model import Link, Scenario
 
-Group = Literal["fresh", "late", "RVO2"]
+Group = Literal["fresh", "late", "RVO2", "boxes"]
 
 LIMIT = 60.0  # s of simulated time
 DEADLOCK = 10.0  # s without anybody moving
@@ -30,13 +30,13 @@ CIRCLE_JITTER = 0.5  # m, the same in proportion on RVO2's circle
 class Place:
     """A scenario of a seed, and the one-way delay of states in it, s.
 
-    foreign: another's, with its own lengths, speed, period and limits.
+    foreign: of which benchmarks of others it is, with its own lengths, speed, period and limits.
     """
 
     name: str
     build: Build
     delay: float = 0.0
-    foreign: bool = False
+    foreign: Group | None = None
 
     @property
     def label(self) -> str:
@@ -46,11 +46,11 @@ class Place:
     @property
     def group(self) -> Group:
         """Places in which the same settings are tried."""
-        return "RVO2" if self.foreign else "late" if self.delay else "fresh"
+        return self.foreign or ("late" if self.delay else "fresh")
 
 
 def places() -> list[Place]:
-    """Tight goal sets, swaps and crowds, also with delays; the largest and RVO2's last."""
+    """Tight goal sets, swaps and crowds, also with delays; the largest and those of others last."""
     tight, ten = partial(figure_3, "d"), partial(swap, 10, JITTER)
     late = [Place(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
     return [
@@ -65,8 +65,10 @@ def places() -> list[Place]:
         Place("swap 24", partial(swap, 24, JITTER)),
         *(_crowd(24, density) for density in DENSITIES),
         *(_crowd(24, PAPER_DENSITY, delay) for delay in CROWD_DELAYS),
-        *(Place(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), foreign=True) for n in (50, 100, 250)),
-        Place("Blocks", partial(blocks, 100), foreign=True),
+        *(Place(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), foreign="RVO2") for n in (50, 100, 250)),
+        Place("Blocks", partial(blocks, 100), foreign="RVO2"),
+        Place("forest 10", partial(forest, 10), foreign="boxes"),
+        Place("boxes 20", partial(boxes, 20), foreign="boxes"),
     ]
 
 

@@ -42,7 +42,7 @@ NAMES = {  # of the laws, for people
 # As many settings for either method. A barrier's gain times the period is at most 1. Where states are late a
 # margin has to cover what they miss: in m, up to what a robot drives in 150 and in 300 ms. Horizon 1 s and
 # gain 20 per s are left out there for the sake of more margins. RVO2's robots take 2.5 times as long as those
-# of a swap to move by their radius.
+# of a swap to move by their radius; those among boxes a third of that, or less.
 Scan = dict[str, tuple[float, ...]]
 SCANS: dict[Group, dict[str, Scan]] = {
     "fresh": {
@@ -65,6 +65,7 @@ SCANS: dict[Group, dict[str, Scan]] = {
         "orca": {"horizon": (2.5, 5.0, 10.0), "symmetry_noise": (0.1, 0.3)},
         "barrier": {"barrier_gain": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.6)},
     },
+    "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"barrier_gain": (1.0, 2.0, 4.0)}},
 }
 COLUMNS = {
     "scenario": "",

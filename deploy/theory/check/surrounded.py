@@ -11,6 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from agents.movers.places import Floor
 from agents.movers.plan import Planner
 from agents.navigation.route import Route, way_points
 from deploy.theory.check.scope import Theorem, theorem_for
@@ -118,9 +119,14 @@ def _clearance(scenario: Scenario, which: str) -> float:
 
 
 def _has_order(scenario: Scenario) -> bool:
-    """Whether some robot alone could bring one part after another to its goal."""
-    floor = {number: part.start for number, part in enumerate(scenario.parts, 1)}
-    return any(Planner(scenario, each.radius).solvable(floor, each.start, []) for each in scenario.robots)
+    """Whether robots could bring one part after another to its goal."""
+    floor = Floor(
+        {number: part.start for number, part in enumerate(scenario.parts, 1)},
+        tuple(thing.shape for thing in scenario.things),
+    )
+    starts = [each.start for each in scenario.robots]
+    radii = {each.radius for each in scenario.robots}
+    return any(Planner(scenario, radius).orders.exists(floor, starts) for radius in radii)
 
 
 def _unreachable(scenario: Scenario) -> list[int]:

@@ -1,10 +1,11 @@
-"""What must hold of parts: at the start, and at the end, they overlap nothing."""
+"""What must hold of parts: at the start, and at the end, they overlap nothing; and who can carry them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
 from protocol.geometry import Disk, Shape
+from protocol.scenario.checks.bodies import fields_of, robots_of
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.checks.space import Placed, shapes_of
 from protocol.scenario.shape import Finding
@@ -13,11 +14,11 @@ _ENDS = ("start", "goal")
 
 
 def part_findings(sound: Sound, room: Shape | None, robots: Iterable[Placed]) -> Iterator[Finding]:
-    """Parts that this plant does not move, that are outside, or that overlap a thing, a robot or another part
-    where both begin, or end."""
+    """Parts that nobody in this scenario carries, that are outside, or that overlap a thing, a robot or
+    another part where both begin, or end."""
     placed, things = list(robots), list(shapes_of(sound))
-    if sound.size("parts") and (plant := sound.get("world", "plant", default="integrator")) != "integrator":
-        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
+    if sound.size("parts"):
+        yield from _carriers(sound)
     for end in _ENDS:
         others: list[tuple[str, Shape]] = [
             (each.name, each.disk) for each in placed if each.name.startswith(f"the {end} of")
@@ -31,6 +32,20 @@ def part_findings(sound: Sound, room: Shape | None, robots: Iterable[Placed]) ->
             for text in _texts(disk, room, others):
                 yield ("parts", index, end), text
             others.append((f"the {end} of part {index + 1}", disk))
+
+
+def _carriers(sound: Sound) -> Iterator[Finding]:
+    """What does not go together with parts."""
+    plant = sound.get("world", "plant", default="integrator")
+    if plant != "integrator":
+        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
+    for robot in robots_of(sound):
+        own = sound.get(*robot, "body")
+        body = fields_of(sound.get("body") if own is None else own)
+        if body.get("kind", "point") != "point":
+            yield (*robot, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
+    if sound.get("network", "interest") == "near":
+        yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
 
 
 def _texts(disk: Disk, room: Shape | None, others: Sequence[tuple[str, Shape]]) -> Iterator[str]:

@@ -14,7 +14,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Scenario, World
+from protocol.scenario.model import Network, Scenario, World
 from world.shell.journal import Journal
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
@@ -89,9 +89,17 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
         validated(replace(SCENARIO, parts=(replace(first, **change), *others)))
 
 
-def test_parts_need_a_plant_that_knows_of_them() -> None:
-    with pytest.raises(ScenarioError, match="integrator"):
-        validated(replace(SCENARIO, world=World("mujoco")))
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"world": World("mujoco")}, 'parts: .*"integrator" only'),
+        ({"body": "turtlebot3-burger"}, 'robots.0..body: .* "point"'),
+        ({"network": Network("near")}, "network.interest: .*everybody"),
+    ],
+)
+def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str) -> None:
+    with pytest.raises(ScenarioError, match=text):
+        validated(replace(SCENARIO, **change))
 
 
 @pytest.mark.process

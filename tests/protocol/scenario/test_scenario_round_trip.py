@@ -116,7 +116,8 @@ def test_every_field_is_written() -> None:
         "robots": (RobotSpec(1, 0.06, (0.0, 0.0), (0.1, 0.0)),),
     }
     assert said.keys() == {field.name for field in fields(Scenario)}
-    for otherwise in ({"parts": ()}, {"world": World()}):  # one plant moves parts
+    plain: dict[str, Any] = {"world": World(), "body": "point", "base": None, "network": Network()}
+    for otherwise in ({"parts": ()}, plain):  # not everything goes together with parts
         scenario = Scenario(**(said | otherwise))
         assert parse_toml(write_toml(scenario)) == scenario
 

@@ -19,6 +19,8 @@ from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import execute
 from deploy.studies.study import Cell
 from protocol.errors import UsageError
+from protocol.requests import joining
+from protocol.requests.joining import Admission
 
 pytest.importorskip("pyrvo")
 pytest.importorskip("daqp")
@@ -175,11 +177,12 @@ def test_a_collision_behind_separating_lines_is_not_sound() -> None:
 
 def test_all_places_can_be_built_and_differ_only_in_the_law() -> None:
     labels = [place.label for place in places()]
-    assert len(set(labels)) == len(labels) == 28
+    assert len(set(labels)) == len(labels) == 30
     for place in places():
         one, other = (
             contest(place, LAWS[law] | next(settings(law, place.group)), 3) for law in SCANS[place.group]
         )
+        assert joining.decode_reply(joining.encode_reply(Admission(1, True, one))).scenario == one
         assert (one.robots, one.link, one.time) == (other.robots, other.link, other.time)
         assert one.link.delay == place.delay
         assert one.control.speed == other.control.speed

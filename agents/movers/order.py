@@ -1,0 +1,125 @@
+"""Whether there is an order in which one part after another gets to its goal.
+
+Some robot takes up a part that it gets beside, brings it straight to its goal as one larger disk, and puts it
+down; the others are not in its way meanwhile. What matters of where a robot is, is which cells it gets to:
+the search goes through all orders, and all such sets of cells, once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from agents.movers.places import Floor, Places
+from agents.movers.reach import Reach
+
+Vector = tuple[float, float]
+_Regions = tuple[int, ...]  # cells that each robot gets to, ascending
+_State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
+
+MOST: Final = 500  # states of the floor that one search looks at
+_KEPT: Final = 20_000  # states whose outcome is remembered
+
+
+class Orders:
+    """Orders for robots of one radius."""
+
+    def __init__(self, places: Places, reach: Reach) -> None:
+        self._places, self._reach = places, reach
+        self._known: dict[_State, bool] = {}
+
+    def exists(self, floor: Floor, robots: Sequence[Vector]) -> bool:
+        """Whether robots at these places (m) could bring all parts to their goals, without those whose goals
+        are barred for good."""
+        return self._found(floor, self._regions(floor, robots))
+
+    def leads_on(self, part: int, floor: Floor, robot: Vector, others: Sequence[Vector]) -> bool:
+        """Whether there is such an order that begins with a robot and a part."""
+        after = floor.moved(part, self._goal(part))
+        (own,), rest = self._regions(floor, [robot]), self._regions(after, others)
+        outcomes = self._outcomes(part, floor, own)
+        return any(self._found(after, tuple(sorted((*rest, each)))) for each in outcomes)
+
+    def can_fetch(self, part: int, floor: Floor, robot: Vector) -> bool:
+        """Whether a robot gets beside a part, and from there to its goal with it."""
+        (own,) = self._regions(floor, [robot])
+        return any(True for _ in self._outcomes(part, floor, own))
+
+    def can_deliver(self, part: int, floor: Floor, robot: Vector) -> bool:
+        """Whether a robot that has a part in hand gets to its goal with it."""
+        return bool(self._ends(part, floor, [robot]))
+
+    def _regions(self, floor: Floor, robots: Sequence[Vector]) -> _Regions:
+        """Where robots get to that carry nothing."""
+        free = self._reach.clear(self._places.standing(floor), self._places.radius)
+        return tuple(sorted(self._reach.spread(free, [robot]) for robot in robots))
+
+    def _found(self, floor: Floor, regions: _Regions) -> bool:
+        """What one search finds; one that was cut short has found nothing, and is not made again."""
+        found = self._search(floor, regions, [MOST])
+        self._known[self._state(floor, regions)] = found
+        return found
+
+    def _state(self, floor: Floor, regions: _Regions) -> _State:
+        return tuple(sorted(floor.parts.items())), (*floor.others, *sorted(floor.held)), regions
+
+    def _search(self, floor: Floor, regions: _Regions, budget: list[int]) -> bool:
+        left = [part for part in sorted(floor.parts) if not self._is_done(part, floor)]
+        if not left:
+            return True
+        state = self._state(floor, regions)
+        if state in self._known:
+            return self._known[state]
+        if budget[0] <= 0:
+            return False
+        budget[0] -= 1
+        found = any(
+            self._search(floor.moved(part, self._goal(part)), after, budget)
+            for part in left
+            for after in self._turns(part, floor, regions)
+        )
+        if found or budget[0] > 0:
+            if len(self._known) >= _KEPT:
+                self._known.clear()
+            self._known[state] = found
+        return found
+
+    def _is_done(self, part: int, floor: Floor) -> bool:
+        return self._places.is_home(part, floor) or self._places.is_barred(part, floor)
+
+    def _turns(self, part: int, floor: Floor, regions: _Regions) -> Iterator[_Regions]:
+        """Where robots may get to when one of them has brought a part to its goal."""
+        after = floor.moved(part, self._goal(part))
+        free = self._reach.clear(self._places.standing(after), self._places.radius)
+        for region in sorted(set(regions)):
+            others = list(regions)
+            others.remove(region)
+            for own in self._outcomes(part, floor, region):
+                yield tuple(sorted((own, *(self._reach.widest(free, each) for each in others))))
+
+    def _outcomes(self, part: int, floor: Floor, region: int) -> Iterator[int]:
+        """Where a robot may get to, each once, when it has brought a part to its goal."""
+        begins = [at for at in self._places.to_take(part, floor) if self._reach.holds(region, at)]
+        if not begins:
+            return
+        ends = self._ends(part, floor.without(part), begins)
+        after = floor.moved(part, self._goal(part))
+        free = self._reach.clear(self._places.standing(after), self._places.radius)
+        seen = 0
+        for end in ends:
+            if not self._reach.holds(seen, end):
+                own = self._reach.spread(free, [end])
+                seen |= own
+                yield own
+
+    def _ends(self, part: int, floor: Floor, begins: list[Vector]) -> list[Vector]:
+        """Where a part can be put down at its goal that is carried from one of some places."""
+        ends = self._places.to_put(part, self._goal(part), floor)
+        if not ends:
+            return []
+        shapes, loaded = self._places.standing(floor), self._places.loaded(part)
+        carried = self._reach.spread(self._reach.clear(shapes, loaded), begins)
+        return [end for end in ends if self._reach.holds(carried, end)]
+
+    def _goal(self, part: int) -> Vector:
+        return self._places.parts[part].goal

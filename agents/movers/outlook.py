@@ -1,0 +1,131 @@
+"""What a robot sees of parts and of its peers in one tick."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+from copy import copy
+from dataclasses import replace
+
+from agents.movers.places import Floor
+from agents.peers.state import PeerState
+from agents.roster import KnownRoster
+from protocol.geometry import Disk, Shape
+from protocol.messages import Claim, Member
+from protocol.scenario.model import Scenario
+
+Vector = tuple[float, float]
+
+
+class Outlook:
+    """One tick.
+
+    Args:
+        scenario: the run, with the radii of robots that carry nothing.
+        peers: what others said last.
+        standing: disks of robots that stand.
+
+    Attributes:
+        carriers: which part a robot has, of those whose lives are not over.
+        things: as which things parts stand.
+        floor: where they do.
+        peers: whose lives are not over.
+        claims: which part of the scenario they claim.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        roster: KnownRoster,
+        peers: Sequence[PeerState],
+        standing: Iterable[Member],
+    ) -> None:
+        self._scenario = scenario
+        stand = {each.robot: each for each in standing}
+        carried = {each.carrier: each.part for each in roster.parts if each.carrier}
+        self.peers = [state for state in peers if state.robot not in stand]
+        self.claims = self._claims()
+        self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
+        self.things = {each.part: each.thing for each in roster.parts if not each.carrier}
+        fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
+        at = self._on_the_floor(roster)
+        at |= {part: each.position for part, each in fallen.items() if each.position is not None}
+        robots = {each.robot: self._empty(each, carried) for each in stand.values() if each.position}
+        self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
+        self.floor = Floor(
+            at,
+            (*self._things(roster), *robots.values()),
+            {part: each.radius for part, each in fallen.items()},
+            self._promised([state.robot for state in self.peers]),
+            tuple(state.position for state in self.peers if state.position is not None),
+        )
+
+    def home(self, robot: int) -> Vector | None:
+        """Where a robot of the scenario rests, m."""
+        return next((each.goal for each in self._scenario.robots if each.id == robot), None)
+
+    def heeding(self, robots: Collection[int]) -> Outlook:
+        """The same, as if only these robots had claimed anything, or had a part in hand."""
+        found = copy(self)
+        found.claims = [(robot, claim) for robot, claim in self.claims if robot in robots]
+        found.floor = replace(self.floor, promised=found._promised(robots))
+        return found
+
+    def _claims(self) -> list[tuple[int, Claim]]:
+        parts = range(1, len(self._scenario.parts) + 1)
+        claims = [(state.robot, state.claim) for state in self.peers]
+        return [(robot, claim) for robot, claim in claims if claim is not None and claim.part in parts]
+
+    def among(self, part: int) -> tuple[Shape, ...]:
+        """All that stands but one part, and the robot that it is on, if any."""
+        parts = self._scenario.parts
+        disks = [
+            Disk(*at, self.floor.held.get(each, parts[each - 1].radius))
+            for each, at in self.floor.parts.items()
+            if each != part
+        ]
+        under = self._under.get(part)
+        return (*(each for each in self.floor.others if each is not under), *disks)
+
+    def _promised(self, robots: Collection[int]) -> dict[int, Vector]:
+        """Where parts are to stand that these robots claim or have, m."""
+        parts = {claim.part for _, claim in self.claims}
+        parts |= {part for robot, part in self.carriers.items() if robot in robots}
+        return {part: self._scenario.parts[part - 1].goal for part in parts}
+
+    def _things(self, roster: KnownRoster) -> list[Shape]:
+        """What stands, or is to appear, and is no part."""
+        first = len(self._scenario.things)
+        shapes = {number: shape for number, shape in self._scenario.shapes.items() if number <= first}
+        parts = {each.thing for each in roster.parts}
+        for thing in roster.things:
+            if thing.status == "gone":
+                shapes.pop(thing.number, None)
+            elif thing.number not in parts:
+                shapes[thing.number] = thing.shape
+        return [shapes[number] for number in sorted(shapes)]
+
+    def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
+        """The disk of a robot whose life is over, without what it carries."""
+        assert member.position is not None
+        known = {each.id: each.radius for each in self._scenario.robots}
+        part = carried.get(member.robot)
+        with_it = part is not None and member.radius <= self._scenario.parts[part - 1].radius
+        radius = known.get(member.robot, member.radius) if with_it else member.radius
+        return Disk(*member.position, radius + member.bound)
+
+    def _on_the_floor(self, roster: KnownRoster) -> dict[int, Vector]:
+        """Where parts stand that nobody has, m."""
+        came = {thing.number: thing.points[0] for thing in roster.things if thing.status == "standing"}
+        first, parts = len(self._scenario.things), self._scenario.parts
+        listed = {first + number: part.start for number, part in enumerate(parts, 1)}
+        known = {**listed, **came}
+        return {part: known[thing] for part, thing in self.things.items() if thing in known}
+
+    def is_at(self, part: int, goal: Vector) -> bool:
+        """Whether a part stands at a place, m."""
+        return (
+            part in self.things
+            and part in self.floor.parts
+            and math.dist(self.floor.parts[part], goal) < 1e-9
+        )
