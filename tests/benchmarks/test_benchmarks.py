@@ -8,7 +8,7 @@ import pytest
 
 from deploy.library.load import load
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import cores, floors, journal, libraries, reading, recording
+from tests.benchmarks import cores, floors, journal, libraries, physics, reading, recording
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -77,6 +77,18 @@ def test_reading_is_measured(tmp_path: Path) -> None:
     assert reading.cost(tmp_path / "any.mcap", ("info",)).peak_mb > 10.0
     with pytest.raises(RuntimeError, match="exit status 2"):
         reading.cost(tmp_path / "none.mcap", ("info",))
+
+
+@pytest.mark.process
+def test_fleets_in_a_physics_engine_are_measured() -> None:
+    pytest.importorskip("mujoco")
+    found = physics.swap(2, "wheels in MuJoCo", limit=1.0)
+    assert found.time == pytest.approx(1.0)
+    assert min(found) > 0.0
+    floor = found._replace(time=0.5, path=2.0 * found.path)
+    words = physics.line(6, "wheels in MuJoCo", found._replace(factor=12.3), floor).split()
+    assert words[:6] == ["6", "wheels", "in", "MuJoCo", "12.3", "10"]
+    assert [words[9], words[11]] == ["(2.00)", "(0.50)"]
 
 
 def test_the_ratio_is_to_the_same_round() -> None:
