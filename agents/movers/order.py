@@ -17,7 +17,7 @@ Vector = tuple[float, float]
 _Regions = tuple[int, ...]  # cells that each robot gets to, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
-MOST: Final = 500  # states of the floor that one search looks at
+MOST: Final = 2000  # times that one search looks where somebody gets by bringing a part to its goal
 _KEPT: Final = 20_000  # states whose outcome is remembered
 
 
@@ -72,7 +72,7 @@ class Orders:
             return self._known[state]
         if budget[0] <= 0:
             return False
-        budget[0] -= 1
+        budget[0] -= len(left)
         found = any(
             self._search(floor.moved(part, self._goal(part)), after, budget)
             for part in left
