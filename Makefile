@@ -22,9 +22,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix world/judge/,verdict.py record.py referee.py) \
   $(addprefix world/sensing/,position.py odometry.py) \
   $(addprefix world/,simulation.py world.py node.py) \
-  $(addprefix world/shell/,run.py publishers.py pacing.py) \
-  $(addprefix deploy/recording/mcap/,file.py) \
-  $(addprefix deploy/recording/,channel.py writer.py)
+  $(addprefix world/shell/,run.py publishers.py pacing.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup compile inner site demo test fast check golden bench fuzz figures diagrams engines clean

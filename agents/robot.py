@@ -20,7 +20,7 @@ from agents.peers.attention import Attention
 from agents.peers.awaited import Awaited
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
-from agents.peers.state import FAR, PeerState, addressed_to
+from agents.peers.state import PeerState, addressed_to
 from agents.roster import KnownRoster, has_ended
 from agents.safety_filter import SafetyFilter
 from protocol.interest import period
@@ -219,7 +219,7 @@ class Robot:
         """A far peer speaks by way of the world; the link's faults are between robots, however they speak."""
         radius = self._neighbours.radii.get(letter.robot)
         if radius is not None:
-            self._link.put(addressed_to(self.robot, letter, radius, FAR))
+            self._link.put(addressed_to(self.robot, letter, radius, is_letter=True))
 
     def _hear(self, tick: int) -> None:
         """Take over all States that are due by `tick`; before the first roster they have to wait."""
@@ -228,7 +228,7 @@ class Robot:
                 self._learn(self._filter, state)
 
     def _learn(self, filter_: SafetyFilter, state: PeerState) -> None:
-        if state.index == FAR:
+        if state.is_letter:
             filter_.lines.on_letter(state)
         elif self._attention.counts(state.robot, state.tick):
             self._neighbours.on_state(state)

@@ -335,6 +335,8 @@ class WorldNode:
     def _next(self, scenario: Scenario) -> Run:
         """The run after this one."""
         number, world = self._run.number + 1, self._run.world
+        for robot in world.coordinator.ended:
+            self._admissions.end(robot)
         run = Run(number, scenario, world.coordinator.incarnations, world.coordinator.version)
         if self._journal is not None:
             self._journal.begin(

@@ -15,7 +15,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, HalfPlane
+from agents.lines.line import ROUNDING, HalfPlane, room_of
 from agents.polygon import Polygon
 from protocol.geometry import Disk, Shape
 
@@ -151,14 +151,17 @@ class StraightBoundary:
         """A half-plane of displacements that the displacement (dx, dy) violates; see `RoundBoundary.cut`.
 
         Args:
-            tolerance: in m, by which a violation does not count.
+            tolerance: in m, by which a violation does not count, unless it has to lead away.
         """
         extra = noise * math.hypot(dx, dy)
         worst, found = tolerance, None
         for wall in self.walls:
             extent = 0.0 if shape is None else shape.extent(wall.nx, wall.ny)
-            room = max(0.0, wall.slack(x, y) - extent - 2.0 * ROUNDING)
+            slack = wall.slack(x, y) - extent - 2.0 * ROUNDING
+            room = room_of(slack, x, y) if shape is None else max(0.0, slack)
             excess = wall.nx * dx + wall.ny * dy + extra - room
+            if room < 0.0:
+                excess += tolerance
             if excess > worst:
                 worst, found = excess, HalfPlane(wall.nx, wall.ny, room)
         return found

@@ -8,7 +8,20 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 ROUNDING: Final = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
+_ULP: Final = 2.0**-51  # of |x| + |y|: more than two coordinates lose, and than an edge's distance is off
 _UNIT: Final = 1e-12  # how far a normal's length may be from one
+
+
+def room_of(slack: float, x: float, y: float) -> float:
+    """How far a displacement from (x, y), which is exact, may lead towards an edge that is `slack` away, of
+    which twice ROUNDING was taken off before; all in m.
+
+    Nowhere, if there is none; and once half of what was taken off is gone, it has to lead away by what adding
+    it to a place may lose: who slides along an edge loses that in every tick.
+    """
+    if slack > 0.0:
+        return slack
+    return 0.0 if slack >= -ROUNDING else -_ULP * (abs(x) + abs(y))
 
 
 @final

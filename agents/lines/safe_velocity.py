@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from agents.lines.boundary import Boundary
-from agents.lines.line import HalfPlane
+from agents.lines.line import HalfPlane, room_of
 from agents.polygon import Polygon
 
 _CUTS: Final = 12  # half-planes of the boundary that are tried
@@ -49,10 +49,12 @@ def safe_velocity(
         shape: where the true centre can be, around the estimated one; None where that is exact.
         noise: bound on the relative execution noise, in [0, 1).
     """
+    if desired == (0.0, 0.0):
+        return desired
     x, y = position
     max_step = speed * period
     want = (desired[0] * period, desired[1] * period)
-    limits = _near(half_planes, x, y, max_step * (1.0 + noise))
+    limits = _near(half_planes, x, y, max_step * (1.0 + noise), exact=shape is None)
     if noise > 0.0:
         limits = [half for limit in limits for half in wedge(limit, noise)]
     step = nearest(want, limits, max_step)
@@ -77,13 +79,16 @@ def safe_velocity(
     return 0.0, 0.0
 
 
-def _near(half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float) -> list[HalfPlane]:
-    """The half-planes whose edge is within reach, for displacements: n.d <= slack, never negative."""
+def _near(
+    half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float, *, exact: bool
+) -> list[HalfPlane]:
+    """The half-planes whose edge is within reach, for displacements: n.d <= room."""
     near = []
     for each in half_planes:
         slack = each.slack(x, y)
         if slack < max_step:
-            near.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
+            room = room_of(slack, x, y) if exact else max(0.0, slack)
+            near.append(HalfPlane(each.nx, each.ny, room))
     return near
 
 

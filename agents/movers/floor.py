@@ -63,23 +63,37 @@ class Grid:
             cell = self._near(free, point)
             if cell is not None:
                 far[cell] = 0.0
-        padded = np.pad(far, 1, constant_values=np.inf)
-        inner = padded[1:-1, 1:-1]
+        wide, wall = np.pad(far, 1, constant_values=np.inf), np.where(free, 0.0, np.inf)
+        inner, diagonal = wide[1:-1, 1:-1], self.size * math.sqrt(2.0)
         while True:  # until no cell gets nearer
             before = inner.copy()
-            for dx, dy in _STEPS:
-                shifted = padded[1 + dx : padded.shape[0] - 1 + dx, 1 + dy : padded.shape[1] - 1 + dy]
-                np.minimum(inner, shifted + self.size * math.hypot(dx, dy), out=inner, where=free)
+            aside = np.minimum(wide[:, :-2], wide[:, 2:])
+            straight = np.minimum(aside[1:-1], np.minimum(wide[:-2, 1:-1], wide[2:, 1:-1])) + self.size
+            oblique = np.minimum(aside[:-2], aside[2:]) + diagonal
+            np.minimum(inner, np.minimum(straight, oblique) + wall, out=inner)
             if (before == inner).all():
                 return inner
 
+    def lengths(self, far: Reals, points: Sequence[Vector]) -> Reals:
+        """Of such ways, those to points whose own cells may not be free, m."""
+        x, y = np.array(points, dtype=float).reshape(-1, 2).T
+        i = np.clip(np.rint((x - self._left) / self.size).astype(int), 0, far.shape[0] - 1)
+        j = np.clip(np.rint((y - self._low) / self.size).astype(int), 0, far.shape[1] - 1)
+        x, y = self.x[i, j] - x, self.y[i, j] - y
+        wide = np.pad(far, 1, constant_values=np.inf)
+        beside = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
+        return np.asarray(
+            np.minimum.reduce(
+                [
+                    wide[i + 1 + dx, j + 1 + dy] + np.hypot(x + dx * self.size, y + dy * self.size)
+                    for dx, dy in beside
+                ]
+            )
+        )
+
     def way(self, far: Reals, point: Vector) -> float:
-        """Of such ways, that to a point whose own cell may not be free, m."""
-        i, j = self.cell(point)
-        near = far[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
-        x = self.x[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[0]
-        y = self.y[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] - point[1]
-        return float((near + np.hypot(x, y)).min())
+        """Of such ways, that to one point, m."""
+        return float(self.lengths(far, [point])[0])
 
     def path(self, far: Reals, begin: Vector) -> list[Vector]:
         """Cells from a point to where such ways begin, m; empty if there is no way."""

@@ -17,7 +17,7 @@ Vector = tuple[float, float]
 _Regions = tuple[int, ...]  # cells that each robot gets to, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
-MOST: Final = 500  # states of the floor that one search looks at
+MOST: Final = 2000  # times that one search looks where somebody gets by bringing a part to its goal
 _KEPT: Final = 20_000  # states whose outcome is remembered
 
 
@@ -72,7 +72,7 @@ class Orders:
             return self._known[state]
         if budget[0] <= 0:
             return False
-        budget[0] -= 1
+        budget[0] -= len(left)
         found = any(
             self._search(floor.moved(part, self._goal(part)), after, budget)
             for part in left
@@ -99,18 +99,17 @@ class Orders:
 
     def _outcomes(self, part: int, floor: Floor, region: int) -> Iterator[int]:
         """Where a robot may get to, each once, when it has brought a part to its goal."""
-        begins = [at for at in self._places.to_take(part, floor) if self._reach.holds(region, at)]
+        begins = self._reach.among(region, self._places.to_take(part, floor))
         if not begins:
             return
         ends = self._ends(part, floor.without(part), begins)
         after = floor.moved(part, self._goal(part))
         free = self._reach.clear(self._places.standing(after), self._places.radius)
-        seen = 0
-        for end in ends:
-            if not self._reach.holds(seen, end):
-                own = self._reach.spread(free, [end])
-                seen |= own
-                yield own
+        while ends:
+            own = self._reach.spread(free, ends[:1])
+            yield own
+            found = {*self._reach.among(own, ends), ends[0]}
+            ends = [end for end in ends if end not in found]
 
     def _ends(self, part: int, floor: Floor, begins: list[Vector]) -> list[Vector]:
         """Where a part can be put down at its goal that is carried from one of some places."""
@@ -119,7 +118,7 @@ class Orders:
             return []
         shapes, loaded = self._places.standing(floor), self._places.loaded(part)
         carried = self._reach.spread(self._reach.clear(shapes, loaded), begins)
-        return [end for end in ends if self._reach.holds(carried, end)]
+        return self._reach.among(carried, ends)
 
     def _goal(self, part: int) -> Vector:
         return self._places.parts[part].goal

@@ -8,7 +8,7 @@ give way.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
@@ -181,7 +181,8 @@ class Planner:
             return None
         open_ = self.grid.clear(self._places.standing(rest), self.loaded(part))
         back = self.grid.ways(open_, ends)
-        cost, fetch = min((self.grid.way(far, each) + self.grid.way(back, each), each) for each in begins)
+        costs = self.grid.lengths(far, begins) + self.grid.lengths(back, begins)
+        cost, fetch = min(zip(map(float, costs), begins, strict=True))
         return Errand(part, fetch, self.grid.way(far, fetch)) if math.isfinite(cost) else None
 
     def _far(self, position: Vector, floor: Floor) -> Reals:
@@ -194,7 +195,7 @@ class Planner:
         free = self.grid.clear(self._places.standing(floor), self.loaded(part))
         return self.grid.ways(free, [position])
 
-    def _by_way(self, places: Iterable[Vector], far: Reals) -> list[Vector]:
+    def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
         """Places to which there is a way, the nearest first."""
-        found = [(self.grid.way(far, point), point) for point in places]
+        found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
         return [point for way, point in sorted(found) if math.isfinite(way)]

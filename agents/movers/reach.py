@@ -66,10 +66,12 @@ class Reach:
                 return reached
             reached = more
 
-    def holds(self, reached: int, point: Vector) -> bool:
-        """Whether a point, or a cell beside its own, is among those that can be got to."""
-        i, j = self._grid.cell(point)
-        return any(self._has(reached, i + dx, j + dy) for dx in (0, 1, -1) for dy in (0, 1, -1))
+    def among(self, reached: int, points: Iterable[Vector]) -> list[Vector]:
+        """Points of which the own cell, or one beside it, can be got to."""
+        row = self._row
+        wide = reached | reached << 1 | reached >> 1
+        wide |= wide << row | wide >> row
+        return [point for point in points if self._has(wide, *self._grid.cell(point))]
 
     def _blocked(self, shape: Shape, radius: float) -> int:
         key = shape, radius

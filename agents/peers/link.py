@@ -24,13 +24,11 @@ class Link:
 
     Attributes:
         ideal: whether there are no faults: every State is heard at its own tick.
-        lost, delayed, duplicated: States so far.
+        lost: States so far.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self.lost = 0
-        self.delayed = 0
-        self.duplicated = 0
         self._scenario = scenario
         self._faults = scenario.link
         self._robot = robot
@@ -75,9 +73,7 @@ class Link:
             return []
         due = [self._delayed(state.tick, spread[0], spread[1])]
         if duplicate < faults.duplicate:
-            self.duplicated += 1
             due.append(self._delayed(state.tick, spread[2], spread[3]))
-        self.delayed += due[0] > state.tick
         return due
 
     def _delayed(self, tick: int, delay: float, jitter: float) -> int:

@@ -39,11 +39,8 @@ class Neighbours:
 
     def on_state(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
-        index = state.index
-        known = self._states[index] if index < len(self._states) else None
-        if known is None or known.robot != state.robot:
-            index = self._index[state.robot]
-            known = self._states[index]
+        index = self._index[state.robot]
+        known = self._states[index]
         if known is not None and not is_newer(state, known):
             return False
         if self._gone and state.incarnation <= self._gone.get(state.robot, 0):

@@ -1,5 +1,9 @@
 """Reads a peer's States for one robot. In a large fleet nearly all that they say of lines concerns
-other pairs: that is checked, and nothing is made of it."""
+other pairs: that is checked, and nothing is made of it.
+
+By `protocol.wire.reader` and `addressed_to` alone a State takes 1.5 us instead of 0.2: to a robot among 32
+that would be another 45 us a tick, as much as all the rest of its step takes.
+"""
 
 from __future__ import annotations
 
@@ -26,17 +30,15 @@ class PeerReader:
         peer: the speaker's.
         radius: of the peer, m.
         oldest: its first incarnation in this run.
-        index: see `PeerState`.
 
     Attributes:
-        radius, index: as given.
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_others", "_peer", "_reader", "_robot", "index", "oldest", "radius")
+    __slots__ = ("_begin", "_others", "_peer", "_radius", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0, index: int = 0) -> None:
-        self._robot, self._peer, self.radius, self.index = robot, peer, radius, index
+    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0) -> None:
+        self._robot, self._peer, self._radius = robot, peer, radius
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
@@ -88,10 +90,9 @@ class PeerReader:
             slice_norm,
             vx,
             vy,
-            radius=self.radius,
+            radius=self._radius,
             proposals=proposals,
             answers=answers,
-            index=self.index,
         )
         return state if state.is_finite else None
 
@@ -122,7 +123,7 @@ class PeerReader:
         message = self._reader.read(payload)
         assert isinstance(message, State)
         check_finite("state", message)
-        return addressed_to(self._robot, message, self.radius, self.index)
+        return addressed_to(self._robot, message, self._radius)
 
 
 def _identity(cursor: Cursor) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, final
+from typing import final
 
 from mypy_extensions import mypyc_attr
 
@@ -11,7 +11,6 @@ from protocol.messages import Answer, Claim, Proposal, State
 from protocol.wire.codec import LARGEST
 
 Vector = tuple[float, float]
-FAR: Final = -1  # in place of the index of one who speaks in letters
 
 
 @final
@@ -19,14 +18,16 @@ FAR: Final = -1  # in place of the index of one who speaks in letters
 class PeerState(Peer):
     """What a State says to one of those who hear it; see `protocol.messages.State` for what is not here.
 
+    Laws and lines look at its numbers several times a tick, for every peer. In a message these are objects
+    of Python: compiled, a pass over 63 peers takes 1.7 us by the messages themselves, and 0.1 us so.
+
     Args:
         placed: whether the peer knows where it is.
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
         radius: the peer's, m.
         claim: which part it fetches or carries.
-        index: where the listener looks first for what it knows of this peer: its number among the others;
-            FAR for what came in a letter.
+        is_letter: whether it came by way of the world, from one who is far.
 
     Attributes: as given.
     """
@@ -36,7 +37,7 @@ class PeerState(Peer):
         "bound",
         "claim",
         "incarnation",
-        "index",
+        "is_letter",
         "placed",
         "proposals",
         "robot",
@@ -63,7 +64,7 @@ class PeerState(Peer):
         radius: float,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
-        index: int = 0,
+        is_letter: bool = False,
         claim: Claim | None = None,
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
@@ -71,7 +72,7 @@ class PeerState(Peer):
         self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
-        self.index, self.claim = index, claim
+        self.is_letter, self.claim = is_letter, claim
 
     @property
     def position(self) -> Vector | None:
@@ -92,7 +93,7 @@ class PeerState(Peer):
         return total <= LARGEST
 
 
-def addressed_to(robot: int, state: State, radius: float, index: int = 0) -> PeerState:
+def addressed_to(robot: int, state: State, radius: float, *, is_letter: bool = False) -> PeerState:
     """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
     placed = state.position is not None
     x, y = state.position or (0.0, 0.0)
@@ -110,6 +111,6 @@ def addressed_to(robot: int, state: State, radius: float, index: int = 0) -> Pee
         radius=radius if state.claim is None else max(radius, state.claim.radius),
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),
-        index=index,
+        is_letter=is_letter,
         claim=state.claim,
     )

@@ -74,10 +74,7 @@ class Subscriptions:
     def _know(self, peer: int) -> str:
         """Be ready to read the States of a peer; their key."""
         key = self._key(peer)
-        known = self.readers.get(key)
-        index = len(self.readers) if known is None else known.index
-        oldest = self._oldest.get(peer, 0)
-        self.readers[key] = PeerReader(self._robot, peer, self._radii[peer], oldest, index)
+        self.readers[key] = PeerReader(self._robot, peer, self._radii[peer], self._oldest.get(peer, 0))
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:

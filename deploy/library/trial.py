@@ -50,11 +50,9 @@ def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
     """Everybody else as heard in the first tick."""
     others = [spec for spec in scenario.robots if spec.id != robot]
     heard = Neighbours({spec.id: spec.radius for spec in others})
-    for index, spec in enumerate(others):
+    for spec in others:
         x, y = spec.start
         gamma = (x - spec.goal[0]) ** 2 + (y - spec.goal[1]) ** 2
         pull = 2.0 * gamma**0.5
-        heard.on_state(
-            PeerState(spec.id, 1, 0, True, x, y, 0.0, gamma, pull, 0.0, 0.0, radius=spec.radius, index=index)
-        )
+        heard.on_state(PeerState(spec.id, 1, 0, True, x, y, 0.0, gamma, pull, 0.0, 0.0, radius=spec.radius))
     return heard

@@ -8,7 +8,7 @@ from deploy.recording.mcap.file import McapFile
 from deploy.recording.reader import Recording
 from deploy.recording.writer import LIBRARY
 from deploy.scene import ros
-from deploy.scene.fleet import WORLD, frame
+from deploy.scene.drawing import WORLD, frame
 from protocol.errors import UsageError
 
 

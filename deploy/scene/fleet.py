@@ -6,35 +6,20 @@ are drawn once, each in a frame of its own that `/tf` moves, so that what moves 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping
-from functools import cache, partial
-from itertools import pairwise
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import msgspec
 
 from deploy.scene import ros
-from deploy.scene.foxglove import (
-    Color,
-    Cylinder,
-    Entity,
-    Line,
-    LineType,
-    Pose,
-    SceneUpdate,
-    Text,
-    Time,
-    Triangles,
-    Vector,
-    schema,
-)
+from deploy.scene.drawing import WORLD, Drawing, Moment, frame
+from deploy.scene.foxglove import Entity, SceneUpdate, Time, schema
 from deploy.scene.thinned import Thinned
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Message, Truth
 from protocol.scenario.model import Scenario
 
-WORLD = "world"  # the frame in which positions are told
 _SECOND = 1_000_000_000  # ns of simulated time
 _PERIODS = {
     "/tf": _SECOND // 10,
@@ -43,11 +28,7 @@ _PERIODS = {
     "/scene/trails": 2 * _SECOND,
 }
 _TRAIL_POINTS = 512  # of all robots together, at most
-_DIGITS = 5  # of a metre
-_NEAR = 3  # radii of gap; between robots farther apart no line is drawn
-_HUES = ("0072b2", "d98e00", "009e73", "c0629a", "46a6dd", "8a6f3e")
 _LATEST = (1 << 31) * _SECOND  # ns that ROS can tell; no tick of a real run is later
-_GREY, _RED, _DARK = "7a828c", "c5161d", "1c1f23"
 
 
 DRAWN = (Truth, Health, GoalStatus, Clock)  # what a scene is made of
@@ -87,32 +68,11 @@ TOPICS = {
 }
 
 
-class Moment:
-    """Where robots were at one time; drawn once, however often a trail shows it.
-
-    Attributes:
-        places: m, by robot.
-    """
-
-    __slots__ = ("_points", "places")
-
-    def __init__(self, places: dict[int, messages.Vector]) -> None:
-        self.places = places
-        self._points: dict[int, Vector] = {}
-
-    @property
-    def points(self) -> dict[int, Vector]:
-        """The same as points of lines."""
-        if not self._points:
-            self._points = {robot: _point(x, y) for robot, (x, y) in self.places.items()}
-        return self._points
-
-
 class FleetScene:
     """The scene of one run; time is that of the newest truth."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+        self._scenario, self._drawing = scenario, Drawing(scenario)
         self._now = 0
         self._known = {robot: scenario.spec(robot).start for robot in scenario.ids}
         self._truth = Truth(0, (), (), 0.0, 1.0)
@@ -212,96 +172,21 @@ class FleetScene:
         return self._moving.message(self._now, self._places.values())
 
     def _room(self) -> tuple[Entity, ...]:
-        shapes = self._things.values()
-        edges = [_loop(self._scenario.workspace.shape.outline(), _GREY)]
-        edges += [_loop(shape.outline(), _GREY) for shape in shapes]
-        solid = tuple(_fan(shape.outline(), _color(_GREY, 0.3)) for shape in shapes)
-        return (Entity(self._stamp, WORLD, "room", lines=tuple(edges), triangles=solid),)
+        return (self._drawing.room(self._stamp, self._things.values()),)
 
     def _robots(self) -> tuple[Entity, ...]:
-        return tuple(self._robot(robot) for robot in self._scenario.ids)
-
-    def _robot(self, robot: int) -> Entity:
-        radius = self._scenario.spec(robot).radius
-        height = radius / 2
-        color = _color(_RED) if robot in self._down else self._hue(robot)
-        disk = _disk((0.0, 0.0), radius, height, color)
-        label = Text(Pose(Vector(z=1.5 * height)), 0.8 * radius, _color(_DARK), str(robot))
-        return Entity(self._stamp, frame(robot), f"robot {robot}", cylinders=(disk,), texts=(label,))
+        draw = self._drawing.robot
+        return tuple(draw(self._stamp, robot, down=robot in self._down) for robot in self._scenario.ids)
 
     def _goal_disks(self) -> tuple[Entity, ...]:
-        disks = tuple(
-            _disk(goal, radius := self._scenario.spec(robot).radius, radius / 50, self._hue(robot, 0.3))
-            for robot, goal in self._goals.items()
-        )
-        return (Entity(self._stamp, WORLD, "goals", cylinders=disks),)
+        return (self._drawing.goals(self._stamp, self._goals),)
 
     def _trail_lines(self) -> tuple[Entity, ...]:
-        moments = [moment.points for moment in self._past.items]
-        lines = tuple(
-            Line(LineType.STRIP, tuple(points[robot] for points in moments), self._hue(robot, 0.6))
-            for robot in (self._known if len(moments) > 1 else ())
-        )
-        return (Entity(self._stamp, WORLD, "trails", lines=lines),)
+        return (self._drawing.trails(self._stamp, self._past.items, self._known),)
 
     def _separating_lines(self) -> tuple[Entity, ...]:
-        places = self._places
-        lines = tuple(
-            Line(LineType.LIST, points, self._hue(robot))
-            for robot, obeyed in self._lines.items()
-            if (points := tuple(point for line in obeyed for point in self._piece(robot, line, places)))
-        )
-        return (Entity(self._stamp, WORLD, "lines", lines=lines),)
-
-    def _piece(
-        self, robot: int, line: messages.Line, places: Mapping[int, messages.Vector]
-    ) -> tuple[Vector, ...]:
-        """Of the line that a robot keeps to for a peer's sake, what is between the two; empty if they are far
-        apart."""
-        peer, nx, ny, limit = line
-        if peer not in places:
-            return ()
-        radius = self._scenario.spec(robot).radius
-        (x, y), (u, v) = places[robot], places[peer]
-        if math.hypot(u - x, v - y) > (2 + _NEAR) * radius:
-            return ()
-        mx, my = (x + u) / 2, (y + v) / 2
-        off, reach = limit - nx * mx - ny * my, 1.1 * radius
-        fx, fy = mx + off * nx, my + off * ny
-        return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
-
-    def _hue(self, robot: int, opacity: float = 0.9) -> Color:
-        return _color(_HUES[self._scenario.ids.index(robot) % len(_HUES)], opacity)
+        return (self._drawing.separating_lines(self._stamp, self._lines, self._places),)
 
 
 def _update(draw: Callable[[], tuple[Entity, ...]]) -> bytes:
     return msgspec.json.encode(SceneUpdate(draw()))
-
-
-def frame(robot: int) -> str:
-    """The frame that moves with a robot."""
-    return f"robot_{robot}"
-
-
-def _point(x: float, y: float) -> Vector:
-    return Vector(round(x, _DIGITS), round(y, _DIGITS))
-
-
-@cache
-def _color(hexadecimal: str, opacity: float = 1.0) -> Color:
-    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(hexadecimal))
-    return Color(red, green, blue, opacity)
-
-
-def _disk(center: messages.Vector, radius: float, height: float, color: Color) -> Cylinder:
-    return Cylinder(Pose(Vector(*center, height / 2)), Vector(2 * radius, 2 * radius, height), color)
-
-
-def _loop(points: list[messages.Vector], hexadecimal: str) -> Line:
-    return Line(LineType.LOOP, tuple(Vector(x, y) for x, y in points), _color(hexadecimal))
-
-
-def _fan(points: list[messages.Vector], color: Color) -> Triangles:
-    """A convex polygon of triangles that share its first corner."""
-    first, *others = (Vector(x, y) for x, y in points)
-    return Triangles(tuple(corner for pair in pairwise(others) for corner in (first, *pair)), color)

@@ -135,6 +135,12 @@ class Coordinator:
         """Whether this life of a robot has joined this run and nothing has ended it."""
         return self.lives.goes_on(robot, incarnation)
 
+    @property
+    def ended(self) -> tuple[int, ...]:
+        """Robots whose processes the scenario has ended, or holds still, at present."""
+        lives = self.lives
+        return tuple(robot for robot in lives.of if lives.is_killed(robot) or lives.is_paused(robot))
+
     def is_paused(self, robot: int) -> bool:
         """Whether the scenario holds a robot's process still; it may join once it is resumed."""
         return self.lives.is_paused(robot)

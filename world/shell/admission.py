@@ -38,6 +38,7 @@ class Slot:
     health: Health | None = None  # what its process reported at the end of the run
     notified: bool = False  # it knows that there is nothing more to do
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
+    ended: str = ""  # the process that the scenario of an earlier run has ended, or stopped
 
     @property
     def occupied(self) -> bool:
@@ -95,11 +96,9 @@ class Admissions:
         robot, world, slot = join.robot, run.world, self.slots[join.robot]
         if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
-        if world.coordinator.is_paused(robot):
-            return joining.Wait(_RETRY, f"robot {robot} is paused by the scenario")
+        if reason := self._obstacle(join, run):
+            return joining.Wait(_RETRY, reason)
         if slot.session not in ("", join.session):
-            if self._clock() < slot.since + RESERVATION:
-                return joining.Wait(_RETRY, f"another process is joining as robot {robot}")
             world.coordinator.lost(
                 robot, "showed no sign of life after it was admitted; another process came"
             )
@@ -115,6 +114,16 @@ class Admissions:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
         return self._admission(slot, run)
+
+    def _obstacle(self, join: joining.Join, run: Run) -> str:
+        """Why a process has to wait; "" if it need not."""
+        robot, slot = join.robot, self.slots[join.robot]
+        if slot.ended == join.session:
+            return f"the scenario has ended this process of robot {robot}"
+        if run.world.coordinator.is_paused(robot):
+            return f"robot {robot} is paused by the scenario"
+        taken = slot.session not in ("", join.session) and self._clock() < slot.since + RESERVATION
+        return f"another process is joining as robot {robot}" if taken else ""
 
     def overview(self, run: Run) -> joining.Overview:
         """For those who only watch."""
@@ -148,6 +157,13 @@ class Admissions:
         """The robot's process is taken to be gone."""
         slot = self.slots[robot]
         slot.present, slot.session, slot.missing = False, "", inf
+
+    def end(self, robot: int) -> None:
+        """A run that is over has ended the robot's process, or stopped it; its launcher may do so later.
+        The next run is for another one."""
+        slot = self.slots.get(robot)
+        if slot is not None and slot.session:
+            slot.ended, slot.session = slot.session, ""
 
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""

@@ -107,9 +107,10 @@ class View:
         self.missed, self.rejected = clock.missed, clock.rejected
         self.things, self.halted = clock.things, clock.halted
         down = {each.robot for each in clock.standing}
+        active = frozenset(clock.active)
         carried = {place.carrier: place.part for place in clock.parts if place.carrier}
         for robot, view in self.robots.items():
-            view.fenced, view.active = robot in down, robot in clock.active
+            view.fenced, view.active = robot in down, robot in active
             if self.scenario is not None and robot in carried:
                 view.radius = self.scenario.loaded_radius(robot, carried[robot])
             else:

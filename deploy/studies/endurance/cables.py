@@ -6,26 +6,23 @@ While a cable is out nothing passes and nobody is told, as with a real one: both
 from __future__ import annotations
 
 import asyncio
-import multiprocessing
 import signal
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection as Channel
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from deploy.run.topology import Routed
-from protocol.errors import ProcessError
+from deploy.studies.endurance.side_process import SideProcess
 from protocol.process.title import entitle
 
-_PATIENCE = 30.0  # s for the process to come up, and to end
 _HERE = "127.0.0.1"
 _CHUNK = 1 << 16  # bytes
 
 
-class Cables:
-    """The launcher's side: a cable from each robot to a router; a context manager, which ends the process.
+class Cables(SideProcess):
+    """The launcher's side: a cable from each robot to a router.
 
     Raises:
         ProcessError: the process has ended.
@@ -35,48 +32,18 @@ class Cables:
         """`routed`: the router at the other end."""
         protocol, _, address = routed.endpoint.partition("/")
         host, _, port = address.rpartition(":")
-        context = multiprocessing.get_context("spawn")
-        self._channel, theirs = context.Pipe()
-        self._process = context.Process(
-            target=main, args=(theirs, (host, int(port)), tuple(robots), run), name="cables", daemon=True
-        )
-        self._process.start()
-        theirs.close()
+        super().__init__("cables", main, (host, int(port)), tuple(robots), run)
         self._routed, self._protocol = routed, protocol
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._channel.close()
-        self._process.join(_PATIENCE)
-        self._process.kill()
-        self._process.join()
-
-    @property
-    def pid(self) -> int:
-        """Of the process."""
-        return self._process.pid or 0
 
     def topology(self) -> Routed:
         """The same fleet, with every robot at its cable."""
-        try:
-            if self._channel.poll(_PATIENCE):
-                ports = self._channel.recv()
-                detours = {robot: f"{self._protocol}/{_HERE}:{port}" for robot, port in ports.items()}
-                return replace(self._routed, detours=detours)
-        except (EOFError, ConnectionError):
-            pass  # told below
-        raise ProcessError("the process that links lead through says nothing; see above")
+        ports = self._hear()
+        detours = {robot: f"{self._protocol}/{_HERE}:{port}" for robot, port in ports.items()}
+        return replace(self._routed, detours=detours)
 
     def pull(self, robot: int, seconds: float) -> None:
         """Take a robot's cable out for a while."""
-        try:
-            self._channel.send((robot, seconds))
-        except ConnectionError as error:
-            raise ProcessError("the process that links lead through is gone") from error
+        self._say((robot, seconds))
 
 
 class _Cable:

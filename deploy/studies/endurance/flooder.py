@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import time
 from collections.abc import Callable, Iterator
 from itertools import cycle, islice
 from multiprocessing.connection import Connection as Channel
-from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 from deploy.studies.endurance.garbage import garbage
+from deploy.studies.endurance.side_process import SideProcess
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import ProcessError
 from protocol.process.title import entitle
 from protocol.streams import STREAMS
 
 _PULSE = 0.001  # s between bursts
-_PATIENCE = 30.0  # s for the flooder to say something
 _NICENESS = 19  # it stands for another host, whose processors are not the fleet's
 
 
@@ -31,8 +28,8 @@ class Flooded(NamedTuple):
     seconds: float
 
 
-class Flooder:
-    """The launcher's side; a context manager, which ends the process.
+class Flooder(SideProcess):
+    """The launcher's side.
 
     Raises:
         ProcessError: the process has ended.
@@ -40,48 +37,21 @@ class Flooder:
 
     def __init__(self, connection: Connection, run: str, robots: tuple[int, ...], rate: float) -> None:
         """Connect, without waiting for it; `rate` in messages per second."""
-        context = multiprocessing.get_context("spawn")
-        self._channel, theirs = context.Pipe()
-        self._process = context.Process(
-            target=main, args=(theirs, connection, run, robots, rate), name="flooder", daemon=True
-        )
-        self._process.start()
-        theirs.close()
+        super().__init__("flooder", main, connection, run, robots, rate)
 
     def __enter__(self) -> Self:
         self._hear()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._channel.close()
-        self._process.join(_PATIENCE)
-        self._process.kill()
-        self._process.join()
-
-    @property
-    def pid(self) -> int:
-        """Of the process that floods."""
-        return self._process.pid or 0
-
     def begin(self) -> None:
         """Let it flood from now on."""
-        self._channel.send(True)
+        self._say(True)
 
     def end(self) -> Flooded:
         """Stop the flood."""
-        self._channel.send(False)
+        self._say(False)
         flooded: Flooded = self._hear()
         return flooded
-
-    def _hear(self) -> Any:
-        try:
-            if self._channel.poll(_PATIENCE):
-                return self._channel.recv()
-        except (EOFError, ConnectionError):
-            self._process.join(_PATIENCE)
-        raise ProcessError(f"the flooder says nothing (exit status {self._process.exitcode}); see above")
 
 
 def main(

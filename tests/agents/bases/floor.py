@@ -331,10 +331,7 @@ class Floor:
 
     def _tell(self, peer: Crew, state: State) -> None:
         radius = self.scenario.spec(state.robot).radius
-        peer.core.on_state(addressed_to(peer.core.robot, state, radius, self._index(peer, state.robot)))
-
-    def _index(self, peer: Crew, robot: int) -> int:
-        return [other for other in self.scenario.ids if other != peer.core.robot].index(robot)
+        peer.core.on_state(addressed_to(peer.core.robot, state, radius))
 
     def _accept(self, command: Command) -> None:
         if not self.cut:

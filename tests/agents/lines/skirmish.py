@@ -264,9 +264,8 @@ class Skirmish:
         self.rng.shuffle(due)
         for _, state, robot in due:
             radius = self.scenario.spec(state.robot).radius
-            place = [each for each in self.scenario.ids if each != robot].index(state.robot)
             for process in self._all_of(robot):
-                process.core.on_state(addressed_to(robot, state, radius, place))
+                process.core.on_state(addressed_to(robot, state, radius))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 

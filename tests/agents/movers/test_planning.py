@@ -107,8 +107,9 @@ def test_a_flood_gets_to_the_cells_that_have_a_distance(seed: int) -> None:
     reach, begin = Reach(grid), (-0.2, 0.0)
     far = grid.ways(grid.clear(disks, 0.03), [begin])
     reached = reach.spread(reach.clear(disks, 0.03), [begin])
-    for x, y in zip(grid.x.ravel(), grid.y.ravel(), strict=True):
-        assert reach.holds(reached, (x, y)) == math.isfinite(grid.way(far, (x, y)))
+    points = list(zip(map(float, grid.x.ravel()), map(float, grid.y.ravel()), strict=True))
+    lengths = zip(points, grid.lengths(far, points), strict=True)
+    assert reach.among(reached, points) == [point for point, way in lengths if math.isfinite(way)]
 
 
 def test_ways_lead_around_what_stands_and_aside_of_who_goes_first() -> None:

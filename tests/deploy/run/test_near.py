@@ -10,7 +10,7 @@ import pytest
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions, fresh_run_name
+from deploy.run.options import RunOptions, Transport, fresh_run_name
 from protocol.scenario.model import Link, Network, ProcessFault, Scenario
 
 SHORT = 4.0  # s of simulated time
@@ -61,9 +61,10 @@ def test_who_begins_anew_among_far_peers_moves_again() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-def test_processes_on_a_router_make_the_same_trajectory() -> None:
+@pytest.mark.parametrize("transport", ["routed", "mesh"])
+def test_processes_make_the_same_trajectory(transport: Transport) -> None:
     scenario = crowd(Network("near", 0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
-    with Fleet([scenario], RunOptions(run=fresh_run_name())) as fleet:
-        routed = fleet.execute()[0]
-    assert routed["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]
+    with Fleet([scenario], RunOptions(transport, run=fresh_run_name())) as fleet:
+        found = fleet.execute()[0]
+    assert found["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]

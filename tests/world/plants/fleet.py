@@ -75,8 +75,8 @@ def drive(setting: Setting, naive: bool = False) -> dict[str, Any]:
         states = {robot: robots[robot].begin(tick) for robot, tick in world.open_tick().items()}
         for robot, core in robots.items():
             others = [each for each in scenario.ids if each != robot]
-            for index, peer in enumerate(others):
-                core.on_state(addressed_to(robot, states[peer], setting.radius, index))
+            for peer in others:
+                core.on_state(addressed_to(robot, states[peer], setting.radius))
         for core in robots.values():
             command = core.command()
             if lost.random() >= setting.dropped:

@@ -115,13 +115,13 @@ def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
 def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """An owner drops all lines towards a follower that lives anew."""
     owner = modules["agents.lines.ends"].Owner
-    before = owner._expect
+    before = owner._begin
 
-    def expect(self: Any, peer_life: int) -> None:
+    def begin(self: Any, peer_life: int) -> None:
         before(self, peer_life)
         self._inherited = ()
 
-    owner._expect = expect
+    owner._begin = begin
 
 
 def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:

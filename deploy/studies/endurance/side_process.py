@@ -1,0 +1,67 @@
+"""A process beside the fleet that a study talks to over a pipe."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, Self
+
+from protocol.errors import ProcessError
+
+_PATIENCE = 30.0  # s for the process to say something, and to end
+
+
+class SideProcess:
+    """The launcher's side; a context manager, which ends the process.
+
+    Args:
+        name: of the process.
+        main: what it runs, until the other end of the channel that it is given first is gone.
+        arguments: what it is given besides.
+    """
+
+    def __init__(self, name: str, main: Callable[..., None], *arguments: Any) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._channel, theirs = context.Pipe()
+        self._process = context.Process(target=main, args=(theirs, *arguments), name=name, daemon=True)
+        self._process.start()
+        theirs.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._channel.close()
+        self._process.join(_PATIENCE)
+        self._process.kill()
+        self._process.join()
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid or 0
+
+    def _say(self, word: Any) -> None:
+        try:
+            self._channel.send(word)
+        except ConnectionError as error:
+            raise ProcessError(f"the process {self._process.name!r} is gone") from error
+
+    def _hear(self) -> Any:
+        """What it says next.
+
+        Raises:
+            ProcessError: nothing; it has ended, or takes too long.
+        """
+        try:
+            if self._channel.poll(_PATIENCE):
+                return self._channel.recv()
+        except (EOFError, ConnectionError):
+            self._process.join(_PATIENCE)
+        status = self._process.exitcode
+        raise ProcessError(
+            f"the process {self._process.name!r} says nothing (exit status {status}); see above"
+        )

@@ -1,0 +1,25 @@
+"""Random instances that take more than bringing the nearest part next."""
+
+from __future__ import annotations
+
+import pytest
+
+from deploy.library.load import load
+from tests.agents.movers.campaign import SECONDS, run
+
+
+@pytest.mark.parametrize(
+    ("seed", "kill"),
+    [
+        pytest.param(37, False, id="three claim at once what goes together in one order only"),
+        pytest.param(
+            14, True, id="a robot dies, and no order remains but by putting elsewhere what another has"
+        ),
+        pytest.param(11, True, id="an idle robot stands where the part of a dead one is taken over"),
+    ],
+)
+def test_all_parts_get_in_place(seed: int, kill: bool) -> None:
+    outcome = run(load("parts-8", [f"time.limit={SECONDS}"], seed), kill)
+    assert outcome.order
+    assert (outcome.left, outcome.contacts) == ((), 0)
+    assert outcome.clearance > 0.0
