@@ -64,8 +64,9 @@ check: $(READY)  ## lint, formatting, types, import contracts
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minute
 	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
 
+test: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself
 test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
-	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
+	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m alone
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed

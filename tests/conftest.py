@@ -1,4 +1,4 @@
-"""What all tests share: how hypothesis searches, and that what is tested is what the sources say."""
+"""What all tests share: how hypothesis searches, that what is tested is what the sources say, who begins."""
 
 import os
 
@@ -19,3 +19,26 @@ def pytest_configure() -> None:
         compiled.check()
     except UsageError as error:
         pytest.exit(str(error), returncode=2)
+
+
+@pytest.hookimpl(trylast=True)  # after those that were not asked for have gone
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Every process of pytest-xdist begins with its share of the tests marked `long`: none of them is left
+    to the end, when the others have nothing more to do."""
+    processes = getattr(config, "workerinput", {}).get("workercount", 1)
+    long = sorted(filter(_seconds, items), key=_seconds, reverse=True)
+    others = [item for item in items if not _seconds(item)]
+    total = len(items)
+    items.clear()
+    for process in range(processes):
+        share = long[process::processes]
+        size = (total - len(items)) // (processes - process)  # as `--dist worksteal` deals them out
+        fill = others[: max(0, size - len(share))]
+        del others[: len(fill)]
+        items += share + fill
+
+
+def _seconds(item: pytest.Item) -> float:
+    """About how long a test takes that is marked `long`; 0 for the others."""
+    mark = item.get_closest_marker("long")
+    return 0.0 if mark is None else float(mark.args[0])

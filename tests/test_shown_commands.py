@@ -59,7 +59,14 @@ WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in block
 
 @pytest.mark.process
 @pytest.mark.timeout(200)
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.long(40) if page.name == "README.md" else ())
+        for page in WITH_COMMANDS
+    ],
+    ids=lambda page: page.name,
+)
 def test_they_run(page: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     for block in blocks(page):

@@ -25,8 +25,9 @@ Vector = tuple[float, float]
 
 # No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
 HORIZON: Final = 10.0  # laps, ahead of which encounters count
-TURN: Final = 0.15  # rad to the left, the sense in which `circling` escapes, for every disk in the way
-MOST: Final = 0.25  # rad, of that: the more are in the way the more they have to circle each other
+TURN: Final = 0.2  # rad to the left, the sense in which `circling` escapes, for every disk in the way
+MOST: Final = 0.4  # rad, of that: the more are in the way the more they have to circle each other
+LATE: Final = 0.5  # more of it per lap by which States are late, up to one: lines follow only later, too
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
 SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
 MARGIN: Final = 0.0125  # of the distance of contact
@@ -44,7 +45,8 @@ class ReciprocalLaw:
         room = scenario.workspace.shape
         self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
         self._speed, self._period = control.speed, scenario.time.step
-        self._horizon = HORIZON * max(each.radius for each in scenario.robots) / control.speed
+        self._lap = max(each.radius for each in scenario.robots) / control.speed
+        self._late = 0.0  # laps, the age of the oldest State of a disk within reach
         self._wish: Vector = (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
@@ -74,7 +76,7 @@ class ReciprocalLaw:
         barring = _violated(px, py, limits)
         if barring == 0:
             return px, py
-        turn = min(TURN * barring, MOST)
+        turn = min(TURN * barring, MOST) * (1.0 + LATE * min(self._late, 1.0))
         cosine, sine = math.cos(turn), math.sin(turn)
         wish = cosine * px - sine * py, sine * px + cosine * py
         vx, vy = nearest(wish, limits, self._speed, walls)
@@ -100,12 +102,14 @@ class ReciprocalLaw:
     def _obstacles(self, view: View) -> list[HalfPlane]:
         """Of velocities, one for every disk within reach, the nearest first."""
         x, y = view.position
+        self._late = 0.0
         found: list[tuple[float, HalfPlane]] = []
         for state in view.neighbours.moving():
             if state.placed:
                 age = (view.tick - state.tick) * self._period
                 rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-                self._add(found, rx, ry, state.radius, state.vx, state.vy, 0.5)
+                if self._add(found, rx, ry, state.radius, state.vx, state.vy, 0.5):
+                    self._late = max(self._late, age / self._lap)
         for member in view.neighbours.standing.values():
             if member.position is not None:
                 rx, ry = member.position[0] - x, member.position[1] - y
@@ -125,15 +129,17 @@ class ReciprocalLaw:
         ux: float,
         uy: float,
         share: float,
-    ) -> None:
-        """The half-plane for a disk at (rx, ry) from the own centre, if it can be met within the horizon."""
+    ) -> bool:
+        """Take up the half-plane for a disk at (rx, ry) from the own centre if it can be met in the horizon;
+        whether it can."""
         contact, distance = self._radius + radius, math.hypot(rx, ry)
-        room = distance - contact
-        if distance == 0.0 or room > 2.0 * self._speed * self._horizon:
-            return
+        room, horizon = distance - contact, HORIZON * self._lap
+        if distance == 0.0 or room > 2.0 * self._speed * horizon:
+            return False
         contact = min((1.0 + MARGIN) * contact, _APART * distance)
         vx, vy = self._wish
-        found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, self._horizon, share)))
+        found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, horizon, share)))
+        return True
 
 
 def _nearness(found: tuple[float, HalfPlane]) -> float:

@@ -7,8 +7,19 @@ from pathlib import Path
 import pytest
 
 from deploy.library.load import load
+from protocol.scenario.model import Network
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import cores, floors, journal, libraries, reading, recording
+from tests.benchmarks import (
+    cores,
+    floors,
+    journal,
+    libraries,
+    link_model,
+    links,
+    physics,
+    reading,
+    recording,
+)
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -79,8 +90,36 @@ def test_reading_is_measured(tmp_path: Path) -> None:
         reading.cost(tmp_path / "none.mcap", ("info",))
 
 
+@pytest.mark.process
+def test_fleets_in_a_physics_engine_are_measured() -> None:
+    pytest.importorskip("mujoco")
+    found = physics.swap(2, "wheels in MuJoCo", limit=1.0)
+    assert found.time == pytest.approx(1.0)
+    assert min(found[:-1]) > 0.0
+    floor = found._replace(time=0.5, path=2.0 * found.path)
+    words = physics.line(6, "wheels in MuJoCo", found._replace(factor=12.3), floor).split()
+    assert words[:6] == ["6", "wheels", "in", "MuJoCo", "12.3", "10"]
+    assert [words[10], words[12]] == ["(2.00)", "(0.50)"]
+
+
 def test_the_ratio_is_to_the_same_round() -> None:
     plain = [recording.Cost(400.0, 2.0), recording.Cost(100.0, 8.0)]
     recorded = [recording.Cost(360.0, 2.2), recording.Cost(90.0, 8.8)]
     _, line = recording.lines({"plain": plain, "recorded": recorded})
     assert line.split() == ["recorded", "225", "0.900", "5.50", "1.100"]
+
+
+def test_blocks_have_as_many_robots_each_and_stay_apart() -> None:
+    scenario = links.in_blocks(24, 3, 1.0, Network("near"))
+    at = links.homes(scenario, 3)
+    assert sorted(at.values()) == [1] * 8 + [2] * 8 + [3] * 8
+    starts = {spec.start: at[spec.id] for spec in scenario.robots}
+    for order in scenario.orders:
+        assert order.goal is not None
+        assert {starts[point] for point in order.goal.points} == {at[order.goal.robot]}
+
+
+def test_a_model_of_links_is_found_again() -> None:
+    loads = [link_model.load(links.in_blocks(12, hosts, 1.0, Network("near")), hosts) for hosts in (2, 3, 4)]
+    found = link_model.fitted(loads, [each.bytes(200.0, 150.0) for each in loads])
+    assert found == pytest.approx((200.0, 150.0))

@@ -594,8 +594,8 @@ SURROUNDINGS = (
         (
             Edit(
                 _DISK,
-                "HalfPlane(nx, ny, target.limit(nx, ny, self._radius))",
-                "HalfPlane(nx, ny, nx * around.x + ny * around.y - self._radius)",
+                "HalfPlane(nx, ny, target.limit(nx, ny, self.radius))",
+                "HalfPlane(nx, ny, nx * around.x + ny * around.y - self.radius)",
             ),
         ),
         model="skirmish",

@@ -22,5 +22,6 @@ def test_no_walk_of_some_thousand_breaks_the_invariant() -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(600)
+@pytest.mark.long(8)
 def test_nobody_touches_in_a_skirmish() -> None:
     assert [seed for seed in range(300) if skirmish.violation_of(seed, PRODUCT)] == []

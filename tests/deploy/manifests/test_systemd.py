@@ -114,6 +114,7 @@ def started(folder: Path, unit: str, instance: str = "") -> Iterator[subprocess.
 
 @pytest.mark.process
 @pytest.mark.timeout(150)
+@pytest.mark.long(10)
 def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
     (listen,) = lines(folder / "disknav-yard-router.service", "ExecStart")
     endpoint = listen.split("--listen ")[1].split()[0]

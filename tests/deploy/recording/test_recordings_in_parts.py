@@ -165,6 +165,7 @@ def test_there_is_room_for_the_result_when_the_disk_is_full_at_the_end(small_dis
 
 @pytest.mark.process
 @pytest.mark.timeout(60)
+@pytest.mark.long(10)
 def test_a_run_goes_on_when_the_disk_is_full(small_disk: Path) -> None:
     with (small_disk / "other").open("wb") as other:
         other.write(bytes(1_700_000))

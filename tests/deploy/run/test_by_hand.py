@@ -93,6 +93,7 @@ def test_a_world_that_is_told_to_stop_says_so(tmp_path: Path) -> None:
         assert (found, report["verdict"]) == (EXIT_INTERRUPTED, "interrupted")
 
 
+@pytest.mark.long(8)
 def test_nobody_waits_for_longer_than_asked() -> None:
     with by_hand() as it:
         lost = it.start("robot", "1", wait=1.0)

@@ -33,6 +33,7 @@ def test_one_that_dies_between_admission_and_token_is_followed_by_its_successor(
 @pytest.mark.parametrize(
     ("entry", "reason"), [("hangs", "hangs|lack it"), ("talks_nonsense", "3 of 3 lack it")]
 )
+@pytest.mark.long(10)
 def test_one_that_is_sick_is_given_up_alone_and_named(
     entry: str, reason: str, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -196,6 +196,7 @@ def test_half_open_links_keep_nobody_out(keys: Path) -> None:
             assert time.monotonic() - began < 5.0
 
 
+@pytest.mark.long(7)
 def test_certificates_that_expire_during_the_run_end_it_standing(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

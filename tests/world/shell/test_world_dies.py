@@ -172,6 +172,7 @@ def operations(number: int) -> int:
 @pytest.mark.slow
 @given(data=st.data(), number=st.integers(0, len(COURSES) - 1))
 @settings(max_examples=40, deadline=None)
+@pytest.mark.long(10)
 def test_the_trajectory_is_that_of_a_run_without_deaths(data: st.DataObject, number: int) -> None:
     last = operations(number) - 1
     deaths = data.draw(st.lists(st.integers(0, last), min_size=1, max_size=3))

@@ -64,8 +64,8 @@ def _works(interpreter: Path) -> bool:
 
 
 def _install() -> None:
-    subprocess.run([sys.executable, "-m", "venv", FOLDER], check=False, capture_output=True, timeout=120)
-    quiet = ("-m", "pip", "install", "--quiet", "--disable-pip-version-check")
-    subprocess.run(
-        [FOLDER / "bin" / "python", *quiet, *PACKAGES], check=False, capture_output=True, timeout=400
-    )
+    make = [sys.executable, "-m", "venv", "--without-pip", FOLDER]
+    subprocess.run(make, check=False, capture_output=True, timeout=120)
+    pip = [sys.executable, "-m", "pip", "--python", FOLDER / "bin" / "python"]
+    fill = [*pip, "install", "--quiet", "--disable-pip-version-check", *PACKAGES]
+    subprocess.run(fill, check=False, capture_output=True, timeout=400)

@@ -50,6 +50,7 @@ def disknav(*arguments: str, timeout: float) -> subprocess.CompletedProcess[str]
 @pytest.mark.slow
 @pytest.mark.timeout(300)
 @needs_sshd
+@pytest.mark.long(20)
 def test_what_is_installed_there_is_fit_and_runs_its_robots(tmp_path: Path) -> None:
     folder, table = tmp_path / "there" / "disknav", tmp_path / "hosts.toml"
     with ssh_server(tmp_path, environment(tmp_path / "lent")) as server:

@@ -216,6 +216,7 @@ def test_a_host_that_is_lost_costs_its_own_robots_only(server: Server, tmp_path:
 
 
 @pytest.mark.parametrize("how", ["stall", "lie"])
+@pytest.mark.long(10)
 def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
     how: str, server: Server, tmp_path: Path
 ) -> None:

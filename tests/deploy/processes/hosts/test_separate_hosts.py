@@ -80,6 +80,7 @@ class Field:
         self._hosts.start(host, [*DISKNAV, *command, *connection, "--secure", str(self._keys)])
 
 
+@pytest.mark.long(23)
 def test_a_cable_pulled_for_seconds(tmp_path: Path) -> None:
     with Hosts(3, tmp_path / "log") as hosts:
         _pull(hosts, Field(hosts, tmp_path, SCENARIO))
@@ -112,6 +113,7 @@ def _pull(hosts: Hosts, fleet: Field) -> None:
     assert report["min_clearance"] > 0.0
 
 
+@pytest.mark.long(15)
 def test_a_bad_cable(tmp_path: Path) -> None:
     """A command is back after twice the delay, half a tick; whoever misses it stands still for that tick."""
     scenario = load("figure-1", ["time.step=0.2", "control.speed=0.15", "time.limit=60"], 3)

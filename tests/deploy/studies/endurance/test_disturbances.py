@@ -74,6 +74,7 @@ def test_a_jump_after_silence_or_into_another_run_is_no_movement() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(90)
+@pytest.mark.long(15)
 def test_a_short_disturbed_trial() -> None:
     """Judged here is only what a busy machine cannot spoil."""
     call = [sys.executable, "-m", "deploy.cli", "endure", "--minutes", "0.1", "--robots", "3"]

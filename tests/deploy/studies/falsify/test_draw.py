@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 
 import pytest
@@ -18,23 +19,28 @@ from protocol.scenario.file import validated
 from protocol.scenario.model import Point, ProcessFault, Scenario
 
 MANY = 600
-DRAWS = [drawn(0, number)[0] for number in range(MANY)]
+
+
+@cache
+def draws() -> list[Scenario]:
+    """Many, the same for all tests."""
+    return [drawn(0, number)[0] for number in range(MANY)]
 
 
 def test_draws_are_valid_with_the_filter_on_and_k_a_number() -> None:
-    for scenario in DRAWS:
+    for scenario in draws():
         assert validated(scenario) == scenario
         assert scenario.control.filter == "separating-lines"
         assert scenario.k > 0.0
 
 
 def test_a_number_gives_the_same_whatever_was_drawn_before() -> None:
-    assert drawn(0, 17)[0] == DRAWS[17]
-    assert drawn(1, 17)[0] != DRAWS[17]
+    assert drawn(0, 17)[0] == draws()[17]
+    assert drawn(1, 17)[0] != draws()[17]
 
 
 def test_runs_are_short() -> None:
-    for scenario in DRAWS:
+    for scenario in draws():
         ticks = scenario.ticks(scenario.time.limit)
         assert TICKS[0] <= ticks <= TICKS[1]
         assert ticks <= max(TICKS[0], BUDGET[1] / len(scenario.robots) + 1)
@@ -161,7 +167,7 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
 
 @pytest.mark.parametrize("feature", EXPRESSED)
 def test_everything_that_may_matter_is_drawn(feature: str) -> None:
-    assert any(map(EXPRESSED[feature], DRAWS))
+    assert any(map(EXPRESSED[feature], draws()))
 
 
 def test_disks_are_put_as_near_as_numbers_allow() -> None:
@@ -195,7 +201,7 @@ def test_events_that_cannot_follow_are_left_out() -> None:
 
 def test_mutants_are_valid_and_the_same_again() -> None:
     for number in range(0, MANY, 3):
-        parent, other = DRAWS[number], DRAWS[number - 1]
+        parent, other = draws()[number], draws()[number - 1]
         mutant, _ = mutated(parent, other, 0, number)
         assert validated(mutant) == mutant
         assert mutant == mutated(parent, other, 0, number)[0]
@@ -203,14 +209,14 @@ def test_mutants_are_valid_and_the_same_again() -> None:
 
 
 def test_mutants_stay_short() -> None:
-    scenario = DRAWS[3]
+    scenario = draws()[3]
     for number in range(60):
-        scenario, _ = mutated(scenario, DRAWS[number], 0, number)
+        scenario, _ = mutated(scenario, draws()[number], 0, number)
         assert scenario.ticks(scenario.time.limit) <= TICKS[1]
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
 def test_every_change_changes_something(change: Callable[[Dice, Scenario, Scenario], Scenario]) -> None:
     dice = Dice(0, 0, 9)
-    changed = [change(dice, parent, other) != parent for parent, other in pairwise(DRAWS[:40])]
+    changed = [change(dice, parent, other) != parent for parent, other in pairwise(draws()[:40])]
     assert sum(changed) > len(changed) / 4

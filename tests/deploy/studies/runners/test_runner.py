@@ -52,6 +52,7 @@ def test_other_settings_or_other_code_reuse_nothing() -> None:
 
 @pytest.mark.alone  # it has to be stopped before it is done
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.long(12)
 def test_a_study_that_was_stopped_leaves_nobody_and_goes_on(tmp_path: Path, number: signal.Signals) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
     command = "from deploy.commands.study import study; import typer; typer.run(study)"

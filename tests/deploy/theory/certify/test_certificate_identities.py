@@ -13,7 +13,10 @@ from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.forms import J, half_form
 from tests.deploy.theory.certify.known import Known, known
 
-POINTS = [found for seed in range(60) for found in known(seed)]
+
+def points() -> list[Known]:
+    """Of sixty problems."""
+    return [found for seed in range(60) for found in known(seed)]
 
 
 def matrix(found: Known) -> Array:
@@ -38,14 +41,14 @@ def at_goals(found: Known) -> float:
 
 
 def test_a_critical_point_solves_a_linear_system_in_its_multipliers() -> None:
-    for found in POINTS:
+    for found in points():
         error = matrix(found) @ found.point.b - found.problem.goals
         assert np.abs(error).max() < 1e-6 * found.problem.workspace
 
 
 def test_the_form_is_that_of_the_hessian() -> None:
     """2 (half form) - 4 (y . v)^2 / gamma = v^T (dD/db) v, which is gamma kappa Hess(log phi^)."""
-    for number, found in enumerate(POINTS):
+    for number, found in enumerate(points()):
         y = (found.point.b - found.problem.goals).ravel()
         v = generator(number, Purpose.STUDY).standard_normal(len(y))
         value = 2.0 * half_form(found, v) - 4.0 * (y @ v) ** 2 / gamma(found.problem, found.point.b)
@@ -56,7 +59,7 @@ def test_the_form_is_that_of_the_hessian() -> None:
 
 
 def test_result_a_some_eigenvalue_of_m_is_negative() -> None:
-    for found in POINTS:
+    for found in points():
         problem, b, m = found.problem, found.point.b, matrix(found)
         y = b - problem.goals
         total, factors = gamma(problem, b), problem.p * (problem.p + 1) / 2
@@ -68,7 +71,7 @@ def test_result_a_some_eigenvalue_of_m_is_negative() -> None:
 
 
 def test_result_b_turning_the_displacement_or_the_fleet() -> None:
-    for found in POINTS:
+    for found in points():
         problem, b, goals = found.problem, found.point.b, found.problem.goals
         scene, p = scene_of(problem), problem.p
         total, kappa = gamma(problem, b), 1.0 / problem.k
