@@ -158,7 +158,6 @@ class Ride:
         offer = Proposal(OWN, 1, self.number, -nx, -ny, offset)
         numbers = (rng.choice(PEERS), 1, self.now, True, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0)
         state = PeerState(*numbers, radius=self.radius, proposals=(offer,))
-        state.index = PEERS.index(state.robot)
         self.lines.on_state(state)
 
     def _desired(self) -> Vector:
