@@ -18,7 +18,7 @@ from deploy.studies.study import Row
 
 _LANES = 0.8  # of a row
 _GAP = 0.5  # of a row, between delays
-_ROW, _REST = 0.28, 1.7  # inches: a row; what is above and below all rows
+_ROW, _REST = 0.265, 1.7  # inches: a row; what is above and below all rows
 _BAND = "#f2f2f2"
 _SIZE, _SAMPLE = 3.6, 5.0  # points, of marks in panels and in the legend
 _RUNS = 70.0  # points, room for the marks of all runs side by side

@@ -19,7 +19,7 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.disturbances import Scale, actuation, link, network, sensing
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import sensible, stories
-from deploy.studies.falsify.scenarios.loads import loads
+from deploy.studies.falsify.scenarios.loads import by_points, loads
 from deploy.studies.falsify.scenarios.places import drawn_together, scattered
 from deploy.studies.falsify.scenarios.shifted import shifted
 from deploy.studies.falsify.scenarios.surroundings import around, things
@@ -85,7 +85,7 @@ def _attempt(dice: Dice, name: str) -> Scenario | None:
         orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
     )
     try:
-        return validated(_elsewhere(dice, _with_guests_failing(dice, scenario, scale)))
+        return validated(_elsewhere(dice, _with_guests_failing(dice, by_points(scenario), scale)))
     except ScenarioError:
         return None
 

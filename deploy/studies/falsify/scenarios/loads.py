@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.places import anywhere, beside
 from protocol.geometry import Disk, Shape
-from protocol.scenario.model import Carrying, Part, Point, RobotSpec, Thing
+from protocol.scenario.model import Carrying, Part, Point, RobotSpec, Scenario, Thing
 
 _TRIES = 12
 _MOST = 3
@@ -45,6 +46,14 @@ def loads(
             starts.append(Disk(*start, radius))
             goals.append(Disk(*goal, radius))
     return tuple(found[: dice.whole(1, _MOST)]), carrying
+
+
+def by_points(scenario: Scenario) -> Scenario:
+    """Where there are parts, robots that are points and hear everybody: others cannot carry them."""
+    if not scenario.parts:
+        return scenario
+    robots = tuple(replace(robot, body=None) for robot in scenario.robots)
+    return replace(scenario, robots=robots, body="point", network=replace(scenario.network, interest="all"))
 
 
 def _start(

@@ -21,7 +21,7 @@ from deploy.studies.falsify.scenarios.disturbances import (
 from deploy.studies.falsify.scenarios.draw import LAWS, TICKS
 from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import moment, sensible, stories
-from deploy.studies.falsify.scenarios.loads import loads
+from deploy.studies.falsify.scenarios.loads import by_points, loads
 from deploy.studies.falsify.scenarios.places import drawn_together, fits
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
@@ -46,7 +46,7 @@ def mutated(parent: Scenario, other: Scenario, seed: int, number: int) -> tuple[
         for _ in range(dice.whole(1, 3)):
             child = dice.pick(CHANGES)(dice, child, other)
         try:
-            return validated(replace(child, name=f"falsify-{seed}-{number}")), refused
+            return validated(by_points(replace(child, name=f"falsify-{seed}-{number}"))), refused
         except ScenarioError:
             continue
     return replace(parent, name=f"falsify-{seed}-{number}", seed=dice.whole(0, 2**31)), _ATTEMPTS
