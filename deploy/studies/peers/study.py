@@ -65,7 +65,7 @@ SCANS: dict[Group, dict[str, Scan]] = {
         "orca": {"horizon": (2.5, 5.0, 10.0), "symmetry_noise": (0.1, 0.3)},
         "barrier": {"barrier_gain": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.6)},
     },
-    "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"barrier_gain": (2.0,)}},
+    "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"barrier_gain": (1.0, 2.0, 4.0)}},
 }
 COLUMNS = {
     "scenario": "",
