@@ -50,6 +50,13 @@ def test_a_point_says_what_it_did_and_nothing_else():
     assert odometer.obeyed((0.1, 0.2), 3) == (0.1, 0.2)
 
 
+@given(component, component, st.integers(0, 10**6))
+def test_a_point_goes_where_it_is_told_however_bad_its_odometry_is(vx, vy, tick):
+    """Its filter counts on that (`agents/bodies/point.py`)."""
+    odometer = Odometer(setting(Body(odometry=0.1, drift=1e-3), heading=0.1), 1, slips=False)
+    assert odometer.obeyed((vx, vy), tick) == (vx, vy)
+
+
 def test_a_robot_that_still_moves_is_not_announced_as_standing():
     world = joined(setting(replace(BASE, hold=0.3)))
     for _ in range(8):

@@ -31,6 +31,7 @@ class Odometer:
         self._share, self._drift = body.odometry, body.drift
         self._heading = scenario.sensing_of(robot).heading
         self._slips = slips
+        self._has_heading = not body.ideal and self._heading > 0.0
         self.ideal = body.ideal and self._share == self._drift == 0.0
         self._draws = Uniforms(scenario.seed, Purpose.ODOMETRY, robot, 3)
 
@@ -54,8 +55,9 @@ class Odometer:
         return (dx, dy), bound, BaseMotion(velocity, report.heading + askew, stop)
 
     def obeyed(self, velocity: Vector, tick: int) -> Vector:
-        """What the base makes of a commanded velocity, which it takes to be in its own frame."""
-        if self.ideal or self._heading == 0.0:
+        """What the base makes of a commanded velocity, which it takes to be in its own frame; a point has no
+        such frame, and its filter counts on that, whatever its odometry is."""
+        if not self._has_heading:
             return velocity
         return turned(velocity[0], velocity[1], -self._askew(tick))
 
