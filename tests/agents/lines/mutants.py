@@ -185,15 +185,8 @@ LIVES = (
         ),
     ),
     Mutant(
-        "rosters-name-followers",
-        "an owner ignores lives of the follower that are older than the one that a roster names",
-        (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
-        model="pair",
-        bounds=Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
-    ),
-    Mutant(
-        "rosters-name-owners",
-        "a follower ignores lives of the owner that are older than the one that a roster names",
+        "rosters-name-lives",
+        "either end ignores lives of the other that are older than the one that a roster names",
         (Edit(_BOND, "if incarnation > self.end.peer_incarnation:", "if False:"),),
         model="pair",
         bounds=Bounds((2, 1), proposals=1, founding=(1,), versions=4, talks_on=True),

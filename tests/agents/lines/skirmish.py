@@ -40,12 +40,16 @@ Vector = tuple[float, float]
 
 def violation_of(seed: int, product: Product, ticks: int = TICKS) -> str:
     """What goes wrong in the run with this seed; "" if nothing does."""
-    skirmish = Skirmish(seed, product)
+    return first_violation(Skirmish(seed, product), ticks)
+
+
+def first_violation(run: Skirmish, ticks: int) -> str:
+    """What goes wrong first in so many ticks of a run; "" if nothing does."""
     for _ in range(ticks):
-        skirmish.tick()
-        violation = skirmish.violation()
+        run.tick()
+        violation = run.violation()
         if violation:
-            return f"in tick {skirmish.world.tick - 1}: {violation}"
+            return f"in tick {run.world.tick - 1}: {violation}"
     return ""
 
 

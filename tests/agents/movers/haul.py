@@ -25,13 +25,7 @@ Vector = tuple[float, float]
 
 def violation_of(seed: int, product: Product, ticks: int = 2 * skirmish.TICKS) -> str:
     """What goes wrong in the run with this seed; "" if nothing does."""
-    haul = Haul(seed, product)
-    for _ in range(ticks):
-        haul.tick()
-        violation = haul.violation()
-        if violation:
-            return f"in tick {haul.world.tick - 1}: {violation}"
-    return ""
+    return skirmish.first_violation(Haul(seed, product), ticks)
 
 
 class Haul(skirmish.Skirmish):

@@ -24,6 +24,14 @@ def carriers(fleet: LocalFleet) -> list[int]:
     return [each.carrier for each in fleet.world.world.coordinator.part_places if each.carrier]
 
 
+def carrying() -> tuple[LocalFleet, int]:
+    """A fleet in which somebody has just taken up a part, and who."""
+    fleet = LocalFleet([SCENARIO])
+    while not carriers(fleet):
+        assert fleet.step()
+    return fleet, carriers(fleet)[0]
+
+
 def in_place(fleet: LocalFleet) -> bool:
     return not fleet.world.world.coordinator.parts.pending
 
@@ -42,10 +50,7 @@ def test_parts_get_to_their_goals_the_same_way_each_time() -> None:
 
 
 def test_a_part_of_one_that_dies_is_taken_over() -> None:
-    fleet = LocalFleet([SCENARIO])
-    while not carriers(fleet):
-        assert fleet.step()
-    (dead, *_) = carriers(fleet)
+    fleet, dead = carrying()
     fleet.kill(dead)
     report = finished(fleet)
     assert report["min_clearance"] > 0.0
@@ -54,10 +59,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
 
 
 def test_a_carrier_that_is_restarted_goes_on() -> None:
-    fleet = LocalFleet([SCENARIO])
-    while not carriers(fleet):
-        assert fleet.step()
-    (robot, *_) = carriers(fleet)
+    fleet, robot = carrying()
     fleet.kill(robot)
     fleet.start(robot)
     finished(fleet)
