@@ -61,7 +61,7 @@ check: $(READY)  ## lint, formatting, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-fast: $(READY) $(COMPILED)  ## the part of the suite that takes less than a minute
+fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
 
 test: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself

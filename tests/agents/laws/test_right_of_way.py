@@ -12,6 +12,8 @@ from protocol.geometry import ConvexPolygon
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
 
+pytestmark = pytest.mark.slow
+
 R = 0.05
 STEP = 0.05  # s
 LAP = 10  # ticks

@@ -6,6 +6,8 @@ import pytest
 
 from tests.agents.lines.mutants import MUTANTS, Mutant, hunt
 
+pytestmark = pytest.mark.slow
+
 _EXHAUSTIVE = pytest.mark.slow
 
 

@@ -9,6 +9,8 @@ from tests.agents.lines.product import Product
 from tests.agents.movers.haul import Haul, violation_of
 from tests.interpreted import Edit
 
+pytestmark = pytest.mark.slow
+
 _ROBOT, _FILTER, _PARTS = "agents.robot", "agents.safety_filter", "world.coordinator.parts"
 _RUNS = 300  # random ones in which a mutant has to be found, at most
 

@@ -7,6 +7,8 @@ import pytest
 from deploy.library.load import load
 from tests.agents.movers.campaign import SECONDS, run
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     ("seed", "kill"),

@@ -23,6 +23,8 @@ from world.coordinator.patience import SILENT, blamed
 from world.node import WorldNode
 from world.shell.admission import CHANCES
 
+pytestmark = pytest.mark.slow
+
 SCENARIO = load("swap-4", ["time.fence=0.2"], 1)
 SICK, FROM = 2, 30  # who is sick, from which tick on
 OTHERS = [robot for robot in SCENARIO.ids if robot != SICK]

@@ -32,6 +32,8 @@ from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml
 from tests.deploy.studies.falsify.planted import Here, not_waiting, plant
 
+pytestmark = pytest.mark.slow
+
 PLAN = Plan(57, 12, "local")
 
 

@@ -18,6 +18,8 @@ from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
 from protocol.scenario.model import Point, ProcessFault, Scenario
 
+pytestmark = pytest.mark.slow
+
 MANY = 600
 
 

@@ -16,6 +16,8 @@ from deploy.theory.certify.verifier.replay import replay
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 
+pytestmark = pytest.mark.slow
+
 PAIR = Goals(((0.05, 0.0), (-0.045, 0.01)), (0.04, 0.05), 0.3)
 TRIPLE = Goals.of(read("figure-2"))
 

@@ -15,6 +15,8 @@ from tests.deploy.theory.certify import forms
 from tests.deploy.theory.certify.known import Known, blockade, boxes, holds, known
 from tests.deploy.theory.certify.mutants import mutant
 
+pytestmark = pytest.mark.slow
+
 MUTANTS = {
     "distance of a pair": (
         "distances.py",

@@ -18,6 +18,8 @@ from deploy.theory.certify.certificate import ProofError, fetch
 from protocol.errors import UsageError
 from tests.deploy.monitor.watched import until
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

@@ -15,6 +15,8 @@ from deploy.theory.certify.verifier.conditions import Conditions
 from deploy.theory.certify.verifier.replay import Walk
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known
 
+pytestmark = pytest.mark.slow
+
 SETS = 200
 
 
