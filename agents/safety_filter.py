@@ -143,12 +143,12 @@ class SafetyFilter:
             desired: by the law, m/s.
             estimate: of the own position, which is known.
         """
-        wish = self.things.make_room(self.lines.make_room(desired))
         if not self.obeyed:
-            return wish
+            return desired
         position = estimate.position
         if position is None or not (self._located and self.ready):
             return STILL
+        wish = self.things.make_room(self.lines.make_room(desired))
         half_planes = [*self.lines.half_planes(), *self.things.half_planes()]
         return self._body.velocity(wish, position, half_planes, self._boundary, estimate.shape)
 

@@ -59,7 +59,7 @@ class Owner:
 
     @property
     def linked(self) -> bool:
-        """Whether a line was adopted by the follower's present incarnation."""
+        """Whether the follower holds a line in its present incarnation, the initial one included."""
         return self.held is not None
 
     @property
@@ -128,7 +128,8 @@ class Follower:
     def __init__(self, incarnation: int, initial: Line | None = None, peer_incarnation: int = 0) -> None:
         self.incarnation = incarnation
         self.peer_incarnation = peer_incarnation  # newest known of the owner; older ones are ignored
-        self.held_number = 0  # number of the held line, 0 when it is not of the owner's present incarnation
+        self.linked = initial is not None  # whether the held line is one of the owner's present incarnation
+        self.held_number = 0  # number of the held line, 0 when it is not linked, or holds the initial line
         self.seen = 0  # highest number answered
         self._held = initial
 
@@ -136,11 +137,6 @@ class Follower:
     def obeyed(self) -> tuple[Line, ...]:
         """The line that this robot must obey, if any."""
         return () if self._held is None else (self._held,)
-
-    @property
-    def linked(self) -> bool:
-        """Whether it has adopted a line of the owner's present incarnation."""
-        return self.held_number > 0
 
     @property
     def agreed(self) -> bool:
@@ -160,6 +156,7 @@ class Follower:
     def expect(self, peer_incarnation: int) -> None:
         """Ignore incarnations of the owner that are older than this one, which is there."""
         if peer_incarnation > self.peer_incarnation:
+            self.linked = False
             self.held_number = self.seen = 0
             self.peer_incarnation = peer_incarnation
 
@@ -175,7 +172,7 @@ class Follower:
         self.seen = number
         if not fits(line):
             return False
-        self._held, self.held_number = line, number
+        self._held, self.held_number, self.linked = line, number, True
         return True
 
     def fence(self, incarnation: int) -> None:

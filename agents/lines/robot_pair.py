@@ -39,7 +39,6 @@ class RobotPair:
             limit: of the own centre along that, m.
         moved_x, moved_y: how far the peer came in a tick between the last two States of its, m.
         answers_left: States that still have to carry the answer.
-        peer_restarted: whether the peer is not in the first incarnation that was known of it.
     """
 
     __slots__ = (
@@ -58,7 +57,6 @@ class RobotPair:
         "own_radius",
         "owns",
         "peer",
-        "peer_restarted",
         "radius",
         "settled",
         "state",
@@ -77,7 +75,7 @@ class RobotPair:
     ) -> None:
         # What is looked at in every tick comes first, so that it lies together in memory.
         self.owns = owns
-        self.settled = self.peer_restarted = self.excused = False
+        self.settled = self.excused = False
         self.heard = 0  # newest incarnation of the peer that was heard
         self.answers_left = 0
         self.state: PeerState | None = None
@@ -137,9 +135,6 @@ class RobotPair:
         if known is None or state.incarnation != known.incarnation:
             if not self.end.accept(state.incarnation):
                 return False
-            self.peer_restarted = (
-                self.peer_restarted or known is not None or 0 < self.heard < state.incarnation
-            )
             self.heard = state.incarnation
             self.excused = False
             self.state = state
@@ -210,5 +205,4 @@ class RobotPair:
         """No incarnation up to this one moves again: its disk, or nothing, replaces all lines."""
         self.end.fence(incarnation)
         self.state = None
-        self.peer_restarted = True
         self.renew()

@@ -75,7 +75,7 @@ class SeparatingLines:
                 self._pair(peer)
         self._talking = self._each if urgent is None else []  # pairs of those who hear this robot's States
         self._near: frozenset[int] = frozenset()
-        self._disturbed = False  # whether any peer was ever fenced, or began anew
+        self._disturbed = False  # whether there was ever a peer without a line of its present incarnation
         self.wanted = 0.0  # m, radius of the disk for which own lines leave room, if that is larger
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
@@ -128,7 +128,7 @@ class SeparatingLines:
             return
         if state.radius != pair.radius and pair.disk is None:
             pair.radius = state.radius
-        self._disturbed = self._disturbed or pair.peer_restarted
+        self._disturbed = self._disturbed or not pair.end.linked
         if not state.answers and not state.proposals:
             return
         if isinstance(pair.end, Owner):
@@ -141,7 +141,7 @@ class SeparatingLines:
         if member.robot not in self._pairs and member.robot not in self._radii:
             self._pair(member.robot).radius = member.radius
         pair = self._pair(member.robot)
-        self._disturbed = self._disturbed or member.status != "live"
+        self._disturbed = True
         pair.on_member(member)
         if pair.disk is not None:
             pair.disk.renew(self._own)
@@ -177,7 +177,7 @@ class SeparatingLines:
         line."""
         own, (vx, vy) = self._own, desired
         for pair in self._each if self._disturbed else ():
-            if not pair.peer_restarted or pair.end.linked:
+            if pair.end.linked:
                 continue
             dx, dy = pair.crowding(own.x, own.y, own.bound)
             lacking = math.hypot(dx, dy)

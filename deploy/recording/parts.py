@@ -55,8 +55,9 @@ class Parts:
         self._do(lambda file: file.report(result))
 
     def finish(self, result: str | None = None) -> None:
-        """See `RecordingFile.finish`."""
+        """See `RecordingFile.finish`; whatever comes after it is dropped."""
         self._do(lambda file: file.finish(result), result)
+        self._file = None
 
     def _open(self, path: Path) -> None:
         self._file, self._since = RecordingFile(path), time.monotonic()

@@ -204,8 +204,8 @@ LIVES = (
         (
             Edit(
                 _PAIR,
-                "        if peer_incarnation > self.peer_incarnation:\n            self.held_number",
-                "        if peer_incarnation != self.peer_incarnation:\n            self.held_number",
+                "        if peer_incarnation > self.peer_incarnation:\n            self.linked",
+                "        if peer_incarnation != self.peer_incarnation:\n            self.linked",
             ),
         ),
     ),

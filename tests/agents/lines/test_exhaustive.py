@@ -17,22 +17,22 @@ PRODUCT = Product()
         pytest.param(Bounds(proposals=3, outstanding=2), 800, id="three proposals, two unanswered"),
         pytest.param(Bounds((1, 2)), 1_500, id="the follower restarts"),
         pytest.param(Bounds((1, 1), proposals=1, fences=1), 400, id="one is fenced"),
-        pytest.param(Bounds((1, 2), proposals=1, founding=(1,)), 1_400, id="a founding life comes late"),
+        pytest.param(Bounds((1, 2), proposals=1, founding=(1,)), 1_300, id="a founding life comes late"),
         pytest.param(Bounds((1, 1), proposals=1, founding=(2,)), 150, id="the owner comes late"),
         pytest.param(
             Bounds((1, 2), proposals=1, founding=(2,), versions=4, talks_on=True),
-            6_000,
+            5_300,
             id="an old life of the follower talks on with a late owner",
         ),
         pytest.param(
             Bounds((2, 1), proposals=1, founding=(1,), versions=4, talks_on=True),
-            9_000,
+            7_700,
             id="an old life of the owner talks on with a late follower",
             marks=pytest.mark.slow,
         ),
         pytest.param(
             Bounds((1, 2), proposals=1, fences=1, talks_on=True),
-            12_000,
+            11_400,
             id="fenced and restarted, and talks on",
             marks=pytest.mark.slow,
         ),
@@ -44,8 +44,8 @@ PRODUCT = Product()
         pytest.param(
             Bounds((1, 2), proposals=1, fences=1), 5_000, id="fenced and restarted", marks=pytest.mark.slow
         ),
-        pytest.param(Bounds((2, 1)), 5_000, id="the owner restarts", marks=pytest.mark.slow),
-        pytest.param(Bounds((2, 2), proposals=1), 11_000, id="both restart", marks=pytest.mark.slow),
+        pytest.param(Bounds((2, 1)), 4_900, id="the owner restarts", marks=pytest.mark.slow),
+        pytest.param(Bounds((2, 2), proposals=1), 9_900, id="both restart", marks=pytest.mark.slow),
         pytest.param(
             Bounds((2, 1), proposals=1, fences=1), 10_000, id="the owner, fenced too", marks=pytest.mark.slow
         ),

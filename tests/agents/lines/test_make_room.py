@@ -2,16 +2,21 @@
 
 import math
 
+import pytest
+
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.state import PeerState, addressed_to
 from protocol.messages import Member, Proposal, State
 
 RADII = {1: 0.04, 2: 0.04}
+STARTS = {1: (0.0, 0.0), 2: (0.081, 0.0)}
 STILL = (0.0, 0.0)
 
 
-def robot(identity: int, incarnation: int = 1) -> SeparatingLines:
-    return SeparatingLines(identity, incarnation, RADII, speed=0.1, period=0.05)
+def robot(identity: int) -> SeparatingLines:
+    """One that has begun with its peer, and has heard nothing of it."""
+    members = [Member(peer, 1, "live", 0.04, founding=1) for peer in RADII if peer != identity]
+    return SeparatingLines(identity, 1, RADII, speed=0.1, period=0.05, members=members, starts=STARTS)
 
 
 def said(
@@ -59,6 +64,22 @@ def test_the_first_life_of_a_peer_needs_no_more_room() -> None:
     ledger.locate(0, (0.0, 0.0), 0.001)
     ledger.on_state(said(2, 1, 0, 0.081, 0.003))
     assert ledger.make_room((0.02, 0.01)) == (0.02, 0.01)
+
+
+@pytest.mark.parametrize("identity", [1, 2])
+@pytest.mark.parametrize("late", [False, True])
+def test_a_robot_backs_off_from_a_peer_of_whose_first_life_it_heard_nothing_in_time(
+    identity: int, late: bool
+) -> None:
+    peer = 3 - identity
+    ledger = robot(identity)
+    ledger.locate(0, STARTS[identity], 0.001)
+    if late:  # the roster names the second life, and then the last word of the first arrives
+        ledger.on_member(Member(peer, 2, "live", 0.04, founding=1))
+        ledger.on_state(said(peer, 1, 0, STARTS[peer][0], 0.003))
+    ledger.on_state(said(peer, 2, 1, STARTS[peer][0], 0.003))
+    vx, _ = ledger.make_room(STILL)
+    assert vx * (STARTS[identity][0] - STARTS[peer][0]) > 0.0
 
 
 def test_a_peer_with_a_line_is_left_to_the_line() -> None:

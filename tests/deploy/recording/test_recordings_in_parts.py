@@ -95,6 +95,18 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     assert read(path).truths.ticks[-1] == lacking.truths.ticks[-1]
 
 
+def test_what_is_finished_twice_is_finished_once(tmp_path: Path) -> None:
+    """As by a run's last word and a signal at the same moment."""
+    file = Parts(tmp_path / "run.mcap")
+    file.begin("r", scenario())
+    write(file, range(1, 5))
+    file.finish('{"verdict": "success"}')
+    written = (tmp_path / "run.mcap").read_bytes()
+    file.write(said(5))
+    file.finish()
+    assert (tmp_path / "run.mcap").read_bytes() == written
+
+
 def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
     file = Parts(tmp_path / "r.mcap", Rotation(age=1e-9))
     file.flush()  # not before it has begun

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -266,7 +265,7 @@ def test_a_signal_stops_everything_and_leaves_a_result(
     else:
         family = _wait_for_family(process, recording)
     for _ in range(times):
-        os.kill(process.pid, number)
+        process.send_signal(number)
         with suppress(subprocess.TimeoutExpired):
             process.wait(0.1)
     assert process.wait(20.0) == EXIT_INTERRUPTED
