@@ -117,7 +117,7 @@ def test_not_aborted_while_a_restart_is_scheduled():
     faults = (ProcessFault(2, 0.5, "kill"), ProcessFault(2, 8.0, "restart"))
     setting = two(process=faults, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = joined(setting)
-    while not world.coordinator.awaiting_join:
+    while not world.coordinator.lives.awaited:
         advance(world, toward(world, setting))
         world.open_tick()
     assert (world.tick, world.verdict) == (160, "")
