@@ -22,7 +22,7 @@ from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 from world.shell.admission import Admissions
-from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
+from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.journal import Began
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
@@ -80,7 +80,8 @@ class WorldNode:
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
         self._tell, self._note = tell, note
-        current = Run(0, scenarios[0], {}) if past is None else past.run
+        self._returning = returning(gathering, restarts, lockstep=lockstep)
+        current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
@@ -337,12 +338,13 @@ class WorldNode:
         number, world = self._run.number + 1, self._run.world
         for robot in world.coordinator.ended:
             self._admissions.end(robot)
-        run = Run(number, scenario, world.coordinator.lives.incarnations, world.coordinator.lives.version)
+        lives = world.coordinator.lives
+        run = Run(number, scenario, lives.incarnations, lives.version, returning=self._returning)
         if self._journal is not None:
             self._journal.begin(
                 number,
-                world.coordinator.lives.incarnations,
-                world.coordinator.lives.version,
+                lives.incarnations,
+                lives.version,
                 self._failures.expected,
             )
             run.world.coordinator.note = self._journal.note

@@ -41,6 +41,7 @@ class World:
         scenario: with the gain k a number.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
         version: last known version of the roster, of earlier runs.
+        returning: s for which a robot that was fenced may yet come back, before the run is over without it.
 
     Attributes:
         coordinator: who takes part.
@@ -49,9 +50,14 @@ class World:
     """
 
     def __init__(
-        self, scenario: Scenario, incarnations: Mapping[int, int] | None = None, version: int = 0
+        self,
+        scenario: Scenario,
+        incarnations: Mapping[int, int] | None = None,
+        version: int = 0,
+        *,
+        returning: float = 0.0,
     ) -> None:
-        self.coordinator = Coordinator(scenario, incarnations or {}, version)
+        self.coordinator = Coordinator(scenario, incarnations or {}, version, returning)
         self.simulation = External(scenario) if scenario.is_external else Simulation(scenario)
         plant = self.simulation.plant
         self.referee = Referee(scenario, plant.positions, plant.parts)

@@ -39,6 +39,7 @@ class Coordinator:
         scenario: the run.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
         version: last known version of the roster, of earlier runs.
+        returning: s for which a robot that was fenced may yet come back.
 
     Attributes:
         tick: the tick that is open, or that is to be opened next.
@@ -50,13 +51,15 @@ class Coordinator:
             (`world.shell.replay`).
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int], version: int, returning: float = 0.0
+    ) -> None:
         self.tick = 0
         self.active: tuple[int, ...] = ()
         self.halted = False
         self.told: dict[int, Tick] | None = None
         self.note: Callable[[Input], None] | None = None
-        self.lives = Lives(scenario, incarnations, version)
+        self.lives = Lives(scenario, incarnations, version, returning)
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)

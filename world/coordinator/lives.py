@@ -28,9 +28,12 @@ class Lives:
         scenario: the run.
         incarnations: newest of every robot in earlier runs, 0 if absent.
         version: newest of the roster in earlier runs.
+        returning: s for which a robot that was fenced may yet come back.
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0, returning: float = 0.0
+    ) -> None:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
         self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
@@ -40,6 +43,7 @@ class Lives:
         self._name = scenario.name
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
+        self._returning = max(self._silence, scenario.ticks(returning))
         schedule = [(scenario.ticks(fault.at), fault) for fault in scenario.process]
         self._schedule = sorted(schedule, key=lambda entry: entry[0])  # stable: as written within a tick
 
@@ -260,12 +264,13 @@ class Lives:
     def gone_for_good(self, tick: int) -> bool:
         """Whether nobody who is not up can be expected again.
 
-        A fenced life whose process still runs learns of it and joins again: it is given as long
+        A fenced life whose process still runs learns of it and joins again: it is given at least as long
         again as the silence that fenced it.
         """
         returning = {fault.robot for _, fault in self._schedule if fault.event in ("resume", "restart")}
+        over = self._silence + self._returning
         return all(
-            life.fenced and tick - life.heard >= 2 * self._silence and robot not in returning
+            life.fenced and tick - life.heard >= over and robot not in returning
             for robot, life in self.of.items()
             if life.status is not Status.UP
         )

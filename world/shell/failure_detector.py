@@ -22,6 +22,12 @@ PATIENCE = 5.0  # s that a lock-step tick waits for a command
 GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
 
 
+def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
+    """How long a robot that was fenced may yet come back, s. Lock-step waits for whoever is started again;
+    real time goes on, and must not be over meanwhile."""
+    return gathering if restarts > 0 and not lockstep else 0.0
+
+
 class FailureDetector:
     """What is done about robots that are missing, by the world of the run at hand.
 

@@ -35,11 +35,17 @@ class Run:
     """
 
     def __init__(
-        self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
+        self,
+        number: int,
+        scenario: Scenario,
+        incarnations: Mapping[int, int],
+        version: int = 0,
+        *,
+        returning: float = 0.0,
     ) -> None:
         self.number = number
         self.phase = Phase.RUNNING
-        self.world = World(scenario, incarnations, version)
+        self.world = World(scenario, incarnations, version, returning=returning)
         self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
         self.opened = False
         self.began = time.monotonic()
