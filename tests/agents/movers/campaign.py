@@ -52,7 +52,7 @@ def run(scenario: Scenario, kill: bool = False) -> Outcome:
     world, apart = fleet.world.world, ""
     before = _standing(world)
     while fleet.step() and _left(world):
-        carriers = [each.carrier for each in world.coordinator.part_places if each.carrier]
+        carriers = [each.carrier for each in world.coordinator.parts.places if each.carrier]
         if kill and carriers:
             fleet.kill(carriers[0])
             kill, apart = False, without_order(world, carriers[0], before)
@@ -93,7 +93,7 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
 def _standing(world: World) -> dict[int, Vector]:
     """Where parts stand that nobody has, m."""
     known = world.coordinator.lives.things.standing
-    places = world.coordinator.part_places
+    places = world.coordinator.parts.places
     return {
         each.part: (known[each.thing].around.x, known[each.thing].around.y)
         for each in places
