@@ -22,7 +22,7 @@ from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 from world.shell.admission import Admissions
-from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector
+from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.journal import Began
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
@@ -80,7 +80,8 @@ class WorldNode:
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
         self._tell, self._note = tell, note
-        current = Run(0, scenarios[0], {}) if past is None else past.run
+        self._returning = returning(gathering, restarts, lockstep=lockstep)
+        current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
         ids = {*scenarios[0].ids, *current.scenario.ids}
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
@@ -124,8 +125,8 @@ class WorldNode:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, session in past.sessions.items():
-            life = past.run.world.coordinator.incarnations[robot]
-            if past.run.world.coordinator.goes_on(robot, life):
+            life = past.run.world.coordinator.lives.incarnations[robot]
+            if past.run.world.coordinator.lives.goes_on(robot, life):
                 self._admissions.resume(robot, session, life)
 
     def _begin(self, run: Run) -> None:
@@ -163,7 +164,7 @@ class WorldNode:
             run.rejected[error.reason] += 1
             return
         run.received += 1
-        if isinstance(message, Command) and run.world.accept(message) and run.world.coordinator.complete:
+        if isinstance(message, Command) and run.world.accept(message) and not run.world.coordinator.waiting:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -240,7 +241,7 @@ class WorldNode:
         while self._run.phase is Phase.RUNNING:
             if not self._run.opened and not self._open():
                 return
-            if not (self._run.world.coordinator.complete and self._lockstep):
+            if self._run.world.coordinator.waiting or not self._lockstep:
                 return
             self._close()
         self._conclude_in_time()
@@ -337,10 +338,14 @@ class WorldNode:
         number, world = self._run.number + 1, self._run.world
         for robot in world.coordinator.ended:
             self._admissions.end(robot)
-        run = Run(number, scenario, world.coordinator.incarnations, world.coordinator.version)
+        lives = world.coordinator.lives
+        run = Run(number, scenario, lives.incarnations, lives.version, returning=self._returning)
         if self._journal is not None:
             self._journal.begin(
-                number, world.coordinator.incarnations, world.coordinator.version, self._failures.expected
+                number,
+                lives.incarnations,
+                lives.version,
+                self._failures.expected,
             )
             run.world.coordinator.note = self._journal.note
         return run

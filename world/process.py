@@ -17,7 +17,7 @@ from protocol.keys import checked_run
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.node import WorldNode
-from world.shell.failure_detector import GATHERING
+from world.shell.failure_detector import GATHERING, returning
 from world.shell.journal import Journal
 from world.shell.replay import Resumed, resume
 
@@ -50,7 +50,11 @@ def main(
     try:
         with stop_on_signal():
             if journal is not None:
-                past = resume(Journal(journal, checked_run(run), scenarios, LOG.warning), scenarios)
+                past = resume(
+                    Journal(journal, checked_run(run), scenarios, LOG.warning),
+                    scenarios,
+                    returning(gathering, restarts, lockstep=lockstep),
+                )
                 _say_where(past)
             bus = ZenohBus(connection)
             node = WorldNode(

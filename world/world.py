@@ -41,6 +41,7 @@ class World:
         scenario: with the gain k a number.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
         version: last known version of the roster, of earlier runs.
+        returning: s for which a robot that was fenced may yet come back, before the run is over without it.
 
     Attributes:
         coordinator: who takes part.
@@ -49,9 +50,14 @@ class World:
     """
 
     def __init__(
-        self, scenario: Scenario, incarnations: Mapping[int, int] | None = None, version: int = 0
+        self,
+        scenario: Scenario,
+        incarnations: Mapping[int, int] | None = None,
+        version: int = 0,
+        *,
+        returning: float = 0.0,
     ) -> None:
-        self.coordinator = Coordinator(scenario, incarnations or {}, version)
+        self.coordinator = Coordinator(scenario, incarnations or {}, version, returning)
         self.simulation = External(scenario) if scenario.is_external else Simulation(scenario)
         plant = self.simulation.plant
         self.referee = Referee(scenario, plant.positions, plant.parts)
@@ -197,7 +203,7 @@ class World:
         """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
         coordinator = self.coordinator
         things = coordinator.lives.things.standing
-        refusal = coordinator.missions.refusal(robot, order, coordinator.standing, things)
+        refusal = coordinator.missions.refusal(robot, order, coordinator.lives.standing, things)
         if refusal:
             return GoalReply(False, text=refusal)
         reply = coordinator.missions.accept(robot, order, self.tick, self.simulation.place(robot))
@@ -254,7 +260,7 @@ class World:
     @property
     def _fixed(self) -> str:
         """Why nobody can come or go; "" if that is possible."""
-        if not self.coordinator.founded or self.verdict:
+        if not self.coordinator.lives.founded or self.verdict:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
 
@@ -265,7 +271,7 @@ class World:
         first tick.
         """
         coordinator = self.coordinator
-        refusal = "" if coordinator.founded else "the run has not begun"
+        refusal = "" if coordinator.lives.founded else "the run has not begun"
         refusal = refusal or coordinator.lives.things.refusal(order, self.simulation.plant.positions)
         if refusal:
             return ThingReply(False, text=refusal)
@@ -279,7 +285,7 @@ class World:
         coordinator = self.coordinator
         if part := coordinator.parts.owns(number):
             return ThingReply(False, text=f"thing {number} is part {part}, which robots carry")
-        if not (coordinator.founded and coordinator.lives.take_away(number)):
+        if not (coordinator.lives.founded and coordinator.lives.take_away(number)):
             return ThingReply(False, text=f"there is no thing {number}")
         self.referee.surround(coordinator.lives.things.standing, self.tick)
         coordinator.noted(TakenAway(number))

@@ -108,7 +108,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     world = bus.node = WorldNode(bus, "yard", [SCENARIO], gathering=5.0)
     bus = network.connect()
     first = bus.node = RobotNode(bus, "yard", 1)
-    network.run(lambda: world.world.coordinator.awaiting_join == {2})
+    network.run(lambda: world.world.coordinator.lives.awaited == {2})
     tokens = robot_key("yard", 1, "alive"), world_key("yard", "alive")
     for there in (False, True):  # its link was out for longer than the world's patience
         world.handle(Presence(tokens[0], there))
@@ -136,4 +136,4 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
     network.run(lambda: world.finished)
     assert world.report is not None
     assert world.report["trajectory_sha256"] == LocalFleet([SCENARIO]).execute()[0]["trajectory_sha256"]
-    assert set(world.world.coordinator.incarnations.values()) == {1}
+    assert set(world.world.coordinator.lives.incarnations.values()) == {1}

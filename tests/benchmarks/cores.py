@@ -84,7 +84,7 @@ class Fleet:
 
     def world_tick(self) -> Callable[[], object]:
         """A function that is the world's next tick, in which everybody stands still."""
-        world, lives = self.world, self.world.coordinator.incarnations
+        world, lives = self.world, self.world.coordinator.lives.incarnations
 
         def step() -> object:
             world.open_tick()

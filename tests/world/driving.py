@@ -37,7 +37,7 @@ def joined(setting: Scenario, robots: Iterable[int] | None = None) -> World:
 def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> None:
     """One tick in which every active robot commands, zero unless told otherwise."""
     told = world.open_tick()
-    assert not world.coordinator.awaiting_join
+    assert not world.coordinator.lives.awaited
     for robot in world.coordinator.active:
         velocity = (velocities or {}).get(robot, (0.0, 0.0))
         roster = told[robot].roster

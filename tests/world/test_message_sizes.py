@@ -180,7 +180,7 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     assert len(world.coordinator.active) == MOST
     assert_fits(told[IDS[0]], robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
-    while len(world.coordinator.standing) < MOST:
+    while len(world.coordinator.lives.standing) < MOST:
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]

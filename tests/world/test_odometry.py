@@ -63,7 +63,7 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
         advance(world, {1: (0.08, 0.0)})
     world.coordinator.lost(1)
     moving, quiet = [], 0
-    while not world.coordinator.standing:
+    while not world.coordinator.lives.standing:
         before = world.truth.positions[0]
         advance(world)
         quiet += 1
@@ -72,7 +72,7 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
     silence = world.scenario.ticks(world.scenario.time.fence)
     assert quiet > silence  # a point would have been fenced by then
     assert moving[silence]
-    (fenced,) = world.coordinator.standing
+    (fenced,) = world.coordinator.lives.standing
     place = world.truth.positions[0]
     for _ in range(5):
         advance(world)

@@ -36,13 +36,13 @@ FIELDS = {
 
 def test_robots_join_before_the_first_tick():
     world = World(two(), {2: 7})
-    assert world.coordinator.awaiting_join == {1, 2}
+    assert world.coordinator.lives.awaited == {1, 2}
     assert world.open_tick() == {}
     assert world.coordinator.join(1) == 1
     assert world.open_tick() == {}
     assert world.coordinator.join(2) == 8
     assert world.open_tick().keys() == {1, 2}
-    assert (world.coordinator.active, world.coordinator.waiting, world.coordinator.incarnations) == (
+    assert (world.coordinator.active, world.coordinator.waiting, world.coordinator.lives.incarnations) == (
         (1, 2),
         {1, 2},
         {1: 1, 2: 8},

@@ -13,13 +13,9 @@ import msgspec
 
 from protocol.messages import (
     Command,
-    PartPlace,
-    Roster,
     Sense,
-    Standing,
     State,
     Summary,
-    Thing,
     Tick,
     Vector,
 )
@@ -43,6 +39,7 @@ class Coordinator:
         scenario: the run.
         incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
         version: last known version of the roster, of earlier runs.
+        returning: s for which a robot that was fenced may yet come back.
 
     Attributes:
         tick: the tick that is open, or that is to be opened next.
@@ -54,13 +51,15 @@ class Coordinator:
             (`world.shell.replay`).
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int], version: int, returning: float = 0.0
+    ) -> None:
         self.tick = 0
         self.active: tuple[int, ...] = ()
         self.halted = False
         self.told: dict[int, Tick] | None = None
         self.note: Callable[[Input], None] | None = None
-        self.lives = Lives(scenario, incarnations, version)
+        self.lives = Lives(scenario, incarnations, version, returning)
         self.commands = Commands(self.lives, scenario.is_external)
         self.missions = Missions(scenario)
         self.membership = Membership(scenario, self.lives, self.missions)
@@ -82,41 +81,6 @@ class Coordinator:
         return self.membership.scenario
 
     @property
-    def incarnations(self) -> dict[int, int]:
-        """Newest incarnation of every robot; a following run counts on from there."""
-        return self.lives.incarnations
-
-    @property
-    def version(self) -> int:
-        """Newest version of the roster; a following run counts on from there."""
-        return self.lives.version
-
-    @property
-    def founded(self) -> bool:
-        """Whether the first tick has begun, with all that were there."""
-        return self.lives.founded
-
-    @property
-    def roster(self) -> Roster:
-        """Who is there."""
-        return self.lives.roster
-
-    @property
-    def standing(self) -> tuple[Standing, ...]:
-        """Fenced lives: fixed disks until that robot joins again."""
-        return self.lives.standing
-
-    @property
-    def things(self) -> tuple[Thing, ...]:
-        """Things that came or went since the run began, as the roster has them."""
-        return self.lives.things.changes
-
-    @property
-    def part_places(self) -> tuple[PartPlace, ...]:
-        """Where the parts of the scenario are."""
-        return self.parts.places
-
-    @property
     def summary(self) -> Summary | None:
         """Where everybody was lately, if robots have to be told in this tick."""
         return None if self._interest is None else self._interest.summary
@@ -124,26 +88,12 @@ class Coordinator:
     @property
     def newcomers(self) -> tuple[int, ...]:
         """Robots that were added, whose disks are there, and whose processes have not joined yet."""
-        return tuple(robot for robot in sorted(self.membership.newcomers) if not self.lives.is_killed(robot))
-
-    @property
-    def awaiting_join(self) -> frozenset[int]:
-        """Robots that must be up at this tick, by the scenario, and have not joined."""
-        return self.lives.awaited
-
-    def goes_on(self, robot: int, incarnation: int) -> bool:
-        """Whether this life of a robot has joined this run and nothing has ended it."""
-        return self.lives.goes_on(robot, incarnation)
+        return tuple(robot for robot in sorted(self.membership.newcomers) if not self.lives.of[robot].killed)
 
     @property
     def ended(self) -> tuple[int, ...]:
         """Robots whose processes the scenario has ended, or holds still, at present."""
-        lives = self.lives
-        return tuple(robot for robot in lives.of if lives.is_killed(robot) or lives.is_paused(robot))
-
-    def is_paused(self, robot: int) -> bool:
-        """Whether the scenario holds a robot's process still; it may join once it is resumed."""
-        return self.lives.is_paused(robot)
+        return tuple(robot for robot, life in self.lives.of.items() if life.killed or life.paused)
 
     # -- who comes and goes
 
@@ -175,12 +125,12 @@ class Coordinator:
         return took_part
 
     def expect(self, robot: int) -> None:
-        """The process of a lost robot is being started again: it is in `awaiting_join` from now on."""
+        """The process of a lost robot is being started again: it is in `lives.awaited` from now on."""
         self.lives.expect(robot)
         self.noted(Expected(robot))
 
     def give_up_waiting(self, robot: int, reason: str = "") -> bool:
-        """Go on without a robot of `awaiting_join`; it may still join later. As `lost` otherwise."""
+        """Go on without a robot of `lives.awaited`; it may still join later. As `lost` otherwise."""
         awaited = self.lives.give_up(robot)
         if awaited and reason:
             self._lament(robot, reason)
@@ -210,16 +160,6 @@ class Coordinator:
         """Active robots whose command of the open tick is outstanding."""
         return frozenset(self.commands.waiting)
 
-    @property
-    def complete(self) -> bool:
-        """Whether nobody is in `waiting`."""
-        return not self.commands.waiting
-
-    @property
-    def missed(self) -> int:
-        """Commands that never came, over all active robots and ticks."""
-        return self.commands.missed
-
     def blamed(self) -> dict[int, str]:
         """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
         lacking, self.commands.lacking = self.commands.lacking, {}
@@ -234,20 +174,20 @@ class Coordinator:
             places: of all disks, m.
             operated: who carries out orders.
         """
-        if not self.founded and not self.awaiting_join:
+        if not self.lives.founded and not self.lives.awaited:
             self.lives.found(places)
-        if not self.founded:
+        if not self.lives.founded:
             return False
         note, self.note = self.note, None  # the scenario will ask for the same again
         self.schedule.carry_out(self.tick, operated)
         self.note = note
         self.lives.apply_faults(self.tick)
-        return not self.awaiting_join
+        return not self.lives.awaited
 
     def tell_fenced(self) -> dict[int, Tick]:
         """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
         near: how often this is said depends on who joins when."""
-        awaited = self.awaiting_join if self.founded else frozenset()
+        awaited = self.lives.awaited if self.lives.founded else frozenset()
         return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in awaited}
 
     def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:

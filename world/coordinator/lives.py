@@ -1,44 +1,24 @@
 """Lives: which process stands for each robot id, what the scenario does to it, and what the roster says.
 
-A robot id may live several times. A life begins by joining and is numbered by its incarnation;
-it may be interrupted by the scenario (pause), be given up on, and ends when it is fenced, killed
-or followed by the next.
+A robot id may live several times. A life begins by joining and is numbered by its incarnation; it ends when
+it is fenced, killed or followed by the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from enum import Enum, auto
+from typing import Final
 
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Shape
 from protocol.messages import Member, PartPlace, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
+from world.coordinator.life import Life, Status
 from world.coordinator.roster import Roster
 from world.coordinator.surroundings import Surroundings
 
-
-class Status(Enum):
-    """What the world takes the process of a robot to be."""
-
-    UP = auto()  # takes part
-    PAUSED = auto()  # stopped by the scenario: hears nothing
-    GONE = auto()  # not there, or ended by the scenario
-    LOST = auto()  # given up on or fenced; may still listen
-
-
-@dataclass(slots=True)
-class Life:
-    """The newest life of one robot id."""
-
-    incarnation: int
-    status: Status = Status.GONE
-    joined: bool = False  # its present process has joined this run
-    awaited: bool = True  # the scenario says that it must be up
-    heard: int = -1  # tick of its newest command; the tick before it joined until there is one
-    fenced: bool = False  # it never moves again
+_EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
 
 
 class Lives:
@@ -48,9 +28,12 @@ class Lives:
         scenario: the run.
         incarnations: newest of every robot in earlier runs, 0 if absent.
         version: newest of the roster in earlier runs.
+        returning: s for which a robot that was fenced may yet come back.
     """
 
-    def __init__(self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0) -> None:
+    def __init__(
+        self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0, returning: float = 0.0
+    ) -> None:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
         self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
@@ -60,6 +43,7 @@ class Lives:
         self._name = scenario.name
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
+        self._returning = max(self._silence, scenario.ticks(returning))
         schedule = [(scenario.ticks(fault.at), fault) for fault in scenario.process]
         self._schedule = sorted(schedule, key=lambda entry: entry[0])  # stable: as written within a tick
 
@@ -161,7 +145,7 @@ class Lives:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
         if (member := self._roster.status(robot)) in ("appearing", "gone"):
             raise JoinError(f"robot {robot} is {member}: its disk is not in the workspace")
-        if life.status is Status.PAUSED:
+        if life.paused:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
         life.joined, life.awaited, life.heard, life.fenced = True, False, heard, False
@@ -223,20 +207,10 @@ class Lives:
         """The present version."""
         return self._roster.message
 
-    def is_paused(self, robot: int) -> bool:
-        """Whether the scenario holds a robot's process still: it cannot join before it is resumed."""
-        return self.of[robot].status is Status.PAUSED
-
-    def is_killed(self, robot: int) -> bool:
-        """Whether the scenario has ended a robot's process, and does not want it back at present."""
-        life = self.of[robot]
-        return life.status is Status.GONE and not life.awaited
-
     def goes_on(self, robot: int, incarnation: int) -> bool:
         """Whether this life has joined and is neither over nor given up on."""
         life = self.of[robot]
-        alive = life.status in (Status.UP, Status.PAUSED) and life.joined and not life.fenced
-        return alive and life.incarnation == incarnation
+        return life.goes_on and life.incarnation == incarnation
 
     def lose(self, robot: int) -> bool:
         """The process of a life that was up is gone or given up on; False if it was not up."""
@@ -290,34 +264,13 @@ class Lives:
     def gone_for_good(self, tick: int) -> bool:
         """Whether nobody who is not up can be expected again.
 
-        A fenced life whose process still runs learns of it and joins again: it is given as long
+        A fenced life whose process still runs learns of it and joins again: it is given at least as long
         again as the silence that fenced it.
         """
         returning = {fault.robot for _, fault in self._schedule if fault.event in ("resume", "restart")}
+        over = self._silence + self._returning
         return all(
-            life.fenced and tick - life.heard >= 2 * self._silence and robot not in returning
+            life.fenced and tick - life.heard >= over and robot not in returning
             for robot, life in self.of.items()
             if life.status is not Status.UP
         )
-
-
-def _kill(life: Life) -> None:
-    life.status, life.awaited, life.joined = Status.GONE, False, False
-
-
-def _pause(life: Life) -> None:
-    if life.awaited or life.status in (Status.UP, Status.LOST):
-        life.status, life.awaited = Status.PAUSED, False
-
-
-def _resume(life: Life) -> None:
-    if life.status is Status.PAUSED:
-        goes_on = life.joined and not life.fenced
-        life.status, life.awaited = (Status.UP, False) if goes_on else (Status.LOST, True)
-
-
-def _restart(life: Life) -> None:
-    life.status, life.awaited, life.joined = Status.GONE, True, False
-
-
-_EVENTS = {"kill": _kill, "pause": _pause, "resume": _resume, "restart": _restart}

@@ -102,7 +102,7 @@ class Admissions:
             world.coordinator.lost(
                 robot, "showed no sign of life after it was admitted; another process came"
             )
-        elif slot.session and world.coordinator.goes_on(robot, slot.granted):
+        elif slot.session and world.coordinator.lives.goes_on(robot, slot.granted):
             if _lived(join) < slot.granted:
                 return self._admission(slot, run)
             world.coordinator.lost(robot)  # as the process itself says
@@ -120,7 +120,7 @@ class Admissions:
         robot, slot = join.robot, self.slots[join.robot]
         if slot.ended == join.session:
             return f"the scenario has ended this process of robot {robot}"
-        if run.world.coordinator.is_paused(robot):
+        if run.world.coordinator.lives.of[robot].paused:
             return f"robot {robot} is paused by the scenario"
         taken = slot.session not in ("", join.session) and self._clock() < slot.since + RESERVATION
         return f"another process is joining as robot {robot}" if taken else ""
@@ -133,7 +133,7 @@ class Admissions:
 
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
-        founded = run.world.coordinator.founded
+        founded = run.world.coordinator.lives.founded
         return joining.Admission(slot.granted, self._lockstep, run.scenario, run.oldest, away, founded)
 
     # -- who is there

@@ -22,6 +22,12 @@ PATIENCE = 5.0  # s that a lock-step tick waits for a command
 GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
 
 
+def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
+    """How long a robot that was fenced may yet come back, s. Lock-step waits for whoever is started again;
+    real time goes on, and must not be over meanwhile."""
+    return gathering if restarts > 0 and not lockstep else 0.0
+
+
 class FailureDetector:
     """What is done about robots that are missing, by the world of the run at hand.
 
@@ -67,7 +73,7 @@ class FailureDetector:
 
     def miss(self, robot: int, run: Run) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
-        if self._grace and run.world.coordinator.goes_on(robot, self._admissions.slots[robot].granted):
+        if self._grace and run.world.coordinator.lives.goes_on(robot, self._admissions.slots[robot].granted):
             self._admissions.miss(robot)
         else:
             self._gone(robot, run)
@@ -98,17 +104,17 @@ class FailureDetector:
         """What robots are told when the next tick opens; None while it waits for somebody. Real time waits
         for nobody once it has begun; who comes later joins then."""
         world = run.world
-        if not world.coordinator.founded and self._admissions.absent():
+        if not world.coordinator.lives.founded and self._admissions.absent():
             return None
         ticks = world.open_tick()
         if not self._absent(run):
             return ticks
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario wants back must learn that it has to join again
-            awaited = world.coordinator.awaiting_join
+            awaited = world.coordinator.lives.awaited
             self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
-        for robot in world.coordinator.awaiting_join:
+        for robot in world.coordinator.lives.awaited:
             world.coordinator.give_up_waiting(robot)
         return world.open_tick()
 
@@ -127,8 +133,8 @@ class FailureDetector:
     def _absent(self, run: Run) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world, absent = run.world, self._admissions.absent()
-        return world.coordinator.awaiting_join | (
-            absent & frozenset(world.coordinator.active) if world.coordinator.founded else absent
+        return world.coordinator.lives.awaited | (
+            absent & frozenset(world.coordinator.active) if world.coordinator.lives.founded else absent
         )
 
     def _lose_patience(self, run: Run) -> None:

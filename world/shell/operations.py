@@ -103,7 +103,7 @@ class Operations:
             text = world.remove(change.remove)
         if change is not None:
             self._log(run, str(change), text)
-        return encode_reply(FleetReply(not text, world.coordinator.roster, text), payload)
+        return encode_reply(FleetReply(not text, world.coordinator.lives.roster, text), payload)
 
     def _log(self, run: Run, asked: str, refusal: str) -> None:
         """Note what was asked for, and what came of it."""

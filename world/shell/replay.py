@@ -43,8 +43,8 @@ class Resumed(NamedTuple):
     expected: Mapping[int, int]
 
 
-def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
-    """Do again what `journal` says, and have the world note all that follows there.
+def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0.0) -> Resumed:
+    """Do again what `journal` says, and have the world note all that follows there; `returning` as before.
 
     Raises:
         JournalError: the journal does not lead where it says it led.
@@ -52,7 +52,7 @@ def resume(journal: Journal, scenarios: Sequence[Scenario]) -> Resumed:
     head = journal.head
     if head.number >= len(scenarios):
         raise JournalError(f"the journal {journal.path} is of scenario {head.number} of {len(scenarios)}")
-    run = Run(head.number, scenarios[head.number], head.incarnations, head.version)
+    run = Run(head.number, scenarios[head.number], head.incarnations, head.version, returning=returning)
     seated: dict[int, str] = {}
     sessions: dict[int, str] = {}
     expected = Counter(head.expected)

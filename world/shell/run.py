@@ -35,11 +35,17 @@ class Run:
     """
 
     def __init__(
-        self, number: int, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0
+        self,
+        number: int,
+        scenario: Scenario,
+        incarnations: Mapping[int, int],
+        version: int = 0,
+        *,
+        returning: float = 0.0,
     ) -> None:
         self.number = number
         self.phase = Phase.RUNNING
-        self.world = World(scenario, incarnations, version)
+        self.world = World(scenario, incarnations, version, returning=returning)
         self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
         self.opened = False
         self.began = time.monotonic()
@@ -60,19 +66,19 @@ class Run:
             world.tick,
             seconds,
             world.coordinator.active,
-            world.coordinator.standing,
+            world.coordinator.lives.standing,
             world.verdict,
             self.number,
             truth.clearance,
             truth.phi,
             world.reason,
-            world.coordinator.founded,
+            world.coordinator.lives.founded,
             world.coordinator.halted,
-            world.coordinator.missed,
+            world.coordinator.commands.missed,
             dict(self.rejected),
-            world.coordinator.things,
+            world.coordinator.lives.things.changes,
             world.coordinator.newcomers,
-            world.coordinator.part_places,
+            world.coordinator.parts.places,
         )
 
     def is_marked(self) -> bool:
@@ -81,7 +87,7 @@ class Run:
 
     def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
         """What tells robots that the run is over."""
-        lives, tick = self.world.coordinator.incarnations, self.world.tick
+        lives, tick = self.world.coordinator.lives.incarnations, self.world.tick
         return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
     def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:

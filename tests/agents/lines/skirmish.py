@@ -135,7 +135,7 @@ class Skirmish:
             self.world.remove_thing(rng.choice(here))
             return
         thing = _beside(rng, rng.choice(self.before))
-        if self.world.coordinator.founded and rng.random() < 0.3:
+        if self.world.coordinator.lives.founded and rng.random() < 0.3:
             self.world.coordinator.lives.announce(
                 thing.shape
             )  # the world refuses what is on a robot; the roster need not

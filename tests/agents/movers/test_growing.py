@@ -54,5 +54,5 @@ def test_who_was_ready_for_one_part_takes_no_other_up_on_it() -> None:
     assert core._filter.radius == SMALL
     mover.held, mover.handles = 1, Handling(1, LARGE)
     tick()
-    assert [place.carrier for place in world.coordinator.part_places] == [1, 0]
+    assert [place.carrier for place in world.coordinator.parts.places] == [1, 0]
     assert world.report()["collisions"] == 0

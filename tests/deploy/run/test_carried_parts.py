@@ -21,7 +21,7 @@ SCENARIO = load("parts-4", ["time.limit=60"], 1)
 
 
 def carriers(fleet: LocalFleet) -> list[int]:
-    return [each.carrier for each in fleet.world.world.coordinator.part_places if each.carrier]
+    return [each.carrier for each in fleet.world.world.coordinator.parts.places if each.carrier]
 
 
 def carrying() -> tuple[LocalFleet, int]:
@@ -54,7 +54,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
     fleet.kill(dead)
     report = finished(fleet)
     assert report["min_clearance"] > 0.0
-    members = {each.robot: each for each in fleet.world.world.coordinator.roster.members}
+    members = {each.robot: each for each in fleet.world.world.coordinator.lives.roster.members}
     assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
 
 
@@ -70,10 +70,10 @@ def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
     fleet = LocalFleet([SCENARIO], journal=tmp_path / "journal")
     while not carriers(fleet):
         assert fleet.step()
-    before = fleet.world.world.coordinator.roster
+    before = fleet.world.world.coordinator.lives.roster
     fleet.kill_world()
     fleet.start_world()
-    assert fleet.world.world.coordinator.roster == before
+    assert fleet.world.world.coordinator.lives.roster == before
     assert finished(fleet)["trajectory_sha256"] == finished(LocalFleet([SCENARIO]))["trajectory_sha256"]
 
 

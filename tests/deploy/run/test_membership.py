@@ -147,9 +147,9 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
     fleet.kill_world()
     fleet.start_world()
     after = fleet.world.world
-    assert (after.truth, after.coordinator.roster.members) == (
+    assert (after.truth, after.coordinator.lives.roster.members) == (
         before.truth,
-        before.coordinator.roster.members,
+        before.coordinator.lives.roster.members,
     )
     report = fleet.execute()[0]
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])

@@ -76,11 +76,11 @@ def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
 def test_what_cannot_be_is_refused_and_changes_nothing(change: object, reason: str) -> None:
     fleet = LocalFleet([LISTED])
     step(fleet, 1)
-    before = fleet.world.world.coordinator.roster.version
+    before = fleet.world.world.coordinator.lives.roster.version
     reply = asked(fleet, change)
     assert not reply["accepted"]
     assert reason in reply["text"]
-    assert fleet.world.world.coordinator.roster.version == before
+    assert fleet.world.world.coordinator.lives.roster.version == before
 
 
 @pytest.mark.parametrize(

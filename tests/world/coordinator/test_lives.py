@@ -32,9 +32,9 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     world.coordinator.lost(2)
     stood = place(world, 2)
     advance_to(world, 2 + FENCE)
-    assert (world.coordinator.active, world.coordinator.standing) == ((1,), ())
+    assert (world.coordinator.active, world.coordinator.lives.standing) == ((1,), ())
     advance_to(world, 3 + FENCE)
-    assert world.coordinator.standing == (Standing(2, 1, stood),)
+    assert world.coordinator.lives.standing == (Standing(2, 1, stood),)
     told = world.open_tick()
     assert told[1].roster == told[2].roster  # it may still listen
     assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood, founding=1)
@@ -50,10 +50,10 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
     world.coordinator.expect(2)  # nobody has lost it
-    assert world.coordinator.awaiting_join == frozenset()
+    assert world.coordinator.lives.awaited == frozenset()
     world.coordinator.lost(2)
     world.coordinator.expect(2)
-    assert world.coordinator.awaiting_join == {2}
+    assert world.coordinator.lives.awaited == {2}
     assert world.open_tick().keys() == {2}  # only to learn that it has to join again
     assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
@@ -68,7 +68,7 @@ def test_whoever_the_scenario_kills_is_not_waited_for():
     advance_to(world, 4)
     world.coordinator.lost(2)
     world.coordinator.expect(2)
-    assert world.coordinator.awaiting_join == frozenset()
+    assert world.coordinator.lives.awaited == frozenset()
 
 
 def test_losing_a_robot_in_an_open_tick_tells_the_others():
@@ -91,7 +91,7 @@ def test_a_live_robot_that_sends_nothing_is_fenced_too():
         assert world.open_tick()[1].active == (1, 2)
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert [down.robot for down in world.coordinator.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.standing] == [2]
     assert world.open_tick()[1].active == (1,)
     assert world.report()["missed_commands"] == FENCE
 
@@ -104,7 +104,7 @@ def test_one_command_in_time_keeps_a_robot_from_being_fenced():
         if tick % FENCE == FENCE - 1:
             assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.coordinator.standing == ()
+    assert world.coordinator.lives.standing == ()
 
 
 def test_a_fenced_robot_joins_again_as_a_new_life():
@@ -113,7 +113,7 @@ def test_a_fenced_robot_joins_again_as_a_new_life():
     world.coordinator.lost(2)
     advance_to(world, 2 + FENCE)
     assert world.coordinator.join(2) == 2
-    assert world.coordinator.standing == ()
+    assert world.coordinator.lives.standing == ()
     told = world.open_tick()
     assert (told[2].incarnation, told[1].active) == (2, (1, 2))
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
@@ -139,11 +139,11 @@ def test_a_new_life_is_given_its_own_time_before_it_is_fenced():
     advance_to(world, 10)
     world.coordinator.join(2)
     for tick in range(10, 10 + FENCE):
-        assert world.coordinator.standing == ()
+        assert world.coordinator.lives.standing == ()
         world.open_tick()
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.coordinator.standing == (Standing(2, 2, (-0.1, -0.1)),)
+    assert world.coordinator.lives.standing == (Standing(2, 2, (-0.1, -0.1)),)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -155,7 +155,7 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     advance_to(world, 15)
     assert place(world, 2) == stood
     assert world.open_tick().keys() == {1}
-    assert [down.robot for down in world.coordinator.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.standing] == [2]
     assert world.report()["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
     assert world.coordinator.join(2) == 2  # an operator may start it again
 
@@ -177,18 +177,18 @@ def test_a_short_pause_ends_in_the_same_life():
     world.coordinator.lost(2)  # its presence may go while it is stopped
     advance_to(world, 6)
     told = world.open_tick()
-    assert world.coordinator.awaiting_join == frozenset()
-    assert (told[2].incarnation, told[2].active, world.coordinator.standing) == (1, (1, 2), ())
+    assert world.coordinator.lives.awaited == frozenset()
+    assert (told[2].incarnation, told[2].active, world.coordinator.lives.standing) == (1, (1, 2), ())
 
 
 def test_a_long_pause_ends_in_a_new_life():
     world = faulty((2, 3, "pause"), (2, 12, "resume"))
     advance_to(world, 12)
     told = world.open_tick()
-    assert world.coordinator.awaiting_join == {2}
+    assert world.coordinator.lives.awaited == {2}
     assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
     assert told[2].roster.members[1].position == place(world, 2)
-    assert world.coordinator.standing == (Standing(2, 1, place(world, 2)),)
+    assert world.coordinator.lives.standing == (Standing(2, 1, place(world, 2)),)
     assert world.coordinator.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
 
@@ -201,7 +201,7 @@ def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
         world.coordinator.join(2)
     advance_to(world, 6)
     world.open_tick()
-    assert world.coordinator.awaiting_join == {2}
+    assert world.coordinator.lives.awaited == {2}
     assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
 
@@ -211,7 +211,7 @@ def test_restart_waits_for_a_new_life():
     advance_to(world, 3)
     assert world.open_tick() == {}
     assert world.open_tick() == {}
-    assert world.coordinator.awaiting_join == {2}
+    assert world.coordinator.lives.awaited == {2}
     with pytest.raises(RuntimeError, match="tick 3 is not open"):
         world.close_tick()
     assert world.coordinator.join(2) == 2
@@ -227,7 +227,7 @@ def test_waiting_may_be_given_up_and_the_robot_may_still_come():
     world.open_tick()
     assert world.coordinator.active == (1,)
     advance_to(world, 10)
-    assert [down.robot for down in world.coordinator.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.standing] == [2]
     assert world.coordinator.join(2) == 2
     world.open_tick()
     assert world.coordinator.active == (1, 2)
@@ -238,7 +238,7 @@ def test_a_robot_that_never_starts_is_a_disk_that_stands():
     world.coordinator.give_up_waiting(2)
     assert world.open_tick().keys() == {1}
     advance_to(world, FENCE)
-    assert world.coordinator.standing == (Standing(2, 0, (-0.1, -0.1)),)
+    assert world.coordinator.lives.standing == (Standing(2, 0, (-0.1, -0.1)),)
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])
@@ -246,12 +246,12 @@ def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
     world = World(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
     world.coordinator.join(1)
     assert world.open_tick() == {}
-    assert (world.coordinator.founded, world.coordinator.awaiting_join) == (False, {2})
+    assert (world.coordinator.lives.founded, world.coordinator.lives.awaited) == (False, {2})
     world.coordinator.join(2)
     told = world.open_tick()
-    assert world.coordinator.founded
+    assert world.coordinator.lives.founded
     if event == "restart":
-        assert (world.coordinator.awaiting_join, told) == ({2}, {})
+        assert (world.coordinator.lives.awaited, told) == ({2}, {})
         world.coordinator.join(2)
         told = world.open_tick()
     founding = {member.robot: member.founding for member in told[1].roster.members}
@@ -264,7 +264,7 @@ def test_a_pause_from_the_start_ends_in_the_founding_life():
     world = joined(two(process=faults, time=PATIENT))
     advance_to(world, 2)
     told = world.open_tick()
-    assert (world.coordinator.active, world.coordinator.incarnations) == ((1, 2), {1: 1, 2: 1})
+    assert (world.coordinator.active, world.coordinator.lives.incarnations) == ((1, 2), {1: 1, 2: 1})
     assert told[2].roster.members[1].founding == 1
 
 
@@ -279,7 +279,7 @@ def test_scheduled_faults_give_the_same_trajectory_again():
         world = joined(setting)
         while not world.verdict:
             world.open_tick()
-            for robot in world.coordinator.awaiting_join:
+            for robot in world.coordinator.lives.awaited:
                 world.coordinator.join(robot)
             advance(world, toward(world, setting))
         assert world.verdict == "arrived"

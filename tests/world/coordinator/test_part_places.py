@@ -37,7 +37,7 @@ def tick(
     told = found.open_tick()
     for robot in found.coordinator.active:
         if robot not in silent:
-            version = found.coordinator.version if kept else 0
+            version = found.coordinator.lives.version if kept else 0
             life = told[robot].incarnation
             asked = (asks or {}).get(robot)
             command = Command(robot, life, found.tick, (0.0, 0.0), version, handles=asked)
@@ -46,11 +46,11 @@ def tick(
 
 
 def radius(found: World, robot: int) -> float:
-    return next(each.radius for each in found.coordinator.roster.members if each.robot == robot)
+    return next(each.radius for each in found.coordinator.lives.roster.members if each.robot == robot)
 
 
 def where(found: World) -> PartPlace:
-    (place,) = found.coordinator.roster.parts
+    (place,) = found.coordinator.lives.roster.parts
     return place
 
 
@@ -70,9 +70,9 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
 )
 def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
     found = world()
-    before = found.coordinator.roster
+    before = found.coordinator.lives.roster
     tick(found, {robot: handling})
-    assert found.coordinator.roster == before
+    assert found.coordinator.lives.roster == before
 
 
 def test_nobody_handles_parts_in_an_emergency_stop() -> None:

@@ -35,7 +35,7 @@ def world() -> World:
 
 
 def statuses(found: World) -> dict[int, str]:
-    return {each.number: each.status for each in found.coordinator.things}
+    return {each.number: each.status for each in found.coordinator.lives.things.changes}
 
 
 def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
@@ -45,8 +45,8 @@ def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
     told = found.open_tick()
     assert statuses(found) == {2: "appearing"}
     assert [each.shape for each in told[1].roster.things] == [WALL.shape]
-    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.coordinator.version))
-    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.coordinator.version - 1))
+    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.coordinator.lives.version))
+    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.coordinator.lives.version - 1))
     found.close_tick()
     assert statuses(found) == {2: "appearing"}
     advance(found)
@@ -73,7 +73,7 @@ def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
         advance(found, {1: (0.1, 0.0)})
     assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
     found.remove_thing(number)
-    assert found.coordinator.things == ()
+    assert found.coordinator.lives.things.changes == ()
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,16 @@ def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
 )
 def test_a_refusal_says_why_and_changes_nothing(order: ThingOrder, words: str) -> None:
     found = world()
-    version, noted = found.coordinator.version, []
+    version, noted = found.coordinator.lives.version, []
     found.coordinator.note = noted.append
     reply = found.add_thing(order)
     assert not reply.accepted
     assert words in reply.text
-    assert (found.coordinator.version, found.coordinator.things, noted) == (version, (), [])
+    assert (found.coordinator.lives.version, found.coordinator.lives.things.changes, noted) == (
+        version,
+        (),
+        [],
+    )
 
 
 def test_before_the_first_tick_nothing_is_added() -> None:
@@ -121,7 +125,7 @@ def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
         robot.begin(found.open_tick()[1])
         command = robot.command()
         found.accept(command)
-        kept.append(command.roster == found.coordinator.version)
+        kept.append(command.roster == found.coordinator.lives.version)
         assert statuses(found)[1] == "appearing"
         if kept[-1]:
             break

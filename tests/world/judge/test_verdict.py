@@ -2,6 +2,8 @@ import pytest
 
 from protocol.scenario.model import Link, Partition, ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
+from world.shell.failure_detector import returning
+from world.world import World
 
 DEADLOCK = 10  # ticks, as in `driving.scenario`
 
@@ -113,11 +115,30 @@ def test_aborted_when_nobody_is_left():
     assert (world.verdict, world.reason) == ("aborted", "robots 1, 2 are down for good")
 
 
+def test_not_aborted_while_processes_may_yet_be_started_again():
+    kills = ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")
+    setting = two(process=kills, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
+    world = World(setting, returning=2.0)
+    for robot in setting.ids:
+        world.coordinator.join(robot)
+    while not world.verdict:
+        advance(world)
+    silent = setting.ticks(0.1)  # since this tick
+    assert world.tick == silent + setting.ticks(setting.time.fence) + setting.ticks(2.0)
+    assert world.reason == "robots 1, 2 are down for good"
+
+
+def test_lock_step_waits_and_real_time_goes_on_for_as_long():
+    assert returning(20.0, 3, lockstep=True) == 0.0
+    assert returning(20.0, 3, lockstep=False) == 20.0
+    assert returning(20.0, 0, lockstep=False) == 0.0
+
+
 def test_not_aborted_while_a_restart_is_scheduled():
     faults = (ProcessFault(2, 0.5, "kill"), ProcessFault(2, 8.0, "restart"))
     setting = two(process=faults, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = joined(setting)
-    while not world.coordinator.awaiting_join:
+    while not world.coordinator.lives.awaited:
         advance(world, toward(world, setting))
         world.open_tick()
     assert (world.tick, world.verdict) == (160, "")

@@ -46,7 +46,7 @@ def test_asking_again_is_asking_once() -> None:
     assert [desk.admitted("a") for _ in range(3)] == [1, 1, 1]
     desk.admissions.arrive(1)
     assert desk.admitted("a") == 1  # the reply came too late, the token too early: nothing has been lived yet
-    assert desk.run.world.coordinator.incarnations == {1: 1, 2: 0}
+    assert desk.run.world.coordinator.lives.incarnations == {1: 1, 2: 0}
 
 
 def test_a_life_that_was_lived_is_not_lived_again() -> None:
@@ -56,8 +56,8 @@ def test_a_life_that_was_lived_is_not_lived_again() -> None:
     desk.admissions.arrive(1)
     assert desk.admitted("a", lived=1) == 2
     assert desk.admitted("a", lived=1) == 2  # the reply was lost
-    assert desk.run.world.coordinator.goes_on(1, 2)
-    assert not desk.run.world.coordinator.goes_on(1, 1)
+    assert desk.run.world.coordinator.lives.goes_on(1, 2)
+    assert not desk.run.world.coordinator.lives.goes_on(1, 1)
 
 
 def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
@@ -70,7 +70,7 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
     assert isinstance(desk.ask("dead"), Wait)  # it was only slow
     desk.admissions.arrive(1)
     assert isinstance(desk.ask("dead"), Refusal)
-    assert desk.run.world.coordinator.goes_on(1, 2)
+    assert desk.run.world.coordinator.lives.goes_on(1, 2)
 
 
 def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
@@ -81,7 +81,7 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     reply = desk.ask("second")
     assert isinstance(reply, Refusal)
     assert "already running" in reply.text
-    assert desk.run.world.coordinator.goes_on(1, 1)
+    assert desk.run.world.coordinator.lives.goes_on(1, 1)
     desk.admissions.leave(1)
     desk.run.world.coordinator.lost(1)
     assert desk.admitted("second") == 2
@@ -129,7 +129,7 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             last[process] = lives.pop(process)  # it says itself that it is over
         elif event == "wait":
             desk.clock.now += RESERVATION
-        newest = desk.run.world.coordinator.incarnations[1]
+        newest = desk.run.world.coordinator.lives.incarnations[1]
         assert sum(life == newest for life in lives.values()) <= 1
 
 

@@ -60,7 +60,9 @@ class Watch:
 
     def command(self, robot: int) -> None:
         world = self.turn.world
-        assert world.accept(Command(robot, world.coordinator.incarnations[robot], world.tick, (0.0, 0.0)))
+        assert world.accept(
+            Command(robot, world.coordinator.lives.incarnations[robot], world.tick, (0.0, 0.0))
+        )
 
     def close(self) -> None:
         self.turn.world.close_tick()
@@ -188,7 +190,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.failures.miss(2, watch.turn)
         watch.close()
         awaited = life < lives
-        assert watch.turn.world.coordinator.awaiting_join == ({2} if awaited else set())
+        assert watch.turn.world.coordinator.lives.awaited == ({2} if awaited else set())
         assert watch.failures.expected[2] == min(life + 1, lives)
         if awaited:
             assert watch.gathered() is None
@@ -205,7 +207,7 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
     watch.pacing.wait()
     watch.go_by(GATHERING + 0.1)
     assert not watch.turn.world.verdict
-    assert watch.turn.world.coordinator.awaiting_join == set()
+    assert watch.turn.world.coordinator.lives.awaited == set()
     assert watch.gathered() is not None
     assert watch.turn.world.coordinator.active == (1,)
     assert watch.said[1:] == ["tick 1: gives up robot 2, which gave no sign within 20 s"]
@@ -219,7 +221,7 @@ def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
     assert watch.said == []
     watch.failures.miss(2, watch.turn)
     watch.go_by(0.9 * GATHERING)  # of the next life's time, which begins now
-    assert watch.turn.world.coordinator.awaiting_join == {2}
+    assert watch.turn.world.coordinator.lives.awaited == {2}
 
 
 @pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])
@@ -230,5 +232,5 @@ def test_who_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> Non
     watch.turn.phase = phase
     watch.failures.miss(2, watch.turn)
     assert watch.said == []
-    assert watch.turn.world.coordinator.awaiting_join == set()
+    assert watch.turn.world.coordinator.lives.awaited == set()
     assert watch.failures.expected == {}

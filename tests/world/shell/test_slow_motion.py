@@ -73,7 +73,7 @@ def test_who_goes_while_a_tick_is_held_back_is_waited_for_from_then_on() -> None
     theatre.play(1.5 * GATHERING)
     theatre.robots[2].close()
     theatre.play(0.75 * GATHERING)  # the next tick is due after 2
-    assert theatre.world._run.world.coordinator.awaiting_join == {2}
+    assert theatre.world._run.world.coordinator.lives.awaited == {2}
     bus = theatre.robots[2] = theatre.network.connect()
     bus.node = RobotNode(bus, "slow", 2)
     bus.node.wake(0.0)

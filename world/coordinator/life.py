@@ -1,0 +1,60 @@
+"""One life of a robot id, as the coordinator knows it: docs/states.md draws it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+
+class Status(Enum):
+    """What the world takes the process of a robot to be."""
+
+    UP = auto()  # takes part
+    PAUSED = auto()  # stopped by the scenario: hears nothing
+    GONE = auto()  # not there, or ended by the scenario
+    LOST = auto()  # given up on or fenced; may still listen
+
+
+@dataclass(slots=True)
+class Life:
+    """The newest life of one robot id."""
+
+    incarnation: int
+    status: Status = Status.GONE
+    joined: bool = False  # its present process has joined this run
+    awaited: bool = True  # the scenario says that it must be up
+    heard: int = -1  # tick of its newest command; the tick before it joined until there is one
+    fenced: bool = False  # it never moves again
+
+    @property
+    def paused(self) -> bool:
+        """Whether the scenario holds its process still: it cannot join before it is resumed."""
+        return self.status is Status.PAUSED
+
+    @property
+    def killed(self) -> bool:
+        """Whether the scenario has ended its process, and does not want it back at present."""
+        return self.status is Status.GONE and not self.awaited
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether it has joined and is neither over nor given up on."""
+        return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
+
+    def kill(self) -> None:
+        """The scenario ends its process."""
+        self.status, self.awaited, self.joined = Status.GONE, False, False
+
+    def pause(self) -> None:
+        """The scenario holds its process still."""
+        if self.awaited or self.status in (Status.UP, Status.LOST):
+            self.status, self.awaited = Status.PAUSED, False
+
+    def resume(self) -> None:
+        """The scenario lets its process go on: this life, or the next if this one was fenced meanwhile."""
+        if self.paused:
+            self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
+
+    def restart(self) -> None:
+        """The scenario ends its process, and wants another in its place."""
+        self.status, self.awaited, self.joined = Status.GONE, True, False
