@@ -122,7 +122,7 @@ class Mover:
         part = self._outlook.carriers.get(self._robot, 0)
         size = max(self.radius, self._planner.loaded(part) if part else self._small)
         me = Traveller(self._position, self.goal, size, self._outlook.among(part))
-        ahead = first(self._outlook, self._robot, self.claim, self._position)
+        ahead = first(self._outlook, self._robot, self.claim)
         found = [traveller(self._scenario, self._outlook, peer) for peer in ahead]
         return self._traffic.aim(me, [each for each in found if each is not None])
 
@@ -143,7 +143,7 @@ class Mover:
             return True
         self._known = claims
         claim = Claim(part, 0.0, 0.0)
-        ahead = first(self._outlook, self._robot, claim, self._position)
+        ahead = first(self._outlook, self._robot, claim)
         outlook = self._outlook.heeding([peer.robot for peer in ahead])
         return fits(self._planner, part, self._position, outlook, self._goals)
 

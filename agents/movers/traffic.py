@@ -33,12 +33,14 @@ class Traveller:
         at, to: where it is and where it goes, m.
         radius: of its disk, m.
         among: what stands in its way.
+        leaves: what stands there once it has arrived.
     """
 
     at: Vector
     to: Vector
     radius: float
     among: tuple[Shape, ...]
+    leaves: tuple[Shape, ...] = ()
 
 
 class Traffic:
@@ -90,7 +92,8 @@ class Traffic:
     def _aside(
         self, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]
     ) -> Vector | None:
-        """Where to make room, m; None if that is nowhere."""
+        """Where to make room, m: where one is not shut in by what others leave, if there is such a place;
+        None if that is nowhere."""
         free = self._grid.clear(me.among, me.radius)
         wanted = free.copy()
         for each, way in zip(first, ways, strict=True):
@@ -99,6 +102,8 @@ class Traffic:
             free &= self._away([each.at]) >= me.radius + each.radius
         far = self._grid.ways(free, [me.at])
         far[~wanted] = np.inf
+        open_ = np.where(self._stays_open(me, first), far, np.inf)
+        far = open_ if np.isfinite(open_).any() else far
         best = np.unravel_index(int(far.argmin()), far.shape)
         if not math.isfinite(far[best]):
             return None
@@ -106,6 +111,11 @@ class Traffic:
         back = self._grid.path(self._grid.ways(free, [goal]), me.at)
         seen = [point for point in back if self._grid.sees(free, me.at, point)]
         return seen[-1] if seen else goal
+
+    def _stays_open(self, me: Traveller, first: Sequence[Traveller]) -> Cells:
+        """From which cells there is a way for the robot once others have left what they carry."""
+        left = [shape for each in first for shape in each.leaves]
+        return np.isfinite(self._grid.ways(self._grid.clear((*me.among, *left), me.radius), [me.to]))
 
     def _is_in_the_way(
         self, at: Vector, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]

@@ -3,9 +3,12 @@
 python -m tests.agents.movers.campaign --runs 200 [--first 0] [--parts 8] [--kill]
 
 Counted are instances for which there is an order in which one part after another finds its way to its goal
-(`agents.movers.order`). With `--kill` one robot dies for good as soon as it carries a part; the same search
-then says whether there still is such an order for survivors, the dead robot and its part standing there, and
-instances without are counted apart. Exit status 1 if anything touched.
+(`agents.movers.order`). With `--kill` one robot dies for good as soon as it carries a part. That instance is
+counted apart if, by where everything is at that instant and nothing else, the dead robot's disk lies on the
+goal of a part, which can then never get there; or if the same search finds no order for the survivors, the
+dead robot and its part standing there. Exit status 1 if anything touched.
+
+To go on after some of the runs, give the seed that follows the last one as `--first`.
 """
 
 from __future__ import annotations
@@ -26,6 +29,8 @@ from protocol.scenario.model import Scenario
 from world.world import World
 
 SECONDS = 300.0  # of simulated time
+BARRED = "the dead robot lies on the goal of a part"
+NO_ORDER = "no order found for the survivors"
 
 
 @dataclass(frozen=True)
@@ -38,19 +43,19 @@ class Outcome:
     contacts: int
     clearance: float
     seconds: float
-    order: bool  # whether there was one after a death, too
+    apart: str  # why a death leaves no order, so that it is counted apart; "" if there is one
 
 
 def run(scenario: Scenario, kill: bool = False) -> Outcome:
     """One instance; `kill`: a robot dies as soon as it carries a part."""
     fleet = LocalFleet([scenario])
-    world, order = fleet.world.world, True
+    world, apart = fleet.world.world, ""
     before = _standing(world)
     while fleet.step() and _left(world):
         carriers = [each.carrier for each in world.coordinator.parts.places if each.carrier]
         if kill and carriers:
             fleet.kill(carriers[0])
-            kill, order = False, has_order(world, carriers[0], before)
+            kill, apart = False, without_order(world, carriers[0], before)
         before = _standing(world)
     report = world.report()
     return Outcome(
@@ -60,12 +65,12 @@ def run(scenario: Scenario, kill: bool = False) -> Outcome:
         report["collisions"],
         report["min_clearance"],
         world.tick * scenario.time.step,
-        order,
+        apart,
     )
 
 
-def has_order(world: World, dead: int, before: Mapping[int, Vector]) -> bool:
-    """Whether survivors could still bring all parts to their goals, one after another.
+def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
+    """Why survivors cannot bring all parts to their goals, one after another; "" if they can.
 
     Args:
         dead: a robot with a part, which stands where it is.
@@ -80,8 +85,9 @@ def has_order(world: World, dead: int, before: Mapping[int, Vector]) -> bool:
     )
     planner = Planner(scenario, min(each.radius for each in scenario.robots))
     if planner.barred(floor):
-        return False
-    return planner.orders.exists(floor, [places[robot] for robot in scenario.ids if robot != dead])
+        return BARRED
+    survivors = [places[robot] for robot in scenario.ids if robot != dead]
+    return "" if planner.orders.exists(floor, survivors) else NO_ORDER
 
 
 def _standing(world: World) -> dict[int, Vector]:
@@ -122,21 +128,24 @@ def main() -> int:
     outcomes = []
     for scenario in instances(given.first, given.runs, given.parts):
         outcomes.append(run(scenario, given.kill))
-        done = outcomes[-1]
-        order = "" if done.order else "; no order after the death"
-        told = f"parts {done.left} left, {done.verdict or 'stopped'}" if done.left else "all in place"
-        print(
-            f"seed {done.seed}: {told} after {done.seconds:.0f} s, {done.contacts} contacts, "
-            f"clearance at least {1e6 * done.clearance:.3f} um{order}",
-            flush=True,
-        )
-    contacts = sum(each.contacts for each in outcomes)
-    for order, said in ((True, "with an order"), (False, "without one after the death, counted apart")):
-        them = [each for each in outcomes if each.order == order]
+        print(_line(outcomes[-1]), flush=True)
+    print(f"seeds {given.first} to {outcomes[-1].seed}")
+    for apart in ("", BARRED, NO_ORDER):
+        them = [each for each in outcomes if each.apart == apart]
         if them:
+            said = f"counted apart, {apart}" if apart else "with an order"
             print(f"{said}: {sum(not each.left for each in them)} of {len(them)} with all parts in place")
+    contacts = sum(each.contacts for each in outcomes)
     print(f"{contacts} contacts")
     return int(contacts > 0)
+
+
+def _line(done: Outcome) -> str:
+    told = f"parts {done.left} left, {done.verdict or 'stopped'}" if done.left else "all in place"
+    return (
+        f"seed {done.seed}: {told} after {done.seconds:.0f} s, {done.contacts} contacts, "
+        f"clearance at least {1e6 * done.clearance:.3f} um" + (done.apart and f"; {done.apart}")
+    )
 
 
 if __name__ == "__main__":

@@ -123,6 +123,15 @@ def test_ways_lead_around_what_stands_and_aside_of_who_goes_first() -> None:
     assert abs(y) > 0.0
 
 
+def test_who_makes_room_is_not_shut_in_by_what_the_other_leaves() -> None:
+    walls = [ConvexPolygon(((0.1, y), (0.11, y), (0.11, y + 0.15), (0.1, y + 0.15))) for y in (-0.2, 0.05)]
+    me = Traveller((0.06, 0.0), (-0.25, 0.0), 0.03, tuple(walls))
+    other = Traveller((-0.1, 0.0), (0.03, 0.0), 0.03, tuple(walls))
+    traffic = Traffic(Grid(ROOM.shape, 0.01))
+    assert traffic.aim(me, [other])[0] > 0.09  # into the room behind the gap, which is nearer
+    assert traffic.aim(me, [replace(other, leaves=(Disk(0.1, 0.0, 0.04),))])[0] < 0.08
+
+
 def test_the_library_draws_parts_that_overlap_nothing() -> None:
     for seed in range(3):
         drawn = load("parts-8", [], seed)
