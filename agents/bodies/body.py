@@ -19,10 +19,12 @@ class Body(Protocol):
 
     Attributes:
         reach: the longest way from the beginning of a tick until it stands, m.
+        berth: how far it can stand off any edge and still leave it, whichever way it faces, m.
         swept: what its control point still passes if it hears nothing; None if it stands.
     """
 
     reach: float
+    berth: float
     swept: Sweep | None
 
     def on_motion(self, motion: BaseMotion | None) -> None:

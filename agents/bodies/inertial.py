@@ -7,7 +7,8 @@ velocity is (docs/safety.md, step 2).
 
 The candidate comes from a convex program in the place where the base would stand, as if its arcs were
 straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
-solved again.
+solved again. Too near an edge nothing leads on, because lag and play are there before any way is made: so the
+program keeps a berth, and where no velocity is left, the body first makes room.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from protocol.messages import BaseMotion
 _TRIES: Final = 6  # programs that are solved in a tick
 _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
 _STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
+_FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 
 Vector = tuple[float, float]
@@ -51,6 +53,20 @@ class InertialBody:
         self.swept: Sweep | None = None
         self._base, self._speed = base, speed
         self._motion = Motion(0.0)
+        self.berth = self._least_room()
+
+    def _least_room(self) -> float:
+        """How far it can stand off an edge and still leave it straight on, whichever way it faces, m."""
+        most = 0.0
+        for part in range(_FACING + 1):
+            angle = math.pi * part / _FACING
+            nx, ny = math.cos(angle), math.sin(angle)
+            ax, ay = self._limited((-self._speed * nx, -self._speed * ny))
+            room = self._passed((ax, ay)).extent(nx, ny)
+            for share in _SHARES:
+                room = min(room, self._passed((share * ax, share * ay)).extent(nx, ny))
+            most = max(most, room)
+        return most
 
     def on_motion(self, motion: BaseMotion | None) -> None:
         """See `agents.bodies.body.Body`."""
@@ -84,6 +100,8 @@ class InertialBody:
         last = self._motion.velocity
         for _ in range(_TRIES):
             command = self._limited(self._candidate(desired, sides, taken, cuts))
+            if command == STILL:
+                return STILL
             passed = self._passed(command)
             fits = True
             for index, side in enumerate(sides):
@@ -108,10 +126,14 @@ class InertialBody:
         y: float,
         shape: Polygon | None,
     ) -> Vector:
-        """A part of a command that is too much; at last, to brake."""
+        """A part of a command that is too much, or away from where it leads; at last, to brake."""
         vx, vy = self._motion.velocity
-        for share in _SHARES:
-            part = (vx + share * (command[0] - vx), vy + share * (command[1] - vy))
+        away = self._away(command, sides)
+        targets = [(command, share) for share in _SHARES]
+        if away != STILL:
+            targets += [(away, share) for share in (1.0, *_SHARES)]
+        for (x1, y1), share in targets:
+            part = (vx + share * (x1 - vx), vy + share * (y1 - vy))
             passed = self._passed(part)
             if (
                 all(passed.extent(side.nx, side.ny) <= side.limit for side in sides)
@@ -119,6 +141,18 @@ class InertialBody:
             ):
                 return part
         return STILL
+
+    def _away(self, command: Vector, sides: Sequence[HalfPlane]) -> Vector:
+        """Straight away from the edges that a command comes too near to."""
+        passed = self._passed(command)
+        nx = ny = 0.0
+        for side in sides:
+            if passed.extent(side.nx, side.ny) > side.limit:
+                nx, ny = nx + side.nx, ny + side.ny
+        length = math.hypot(nx, ny)
+        if length < _LEAST:
+            return STILL
+        return self._limited((-self._speed * nx / length, -self._speed * ny / length))
 
     def _candidate(
         self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
@@ -132,7 +166,7 @@ class InertialBody:
         margin = miss.error * math.hypot(mx, my) + miss.lag * math.hypot(vx, vy) + miss.play
         limits = []
         for index, side in enumerate(sides):
-            room = side.limit - side.nx * mx - side.ny * my - margin - taken[index]
+            room = side.limit - side.nx * mx - side.ny * my - margin - self.berth - taken[index]
             limits.append(HalfPlane(side.nx, side.ny, max(0.0, room)))
         for cut in cuts:
             limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))

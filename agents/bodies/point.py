@@ -27,6 +27,7 @@ class PointBody:
 
     def __init__(self, speed: float, period: float, noise: float) -> None:
         self.reach = speed * (1.0 + noise) * period
+        self.berth = 0.0
         self.swept: Sweep | None = None
         self._speed, self._period, self._noise = speed, period, noise
 

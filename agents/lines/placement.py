@@ -19,6 +19,7 @@ Span = tuple[Vector, Vector]  # a point of each of two segments
 
 _BISECTIONS: Final = 8
 _NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
+_MOST: Final = 0.99  # of a gap, that is kept as berths
 
 
 @final
@@ -60,6 +61,7 @@ def fit_line(
     begin: float = 0.0,
     end: float = 0.0,
     share: float = 0.5,
+    berth: float = 0.0,
 ) -> Line | None:
     """The line that lets both do what they want for the longest time.
 
@@ -68,11 +70,17 @@ def fit_line(
     is then, if it goes on as it was seen to, to where its desired velocity leads. The line separates the two
     swept areas, and leaves the owner `share` of the gap between them. If they meet, all times are
     the same largest fraction of what they should be, so two that drive at each other share the gap in
-    proportion to what each wants of it.
+    proportion to what each wants of it. Either keeps a `berth` (m), the owner first: where the gap seen is
+    less than two, one at least can make room.
 
     None when the disks were not seen apart, and will not be if both do as they want.
     """
-    need = owner.radius + follower.radius + _NEED
+    mine = theirs = 0.0
+    if berth > 0.0:
+        gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
+        room = max(0.0, _MOST * (gap - _NEED))
+        mine, theirs = min(berth, room), min(berth, max(0.0, room - berth))
+    need = owner.radius + follower.radius + _NEED + mine + theirs
     span = _closest(owner, follower, ahead, begin, end)
     if _length(span) < need:
         span = _closest(owner, follower, 0.0, 0.0, 0.0)
@@ -89,7 +97,7 @@ def fit_line(
     (ax, ay), (bx, by) = span
     length = _length(span)
     nx, ny = (bx - ax) / length, (by - ay) / length
-    edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED
+    edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED + mine
     return Line(nx, ny, edge + share * (length - need))
 
 

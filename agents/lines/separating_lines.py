@@ -39,6 +39,7 @@ class SeparatingLines:
         period: of one tick, s.
         reach: the longest way from the beginning of a tick until the body stands, m; unless given, that of a
             tick at full speed.
+        berth: room that own lines leave at either side, m, as far as there is any.
         members: the others in the first roster that this incarnation hears.
         starts: where every robot begins, m, if this incarnation is a founding one.
         urgent: gap (m) to a line below which a far peer is offered another; None where nobody is far. Then
@@ -54,6 +55,7 @@ class SeparatingLines:
         speed: float,
         period: float,
         reach: float = 0.0,
+        berth: float = 0.0,
         members: Sequence[Member] = (),
         starts: Mapping[int, tuple[float, float]] | None = None,
         urgent: float | None = None,
@@ -65,7 +67,7 @@ class SeparatingLines:
         self._founding = {each.robot: each.founding for each in members}
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []
-        self._near_talk = NearTalk(max_step, period)
+        self._near_talk = NearTalk(max_step, period, berth)
         self._far_talk = None if urgent is None else FarTalk(urgent)
         self._initial: InitialLines | None = None
         if starts is not None and urgent is not None:

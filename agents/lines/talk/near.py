@@ -42,10 +42,11 @@ class NearTalk:
     Args:
         max_step: the most that a robot really moves in a tick, m.
         period: of a tick, s.
+        berth: room that a line leaves at either side, m, as far as there is any.
     """
 
-    def __init__(self, max_step: float, period: float) -> None:
-        self._max_step, self._period = max_step, period
+    def __init__(self, max_step: float, period: float, berth: float = 0.0) -> None:
+        self._max_step, self._period, self._berth = max_step, period, berth
 
     def entries(
         self, tick: int, pairs: Iterable[RobotPair], me: Disk, fits: Callable[[Line], bool], *, standing: bool
@@ -132,6 +133,7 @@ class NearTalk:
             begin=late,
             end=late + FOLLOWED * self._period,
             share=0.0 if standing else 1.0 if halted else 0.5,
+            berth=self._berth,
         )
 
     def _seen_velocity(self, pair: RobotPair) -> tuple[float, float]:

@@ -48,6 +48,13 @@ def test_six_robots_swap_although_messages_are_late_and_lost():
     assert report["min_clearance"] == pytest.approx(floor.closest, abs=2 * report["plant"]["reported_bound"])
 
 
+def test_six_robots_that_know_little_of_their_places_do_not_hold_each_other():
+    bounds = ("sensing.noise_bound=0.01", "base.latency=0.04", "base.patience=0.15", "base.age=0.12")
+    floor = Floor(fleet(6, *bounds, "world.lease=0.8", "control.law=reciprocal"), 7).run(45.0)
+    assert floor.world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
 def test_commands_that_come_when_their_tick_is_over_are_signs_of_life():
     floor = Floor(PAIR, 1, delay=0.3).run(120.0)
     assert floor.world.report()["verdict"] == "arrived"
