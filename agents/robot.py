@@ -20,7 +20,7 @@ from agents.peers.attention import Attention
 from agents.peers.awaited import Awaited
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
-from agents.peers.state import PeerState, addressed_to
+from agents.peers.state import PeerState, from_afar
 from agents.roster import KnownRoster, has_ended
 from agents.safety_filter import SafetyFilter
 from protocol.interest import period
@@ -29,6 +29,7 @@ from protocol.messages import (
     Command,
     Handling,
     Health,
+    Letter,
     Member,
     Proposal,
     Report,
@@ -65,6 +66,7 @@ class Robot:
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
         self.goal = self._first_goal = spec.goal
+        self._ordered: Vector | None = None  # where to go instead, as last told
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
         self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._body = body_of(scenario, robot)
@@ -93,7 +95,8 @@ class Robot:
         """
         self.tick = tick.tick
         self._awaited.begin(tick.tick, tick.active)
-        self.goal = self._first_goal if tick.goal is None else tick.goal
+        self._ordered = self._ordered if tick.goal is None else tick.goal
+        self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
         self._sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
@@ -103,7 +106,7 @@ class Robot:
             self._on_letter(letter)
         self._hear(tick.tick - 1)
         if self._mover is not None:
-            self._move_parts(self._mover, tick.goal)
+            self._move_parts(self._mover, self._ordered)
         self._open = True
         return self._state()
 
@@ -183,7 +186,7 @@ class Robot:
             self.incarnation,
             self.tick,
             position,
-            self._estimate.bound if position is not None else 0.0,
+            (self._estimate.bound or 0) if position is not None else 0,  # an integer takes one byte of nine
             gamma,
             slice_norm,
             self._desired,
@@ -215,11 +218,11 @@ class Robot:
         """
         self._attention.on_summary(summary, self._neighbours.radii)
 
-    def _on_letter(self, letter: State) -> None:
+    def _on_letter(self, letter: Letter) -> None:
         """A far peer speaks by way of the world; the link's faults are between robots, however they speak."""
         radius = self._neighbours.radii.get(letter.robot)
         if radius is not None:
-            self._link.put(addressed_to(self.robot, letter, radius, is_letter=True))
+            self._link.put(from_afar(self.robot, letter, radius))
 
     def _hear(self, tick: int) -> None:
         """Take over all States that are due by `tick`; before the first roster they have to wait."""
@@ -255,7 +258,7 @@ class Robot:
         """Close the tick; returns the Command to publish."""
         self._open = False
         self._desired, velocity = STILL, STILL
-        letter: State | None = None
+        letter: Letter | None = None
         handles: Handling | None = None
         filter_ = self._filter
         if filter_ is not None:
@@ -319,17 +322,14 @@ class Robot:
         known = {self.robot, *self._attention.near, *self._neighbours.standing}
         self._neighbours.far = picture.field(position, self._radii[self.robot], known)
 
-    def _letter(self, filter_: SafetyFilter) -> State | None:
+    def _letter(self, filter_: SafetyFilter) -> Letter | None:
         """What is to be said to far peers, if anything."""
         if self._attention.everybody or not filter_.obeyed:
             return None
         proposals, answers = filter_.lines.letters()
         if not proposals and not answers:
             return None
-        position, bound = self._estimate.position, self._estimate.bound
-        return State(
-            self.robot, self.incarnation, self.tick, position, bound, 0.0, 0.0, STILL, proposals, answers
-        )
+        return Letter(self.robot, self.incarnation, self.tick, proposals, answers)
 
     # -- parts
 

@@ -53,6 +53,16 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
     seen: Count  # highest number that it has answered
 
 
+class Letter(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """What a robot says of lines to far peers, by way of the world."""
+
+    robot: Id  # who speaks
+    incarnation: Count  # its life
+    tick: Count  # in which it is written
+    proposals: tuple[Proposal, ...] = ()  # lines that this robot owns
+    answers: tuple[Answer, ...] = ()  # what it tells the owners of others
+
+
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A fenced robot: that life never moves again, its disk stands where it is."""
 
@@ -145,12 +155,12 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
     sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
-    goal: Vector | None = None  # m, where to go from this tick on; None: where the scenario says
+    goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
-    letters: tuple[State, ...] = ()  # what far peers say of lines to this robot alone
+    letters: tuple[Letter, ...] = ()  # what far peers say of lines to this robot alone
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -202,7 +212,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
-    letter: State | None = None  # what it says of lines to far peers; the world hands each its part
+    letter: Letter | None = None  # to far peers; the world hands each its part
     handles: Handling | None = None  # a part to be taken up or put down
 
 
@@ -231,9 +241,9 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
     """World to all robots where some are far from each other: where everybody was sensed to be."""
 
     tick: Count  # the tick that begins; laws go by it from two ticks later on
-    robots: bytes  # ids of all, ascending, each as 4 bytes; here and below little-endian
-    positions: bytes  # m, x and y of each as last measured, two 64-bit floats
-    gammas: bytes  # m^2, squared distances to their goals, one 64-bit float each
+    robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
+    positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
+    gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

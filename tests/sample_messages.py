@@ -15,6 +15,7 @@ from protocol.messages import (
     GoalStatus,
     Handling,
     Health,
+    Letter,
     Member,
     Message,
     Proposal,
@@ -63,6 +64,7 @@ claims = st.none() | st.builds(Claim, ids, sizes, sizes)
 states = st.builds(
     State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers, claims
 )
+letters = st.builds(Letter, ids, counts, counts, proposals, answers)
 handlings = st.none() | st.builds(Handling, ids, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "tick": st.builds(
@@ -78,7 +80,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         st.booleans(),
         heard=st.none() | counts,
         near=st.none() | several(ids),
-        letters=several(states),
+        letters=several(letters),
     ),
     "state": states,
     "command": st.builds(
@@ -90,7 +92,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         counts,
         several(ids),
         report=st.none() | st.builds(Report, vectors, sizes),
-        letter=st.none() | states,
+        letter=st.none() | letters,
         handles=handlings,
     ),
     "clock": st.builds(
@@ -153,7 +155,7 @@ ONE: dict[str, Message] = {
     ),
     "command": Command(1, 2, 3, (0.1, 0.2), 4),
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
-    "summary": Summary(3, bytes((1, 0, 0, 0)), bytes(16), bytes(8)),
+    "summary": Summary(3, bytes((1, 0, 0, 0, 1, 0, 0, 0)), bytes(8), bytes(4)),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
     "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),

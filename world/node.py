@@ -1,8 +1,9 @@
 """The world as a participant: admits robots, drives the clock, publishes what it judged.
 
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
-Real time: ticks end by the wall clock, whoever has commanded. All waits are bounded: a robot that is not
-heard in time is given up (it stands still, and is fenced) and named (`world/shell/failure_detector.py`).
+Real time: ticks end by the wall clock, whoever has commanded; the first waits for a while. All waits are
+bounded: a robot that is not heard in time is given up (it stands still, and is fenced) and named
+(`world/shell/failure_detector.py`).
 With a journal the node goes on where another one died: the tick that was open then is told again.
 """
 
@@ -232,7 +233,7 @@ class WorldNode:
             self._failures.wait(now, self._run)
             if self._run.world.verdict:
                 self._end()
-        else:
+        elif not (self.world.coordinator.waiting and self._pacing.prolongs(self.world.tick, now)):
             self._close()
         self._advance()
 

@@ -56,7 +56,8 @@ class Simulation:
             sensor = self.sensors[robot]
             position, stamp = sensor.measure(tick, place)
             moved, bound, motion = self._odometers[robot].read(plant.report(index), tick)
-            sensed[robot] = Sense(position, stamp, sensor.bound, moved, bound, motion)
+            # An integer takes one byte of nine.
+            sensed[robot] = Sense(position, stamp, sensor.bound or 0, moved, bound or 0, motion)
         return sensed
 
     def hear(self, robot: int, tick: int, report: Report | None) -> None:

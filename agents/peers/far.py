@@ -39,31 +39,29 @@ class FarPicture:
         self, summary: Summary, radii: Mapping[int, float], before: FarPicture | None = None
     ) -> None:
         self.tick = summary.tick
-        count = len(summary.robots) // 4
-        if len(summary.robots) != 4 * count or len(summary.positions) != 16 * count:
-            raise MessageError("shape", "summary: as many ids as positions are needed")
-        if len(summary.gammas) != 8 * count:
-            raise MessageError("shape", "summary: as many ids as squared distances are needed")
-        self.places: Array = np.frombuffer(summary.positions, dtype="<f8").reshape(-1, 2)
-        self._gammas: Array = np.frombuffer(summary.gammas, dtype="<f8")
+        count = len(summary.gammas) // 4
+        if len(summary.gammas) != 4 * count or len(summary.positions) != 8 * count:
+            raise MessageError("shape", "summary: as many positions as squared distances are needed")
+        self.places: Array = np.frombuffer(summary.positions, dtype="<f4").astype(np.float64).reshape(-1, 2)
+        self._gammas: Array = np.frombuffer(summary.gammas, dtype="<f4").astype(np.float64)
         if not ((np.abs(self.places) <= LARGEST).all() and (self._gammas >= 0.0).all()):
             raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
-        self._ids = summary.robots
-        self.robots: NDArray[np.int64] = np.frombuffer(summary.robots, dtype="<u4").astype(np.int64)
-        if before is not None and before._ids == summary.robots:
-            index, sizes = before._index, before._radii
+        self._runs = summary.robots
+        self.robots: NDArray[np.int64]
+        if before is not None and before._runs == summary.robots and len(before.robots) == count:
+            self.robots, index, sizes = before.robots, before._index, before._radii
         else:
+            self.robots = _ids(summary.robots, count)
             known: list[int] = self.robots.tolist()
             index = {robot: place for place, robot in enumerate(known)}
             sizes = np.array([radii.get(robot, 0.0) for robot in known], dtype=np.float64)
         self._index: dict[int, int] = index
         self._radii: Array = sizes
-        self._flat: list[float] = self.places.ravel().tolist()
 
     def place(self, robot: int) -> Vector | None:
         """Where a robot was, m; None if nobody knows."""
         index = self._index.get(robot)
-        return None if index is None else (self._flat[2 * index], self._flat[2 * index + 1])
+        return None if index is None else (self.places.item(2 * index), self.places.item(2 * index + 1))
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """What all of them but the `known` add to a robot's slice near its own position.
@@ -75,3 +73,17 @@ class FarPicture:
         """
         index = [self._index[robot] for robot in known if robot in self._index]
         return far_field(self.tick, position, self.places, radius + self._radii, self._gammas, index)
+
+
+def _ids(runs: bytes, count: int) -> NDArray[np.int64]:
+    """The ids that `runs` stand for (`protocol.messages.Summary`); there have to be `count`."""
+    if len(runs) % 8:
+        raise MessageError("shape", "summary: a run of ids is two numbers")
+    pairs = np.frombuffer(runs, dtype="<u4").astype(np.int64).reshape(-1, 2)
+    first, many = pairs[:, 0], pairs[:, 1]
+    if int(many.sum()) != count:
+        raise MessageError("shape", "summary: as many ids as positions are needed")
+    ids: NDArray[np.int64] = np.repeat(first - np.cumsum(many) + many, many) + np.arange(count)
+    if (np.diff(ids) <= 0).any():
+        raise MessageError("shape", "summary: ids have to ascend")
+    return ids

@@ -7,7 +7,7 @@ from typing import final
 from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Peer
-from protocol.messages import Answer, Claim, Proposal, State
+from protocol.messages import Answer, Claim, Letter, Proposal, State
 from protocol.wire.codec import LARGEST
 
 Vector = tuple[float, float]
@@ -93,7 +93,7 @@ class PeerState(Peer):
         return total <= LARGEST
 
 
-def addressed_to(robot: int, state: State, radius: float, *, is_letter: bool = False) -> PeerState:
+def addressed_to(robot: int, state: State, radius: float) -> PeerState:
     """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
     placed = state.position is not None
     x, y = state.position or (0.0, 0.0)
@@ -111,6 +111,20 @@ def addressed_to(robot: int, state: State, radius: float, *, is_letter: bool = F
         radius=radius if state.claim is None else max(radius, state.claim.radius),
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),
-        is_letter=is_letter,
         claim=state.claim,
+    )
+
+
+def from_afar(robot: int, letter: Letter, radius: float) -> PeerState:
+    """What `letter` says to `robot`; for the rest see `PeerState`."""
+    return PeerState(
+        letter.robot,
+        letter.incarnation,
+        letter.tick,
+        False,
+        *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        radius=radius,
+        proposals=tuple([each for each in letter.proposals if each.peer == robot]),
+        answers=tuple([each for each in letter.answers if each.peer == robot]),
+        is_letter=True,
     )

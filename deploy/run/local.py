@@ -11,6 +11,7 @@ from typing import Any
 from agents.node import RobotNode
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
+from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
@@ -151,7 +152,9 @@ class LocalFleet:
     def execute(self) -> list[dict[str, Any]]:
         """Run to the end; one report a scenario. Ctrl-C ends the run as interrupted, with its report."""
         try:
-            self.network.run(lambda: self.world.finished)
+            self.network.run(lambda: self.world.finished or self.world.world.tick > 0)  # all are there
+            with seldom_collecting():
+                self.network.run(lambda: self.world.finished)
         except KeyboardInterrupt:
             self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:

@@ -73,6 +73,7 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.BytesType: "binary",
 }
 _INNER = (
+    messages.Letter,
     messages.Proposal,
     messages.Answer,
     messages.Sense,

@@ -18,6 +18,7 @@ from protocol.messages import (
     Command,
     GoalStatus,
     Health,
+    Proposal,
     Sense,
     State,
     Summary,
@@ -107,7 +108,7 @@ def _command_numbers(command: Command) -> Iterator[float]:
     if command.report is not None:
         yield from (*command.report.position, command.report.bound)
     if command.letter is not None:
-        yield from _state_numbers(command.letter)
+        yield from _line_numbers(command.letter.proposals)
     if command.handles is not None:
         yield from (command.handles.radius, *(command.handles.place or ()))
 
@@ -119,13 +120,17 @@ def _state_numbers(state: State) -> Iterator[float]:
     yield state.slice
     if state.position is not None:
         yield from state.position
-    for line in state.proposals:
-        yield line.nx
-        yield line.ny
-        yield line.offset
+    yield from _line_numbers(state.proposals)
     if state.claim is not None:
         yield state.claim.cost
         yield state.claim.radius
+
+
+def _line_numbers(proposals: tuple[Proposal, ...]) -> Iterator[float]:
+    for line in proposals:
+        yield line.nx
+        yield line.ny
+        yield line.offset
 
 
 def _sense_numbers(sense: Sense) -> tuple[float, ...]:
@@ -145,7 +150,7 @@ def _tick_numbers(tick: Tick) -> Iterator[float]:
     for member in () if tick.roster is None else tick.roster.members:
         yield from (member.radius, member.bound, *(member.position or ()))
     for letter in tick.letters:
-        yield from _state_numbers(letter)
+        yield from _line_numbers(letter.proposals)
 
 
 def _watched_numbers(message: AnyMessage) -> Iterator[float]:

@@ -56,9 +56,13 @@ class Cursor:
         raise IndexError("no short integer")
 
     def number(self) -> float:
-        """A floating-point number."""
+        """A floating-point number; 0 may be an integer."""
         at = self.at
-        if self._payload[at] != _FLOAT64:
+        head: i64 = self._payload[at]
+        if head == 0:
+            self.at = at + 1
+            return 0.0
+        if head != _FLOAT64:
             raise IndexError("no 64-bit float")
         self.at = at + 9
         return read_f64_be(self._payload, at + 1)

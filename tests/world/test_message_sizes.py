@@ -20,7 +20,7 @@ from agents.lines.talk.entries import fitting
 from agents.lines.talk.near import OUTSTANDING
 from agents.peers.state import PeerState, addressed_to
 from protocol.keys import robot_key, world_key
-from protocol.messages import HIGHEST_ID, AnyMessage, Health, Proposal, Result, Standing, State
+from protocol.messages import HIGHEST_ID, AnyMessage, Health, Letter, Proposal, Result, Standing, State
 from protocol.requests.things import ThingOrder
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
@@ -210,7 +210,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     lives.take_away(MOST + MOST_THINGS)
     assert "corners" in lives.things.refusal(ROUNDISH, [])
     offer = Proposal(IDS[0], LIFE, LIFE, *POINT, 0.123456789)
-    letters = tuple(State(peer, LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, (offer,)) for peer in IDS[1:])
+    letters = tuple(Letter(peer, LIFE, LIFE, (offer,)) for peer in IDS[1:])
     told = run.world.open_tick()[IDS[0]]
     assert_fits(msgspec.structs.replace(told, near=IDS[1:], letters=letters), robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))

@@ -13,8 +13,8 @@ import msgspec
 
 from protocol.messages import (
     Command,
+    Letter,
     Sense,
-    State,
     Summary,
     Tick,
     Vector,
@@ -238,11 +238,11 @@ class Coordinator:
         self,
         active: tuple[int, ...],
         sensed: Mapping[int, Sense] = MappingProxyType({}),
-        letters: Mapping[int, tuple[State, ...]] = MappingProxyType({}),
+        letters: Mapping[int, tuple[Letter, ...]] = MappingProxyType({}),
         interest: Interest | None = None,
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
-        roster_for, goal = self.lives.roster_for, self.missions.goal
+        roster_for, goal, since = self.lives.roster_for, self.missions.goal, self.missions.since
         everybody = frozenset(active)
         leased = self.scenario.is_external
         return {
@@ -253,7 +253,7 @@ class Coordinator:
                 active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sensed.get(robot),
                 roster_for(robot),
-                goal(robot),
+                goal(robot) if life.is_new or life.heard < since(robot) else None,
                 self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,
                 near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),

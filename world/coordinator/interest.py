@@ -7,7 +7,7 @@ more than `outer`: always both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,9 +68,9 @@ class Interest:
         if tick % self._period == 0:
             goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
             away = places - np.array([goals[robot] for robot in self._ids], dtype=np.float64)
-            ids, gammas = np.array(self._ids, dtype="<u4"), (away**2).sum(axis=1)
-            packed = (ids.tobytes(), places.astype("<f8").tobytes(), gammas.astype("<f8").tobytes())
-            self.summary = Summary(tick, *packed)
+            gammas = (away**2).sum(axis=1)
+            packed = (places.astype("<f4").tobytes(), gammas.astype("<f4").tobytes())
+            self.summary = Summary(tick, runs(self._ids), *packed)
 
     def _recast(self, scenario: Scenario) -> None:
         """Robots came or went; who was near remains so."""
@@ -115,3 +115,14 @@ class Interest:
             told.near = told.coming
         near = (robot,) if told is None or told.incarnation != incarnation else told.near
         return near if active.issuperset(near) else tuple(each for each in near if each in active)
+
+
+def runs(ids: Iterable[int]) -> bytes:
+    """Ascending ids as a Summary has them: of each run of consecutive ones the first, and how many."""
+    found: list[list[int]] = []
+    for each in ids:
+        if found and each == sum(found[-1]):
+            found[-1][1] += 1
+        else:
+            found.append([each, 1])
+    return np.array(found, dtype="<u4").tobytes()

@@ -24,7 +24,13 @@ class Life:
     joined: bool = False  # its present process has joined this run
     awaited: bool = True  # the scenario says that it must be up
     heard: int = -1  # tick of its newest command; the tick before it joined until there is one
+    before: int = -1  # the tick before it joined
     fenced: bool = False  # it never moves again
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it has not commanded yet."""
+        return self.heard <= self.before
 
     @property
     def paused(self) -> bool:

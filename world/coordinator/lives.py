@@ -148,7 +148,8 @@ class Lives:
         if life.paused:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
-        life.joined, life.awaited, life.heard, life.fenced = True, False, heard, False
+        life.joined, life.awaited, life.fenced = True, False, False
+        life.heard = life.before = heard
         if self.founded:
             self._roster.admit(robot, life.incarnation)
         life.status = Status.UP

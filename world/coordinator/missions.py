@@ -36,6 +36,7 @@ class Missions:
         self._status = {
             robot: GoalStatus(robot, 0, 0, "under way", scenario.spec(robot).goal) for robot in scenario.ids
         }
+        self._since: dict[int, int] = {}
         self._underway: set[int] = set()  # whose order has not come to an end
         self._news: list[GoalStatus] = []
 
@@ -59,6 +60,10 @@ class Missions:
         """Where a robot is to go, m; None: where the scenario says, or nowhere as it has left."""
         mission = self._missions.get(robot)
         return mission.points[0] if mission is not None and mission.number else None
+
+    def since(self, robot: int) -> int:
+        """First tick by which a robot is sure to have been told its goal, if it was there."""
+        return self._since.get(robot, 0)
 
     def status(self, robot: int) -> GoalStatus:
         """How things stand with a robot of the scenario."""
@@ -154,6 +159,7 @@ class Missions:
     def _note(self, robot: int, tick: int, status: Errand) -> None:
         mission = self._missions[robot]
         ahead = 0 if mission.patrol else len(mission.points) - 1
+        self._since[robot] = tick + 1
         said = GoalStatus(robot, tick, mission.number, status, mission.points[0], ahead)
         self._status[robot] = said
         self._news.append(said)

@@ -11,14 +11,14 @@ from collections import defaultdict
 
 from msgspec.structs import replace
 
-from protocol.messages import Command, State
+from protocol.messages import Command, Letter
 
 
 class Post:
     """Letters of the tick that ends, for that which begins."""
 
     def __init__(self) -> None:
-        self._under_way: defaultdict[int, list[State]] = defaultdict(list)
+        self._under_way: defaultdict[int, list[Letter]] = defaultdict(list)
 
     def send(self, command: Command) -> None:
         """Take the letter of a command that was accepted; one in another's name is none."""
@@ -34,7 +34,7 @@ class Post:
             )
             self._under_way[peer].append(part)
 
-    def deliver(self) -> dict[int, tuple[State, ...]]:
+    def deliver(self) -> dict[int, tuple[Letter, ...]]:
         """All letters by addressee, each handed out once; those of one tick by sender."""
         delivered = {
             peer: tuple(sorted(letters, key=lambda letter: letter.robot))

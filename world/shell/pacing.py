@@ -7,7 +7,9 @@ from collections.abc import Callable
 
 from protocol.requests.steering import Steering
 
+_AGAIN = 0.01  # s between looks at who is missing in the first tick
 BEAT = 0.1  # s between looks while nothing happens
+FIRST = 3.0  # s that the first tick of real time lasts at most, in which every robot sets itself up
 REPEAT = 0.5  # s until a tick in which somebody has not commanded is told again; then three times that
 
 
@@ -73,6 +75,14 @@ class Pacing:
                 self.deadline = min(due, now + BEAT)
                 return True
         return not steering.allow()
+
+    def prolongs(self, tick: int, now: float) -> bool:
+        """Whether `tick` of real time goes on although its time is over, for commands are missing: only the
+        first does, and not for ever."""
+        if tick > 0 or now >= self.since + FIRST:
+            return False
+        self.deadline = now + _AGAIN
+        return True
 
     def begin(self, tick: int, step: float) -> None:
         """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""

@@ -16,6 +16,7 @@ from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.far import FarPicture
 from protocol.messages import Member, Summary
+from world.coordinator.interest import runs
 
 SPEED, PERIOD, ROOM = 0.1, 0.1, 3.0
 Vector = tuple[float, float]
@@ -59,9 +60,9 @@ def test_every_line_within_reach_is_found(seed: int, count: int, reach: float) -
 def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count: int, reach: float) -> None:
     starts, radii = fleet(seed, count)
     robot, random = 1 + seed % count, Random(seed)
-    places = {peer: (random.uniform(-2, 2), random.uniform(-2, 2)) for peer in starts}
-    ids, flat = np.array(list(places), dtype="<u4"), np.array(list(places.values()), dtype="<f8")
-    summary = Summary(3, ids.tobytes(), flat.tobytes(), np.zeros(count).tobytes())
+    flat = np.array([random.uniform(-2, 2) for _ in range(2 * count)], dtype="<f4").reshape(-1, 2)
+    places = dict(zip(sorted(starts), map(tuple, flat.tolist()), strict=True))
+    summary = Summary(3, runs(sorted(starts)), flat.tobytes(), np.zeros(count, dtype="<f4").tobytes())
     picture = FarPicture(summary, radii)
     assert {peer: picture.place(peer) for peer in starts} == places
     found = InitialLines(robot, starts, radii).reached(picture, reach)

@@ -6,14 +6,17 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.peers.far import FarPicture
+from protocol.errors import MessageError
 from protocol.interest import LEAD, inner, outer, period
-from protocol.messages import Sense, Vector
+from protocol.messages import Sense, Summary, Vector
 from protocol.scenario.model import Network, Scenario
 from tests.world.driving import joined, scenario
-from world.coordinator.interest import Interest
+from world.coordinator.interest import Interest, runs
 
 places = st.lists(st.tuples(st.floats(-0.25, 0.25), st.floats(-0.25, 0.25)), min_size=4, max_size=4)
 RADIUS = 0.01
@@ -87,12 +90,10 @@ def test_the_summary_says_where_everybody_was_sensed() -> None:
         interest.open(tick, setting, sensed([(0.2, 0.2)] * 4), nowhere)
     assert interest.summary is not None
     assert interest.summary.tick == 0
-    assert np.frombuffer(interest.summary.robots, "<u4").tolist() == [1, 2, 3, 4]
-    assert np.frombuffer(interest.summary.positions, "<f8").reshape(-1, 2).tolist() == [
-        list(each) for each in at
-    ]
+    assert interest.summary.robots == runs((1, 2, 3, 4))
+    assert np.allclose(np.frombuffer(interest.summary.positions, "<f4").reshape(-1, 2), at)
     away = [math.dist(place, spec.goal) ** 2 for place, spec in zip(at, setting.robots, strict=True)]
-    assert np.allclose(np.frombuffer(interest.summary.gammas, "<f8"), away)
+    assert np.allclose(np.frombuffer(interest.summary.gammas, "<f4"), away)
 
 
 def test_who_comes_later_has_a_place_and_who_was_near_remains_so() -> None:
@@ -109,3 +110,16 @@ def test_a_tick_names_only_those_who_are_heard() -> None:
     world = joined(four())
     assert {told.active for told in world.open_tick().values()} == {(robot,) for robot in world.scenario.ids}
     assert world.coordinator.active == world.scenario.ids
+
+
+@given(st.sets(st.integers(1, 12), min_size=1))
+def test_runs_stand_for_the_ids_that_they_are_made_of(ids: set[int]) -> None:
+    flat = np.zeros(len(ids), dtype="<f4").tobytes()
+    assert FarPicture(Summary(0, runs(sorted(ids)), 2 * flat, flat), {}).robots.tolist() == sorted(ids)
+
+
+@pytest.mark.parametrize("told", [(2, 2, 3, 1), (4, 1, 2, 2), (1, 2**32 - 1), (1, 4), (1, 1)])
+def test_runs_that_cannot_be_are_refused(told: tuple[int, ...]) -> None:
+    made = np.array(told, dtype="<u4").tobytes()
+    with pytest.raises(MessageError):
+        FarPicture(Summary(0, made, bytes(24), bytes(12)), {})

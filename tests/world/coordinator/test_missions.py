@@ -21,10 +21,9 @@ HERE, THERE = (0.05, 0.15), (-0.05, 0.15)
 
 def drive(world: World, most: int = 400) -> list[GoalStatus]:
     """Robot 1 goes straight to whatever goal it is told, until no order is open; what was told of it."""
-    said = world.goal_news()
+    said, goal = world.goal_news(), (0.1, 0.1)
     for _ in range(most):
-        told = world.open_tick()
-        goal = told[1].goal or (0.1, 0.1)
+        goal = world.open_tick()[1].goal or goal
         (x, y), *_ = world.truth.positions
         dx, dy = goal[0] - x, goal[1] - y
         scale = min(1.0, 0.005 / math.hypot(dx, dy)) if (dx, dy) != (0.0, 0.0) else 0.0
@@ -182,3 +181,18 @@ def test_people_may_write_json_and_get_json() -> None:
     assert decode_order(request) == GoalOrder(((0.1, -0.2),), queue=True)
     assert decode_order(b"") is None
     assert is_json(encode_reply(GoalReply(True, 4), request))
+
+
+def test_a_goal_is_told_until_the_robot_has_commanded_and_to_its_next_life_again() -> None:
+    world = joined(two())
+    world.order(1, GoalOrder((HERE,)))
+    for _ in range(3):
+        assert world.open_tick()[1].goal == HERE
+        world.close_tick()  # nobody commands: it may not have heard
+    for _ in range(2):
+        advance(world)
+    assert world.open_tick()[1].goal is None
+    advance(world)
+    world.coordinator.lost(1)
+    world.coordinator.join(1)
+    assert world.open_tick()[1].goal == HERE

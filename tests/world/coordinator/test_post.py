@@ -1,6 +1,6 @@
 """Letters reach whom they are addressed to, once, whatever order they came in."""
 
-from protocol.messages import Answer, Command, Proposal, State
+from protocol.messages import Answer, Command, Letter, Proposal
 from world.coordinator.post import Post
 
 
@@ -11,15 +11,10 @@ def proposal(peer: int) -> Proposal:
 def command(
     robot: int, proposals: tuple[int, ...], answers: tuple[int, ...] = (), writer: int = 0
 ) -> Command:
-    letter = State(
+    letter = Letter(
         writer or robot,
         1,
         5,
-        (0.0, 0.0),
-        0.0,
-        0.0,
-        0.0,
-        (0.0, 0.0),
         tuple(proposal(peer) for peer in proposals),
         tuple(Answer(peer, 1, 0, 0) for peer in answers),
     )

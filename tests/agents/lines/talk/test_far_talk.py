@@ -11,6 +11,7 @@ from agents.lines.robot_pair import RobotPair
 from agents.lines.talk.far import FarTalk
 from agents.peers.far import FarPicture
 from protocol.messages import Answer, Proposal, Summary
+from world.coordinator.interest import runs
 
 RADIUS = 0.1
 ME = Disk(0.0, 0.0, RADIUS)
@@ -18,8 +19,8 @@ THERE = (1.0, 0.0)
 
 
 def picture() -> FarPicture:
-    ids, places = np.array([2], dtype="<u4"), np.array([THERE], dtype="<f8")
-    return FarPicture(Summary(0, ids.tobytes(), places.tobytes(), np.zeros(1).tobytes()), {2: RADIUS})
+    places, gammas = np.array([THERE], dtype="<f4"), np.zeros(1, dtype="<f4")
+    return FarPicture(Summary(0, runs([2]), places.tobytes(), gammas.tobytes()), {2: RADIUS})
 
 
 def talking(*, owns: bool) -> tuple[FarTalk, RobotPair]:
