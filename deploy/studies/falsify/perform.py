@@ -16,6 +16,7 @@ from deploy.studies.falsify.rows import done, listed, rows, table
 from deploy.studies.falsify.trial import Fresh, Trial, perform
 from deploy.studies.request import Request
 from deploy.studies.runners.cluster import Cluster
+from deploy.studies.runners.ctrl_c import heeded
 from deploy.studies.runners.progress import StudyProgress
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.worker_pool import WorkerPool
@@ -70,8 +71,14 @@ def _execute(campaign: Campaign, request: Request, quiet: bool) -> None:
         if request.scheduler is None
         else Cluster(request.scheduler, perform)
     )
-    with StudyProgress("falsify", campaign.plan.runs, 0, quiet) as progress, crew as workers:
-        campaign.execute(workers, progress.advance)
+    progress = StudyProgress("falsify", campaign.plan.runs, 0, quiet)
+    with progress, crew as workers, heeded() as heed:
+
+        def advance(said: str) -> None:
+            progress.advance(said)
+            heed()
+
+        campaign.execute(workers, advance)
 
 
 def _check(request: Request, plan: Plan) -> None:

@@ -10,6 +10,7 @@ from deploy.run.options import Transport
 from deploy.software.provenance import code_digest
 from deploy.studies.runners.batches import batches
 from deploy.studies.runners.cluster import Cluster
+from deploy.studies.runners.ctrl_c import heeded
 from deploy.studies.runners.progress import StudyProgress
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.worker import FAILED, Job
@@ -69,9 +70,10 @@ def _execute(
     log: RunLog,
     progress: StudyProgress,
 ) -> None:
-    with progress, workers as pool:
+    with progress, workers as pool, heeded() as heed:
         for run, result in pool.run(dealt):
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:
                 log.add(run.key, result)
             progress.advance(study.cells[run.cell].name)
+            heed()
