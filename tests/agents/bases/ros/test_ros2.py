@@ -188,7 +188,7 @@ def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
         yield result
 
 
-@pytest.mark.long(70)
+@pytest.mark.long(55)
 def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tmp_path):
     with yard(tmp_path) as fleet:
         processes, scenario = fleet.processes, fleet.scenario
