@@ -2,14 +2,13 @@
 
 import signal
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import pytest
 
 from deploy.studies.runners import runner
 from deploy.studies.runners.ctrl_c import heeded
 from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker import Batch
+from deploy.studies.runners.worker import Batch, Outcome, execute, outcomes
 from tests.deploy.studies.runners.test_runner import _study
 
 
@@ -25,12 +24,12 @@ class Dropping:
     def __exit__(self, *_: object) -> None:
         pass
 
-    def run(self, batches: Sequence[Batch]) -> Iterator[tuple[Any, dict[str, Any]]]:
-        for number, (run, _) in enumerate(job for batch in batches for job in batch):
+    def run(self, batches: Sequence[Batch]) -> Iterator[Outcome]:
+        for number, job in enumerate(job for batch in batches for job in batch):
             if number == 1:
                 with pytest.raises(KeyboardInterrupt):
                     signal.raise_signal(signal.SIGINT)
-            yield run, {"verdict": runner.FAILED}
+            yield from outcomes([job], execute)
 
 
 def test_nothing_is_lost_and_the_usual_handler_is_there_afterwards() -> None:
