@@ -29,7 +29,9 @@ _MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of, "afterm
 def main() -> int:
     """Run a campaign; returns the exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--model", choices=_MODELS, default="walk", help="the track, whole robots, or what follows")
+    parser.add_argument(
+        "--model", choices=_MODELS, default="walk", help="track, whole robots, or what follows"
+    )
     parser.add_argument("--runs", type=int, default=100_000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
     parser.add_argument("--mutants", action="store_true", help="the product without each rule, instead")
