@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from agents.laws.foresight import foreseen
 from agents.laws.right_of_way import RightOfWay
 from agents.laws.view import View
 from agents.navigation import pace
@@ -38,9 +39,9 @@ class GradientLaw:
         self._common = control.pace == "common"
         self._tolerance = scenario.time.tolerance
         self._max_rate = pace.max_rate(control.speed, scenario.time.step, scenario.time.tolerance)
-        lap = max(each.radius for each in scenario.robots) / control.speed
-        self._progress = Progress(scenario.time.step, lap) if control.escape else None
-        self._right_of_way = RightOfWay(robot, spec.radius, lap, scenario.time.step)
+        self._lap = max(each.radius for each in scenario.robots) / control.speed
+        self._progress = Progress(scenario.time.step, self._lap) if control.escape else None
+        self._right_of_way = RightOfWay(robot, spec.radius, self._lap, scenario.time.step)
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
         # Of the present tick; see `look`.
@@ -51,6 +52,7 @@ class GradientLaw:
         self._far = NOTHING
         self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._away = self._scale = self._free = 0.0
+        self._latency = 0.0  # s, the age of the oldest State of a peer that moves
         self._late = 0  # ticks since it was known where far peers are
 
     def velocity(self, view: View) -> Vector:
@@ -65,17 +67,24 @@ class GradientLaw:
         x, y = view.position
         self.obstacles = standing(self._room, view.things, x, y)
         others, self._moving = view.neighbours.disks(), view.neighbours.moving()
-        self._peers = [*others, *self.obstacles]
+        oldest = view.tick
+        for state in self._moving:
+            oldest = min(oldest, state.tick)
+        self._latency = (view.tick - oldest) * self._period
         if view.goal != self._goal and self._progress is not None:
             self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
         self._goal, self.aim = view.goal, self._aim(view)
         self._far = view.neighbours.far
         self._late = view.tick - self._far.tick
         k = grown(self._k, self._robots, len(others) + self._far.count + 1)
-        self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers, self._far)
         gx, gy = self.aim
-        self._begin = self._slice.gradient(x, y)
         self._away = math.hypot(x - gx, y - gy)
+        if self._latency > 0.0:
+            me = Peer(x, y, self._radius, math.dist(view.position, view.goal) ** 2)
+            others = foreseen(me, others, view.tick, self._period, self._lap)
+        self._peers = [*others, *self.obstacles]
+        self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers, self._far)
+        self._begin = self._slice.gradient(x, y)
         self._scale = self._pace(math.hypot(self._begin.dx, self._begin.dy))
         free = min(self._speed, 2.0 * self._scale * self._away)
         self._free = free if self._away > self._tolerance else 0.0
@@ -118,18 +127,16 @@ class GradientLaw:
         """How strongly to escape from a deadlock, 0 to 1, if `wanted` (m/s) is what a law desired last."""
         if self._progress is None:
             return 0.0
-        gamma, oldest = self._far.gamma, view.tick
+        gamma = self._far.gamma
         for peer in self._peers:
             gamma += peer.gamma
-        for state in self._moving:
-            oldest = min(oldest, state.tick)
         return self._progress.update(
             displacement=view.displacement,
             desired=wanted,
             free=self._free,
             gamma=self._away**2 + gamma,
             barred=lambda: barred(view.position, self.aim, self._radius, self._peers),
-            latency=(view.tick - oldest) * self._period,
+            latency=self._latency,
         )
 
     def _pace(self, slice_norm: float) -> float:
@@ -140,4 +147,5 @@ class GradientLaw:
         gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, 2.0 * far)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
-        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)
+        speed = self._speed * pace.haste(self._latency / self._lap)
+        return pace.common_pace(slice_norm, gamma, speed, self._max_rate)

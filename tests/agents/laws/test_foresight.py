@@ -1,0 +1,74 @@
+"""Where late peers are taken to be: whoever goes first is met halfway, and nobody is pushed by a guess."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.laws.foresight import FIRST, KEPT, LONGEST, foreseen
+from agents.navigation.slice import Peer
+from agents.peers.state import PeerState
+
+R = 0.04
+PERIOD = 0.05  # s
+LAP = 0.4  # s
+ME = Peer(0.0, 0.0, R, 0.01)
+
+
+def peer(x: float, y: float, gamma: float, vx: float = 0.0, vy: float = 0.0, tick: int = 0) -> PeerState:
+    return PeerState(2, 1, tick, True, x, y, 0.0, gamma, 1.0, vx, vy, radius=R)
+
+
+def place(of: PeerState, tick: int) -> tuple[float, float]:
+    (found,) = foreseen(ME, [of], tick, PERIOD, LAP)
+    assert (found.radius, found.gamma) == (of.radius, of.gamma)
+    return found.x, found.y
+
+
+def test_a_peer_that_goes_first_has_gone_on_as_it_wished() -> None:
+    assert place(peer(0.3, 0.1, 0.09, -0.1, 0.05), 4) == pytest.approx((0.28, 0.11))
+
+
+def test_who_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> None:
+    assert place(peer(0.3, 0.1, FIRST * ME.gamma, -0.1), 4) == (0.3, 0.1)
+    assert place(peer(0.3, 0.1, 0.09, -0.1, tick=4), 4) == (0.3, 0.1)
+
+
+def test_of_two_only_one_makes_room() -> None:
+    other = peer(0.3, 0.0, 0.09, -0.1)
+    mine = PeerState(1, 1, 0, True, 0.0, 0.0, 0.0, ME.gamma, 1.0, 0.1, 0.0, radius=R)
+    (seen,) = foreseen(Peer(other.x, other.y, R, other.gamma), [mine], 4, PERIOD, LAP)
+    assert (seen.x, seen.y) == (0.0, 0.0)
+    assert place(other, 4) != (0.3, 0.0)
+
+
+def test_a_wish_is_followed_for_a_lap_at_most() -> None:
+    assert place(peer(0.3, 0.1, 0.09, 0.1), 10_000)[0] == pytest.approx(0.3 + 0.1 * LONGEST * LAP)
+
+
+def test_a_disk_that_stands_is_where_it_stands() -> None:
+    disk = Peer(0.1, 0.0, R, 0.0)
+    assert foreseen(ME, [disk], 4, PERIOD, LAP) == [disk]
+
+
+@given(
+    st.floats(0.0, 0.2),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.0, 0.5),
+    st.floats(-math.pi, math.pi),
+    st.integers(0, 20),
+)
+def test_some_of_the_gap_remains_even_of_one_who_would_have_passed(
+    gap: float, bearing: float, speed: float, heading: float, age: int
+) -> None:
+    distance = 2.0 * R + gap
+    x, y = distance * math.cos(bearing), distance * math.sin(bearing)
+    vx, vy = speed * math.cos(heading), speed * math.sin(heading)
+    seen = place(peer(x, y, 0.09, vx, vy), age)
+    for part in (0.25, 0.5, 0.75, 1.0):
+        passed = math.hypot(x + part * (seen[0] - x), y + part * (seen[1] - y))
+        assert passed >= 2.0 * R + KEPT * gap - 1e-9
+    assert math.hypot(seen[0] - x, seen[1] - y) <= speed * age * PERIOD + 1e-12
