@@ -13,6 +13,9 @@ from protocol.scenario.model import Scenario
 
 PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
+_APART: Final = (
+    5.0  # error bounds between two, beyond which a line halfway leaves room for all where they can be
+)
 _TALK: Final = 4  # ticks that it takes two far robots to agree on a line, letters by way of the world
 
 
@@ -39,9 +42,10 @@ def urgent(scenario: Scenario) -> float:
 
 
 def inner(scenario: Scenario) -> float:
-    """Gap between two disks below which they come to be near, m: above, a line halfway is not urgent."""
-    reach = scenario.network.reach
-    return 2.0 * urgent(scenario) if reach is None else reach
+    """Gap between two disks below which they come to be near, m: above, a line halfway is not urgent, and
+    nobody has to make room for it."""
+    reach, doubt = scenario.network.reach, max((each.bound for each in scenario.sensing), default=0.0)
+    return max(2.0 * urgent(scenario) if reach is None else reach, _APART * doubt)
 
 
 def outer(scenario: Scenario) -> float:
