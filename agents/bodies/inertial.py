@@ -198,8 +198,8 @@ class InertialBody:
 def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:
     """A half-plane of displacements that the sweep of a place known as `shape` around (x, y) violates."""
     found: HalfPlane | None = None
-    for index, dx in enumerate(passed.xs):
-        dy, margin = passed.ys[index], passed.margins[index]
+    for index, margin in enumerate(passed.margins):
+        dx, dy = passed.xs[index], passed.ys[index]
         if dx == dy == 0.0 and margin > 0.0:
             dx = _TINY  # it comes back to where it began, but for the margin
         way = math.hypot(dx, dy)
