@@ -48,7 +48,7 @@ def urgent(scenario: Scenario) -> float:
 
 
 def inner(scenario: Scenario) -> float:
-    """Gap between two disks below which they come to be near, m: above, nobody has to make room for a line."""
+    """Gap between two disks below which they come to be near, m; above, lines need nobody to make room."""
     reach, doubt = scenario.network.reach, max((each.bound for each in scenario.sensing), default=0.0)
     return max(_REACH * urgent(scenario) if reach is None else reach, _APART * doubt)
 
