@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -58,6 +59,12 @@ def main(
         LOG.error(error)
         return FAULT
     return SUCCESS
+
+
+def main_on_core(core: int, connection: Connection, run: str, robot: int) -> int:
+    """`main`, with this process and its threads to come on one core of the processor; Linux only."""
+    os.sched_setaffinity(0, {core})
+    return main(connection, run, robot)
 
 
 if __name__ == "__main__":

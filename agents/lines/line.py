@@ -8,6 +8,7 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 ROUNDING: Final = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
+SURE: Final = 0.25 * ROUNDING  # m, by which a half-plane has to be satisfied to be agreed on
 _ULP: Final = 2.0**-51  # of |x| + |y|: more than two coordinates lose, and than an edge's distance is off
 _UNIT: Final = 1e-12  # how far a normal's length may be from one
 

@@ -6,7 +6,7 @@ from typing import final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, HalfPlane
+from agents.lines.line import ROUNDING, SURE, HalfPlane
 from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 
@@ -47,7 +47,7 @@ class OwnSet:
     def satisfies(self, side: HalfPlane, growth: float = 0.0) -> bool:
         """Whether the centre is surely in a half-plane, and stays there until every command that is out has
         ended; for a disk that is larger by `growth`, m, than the one that the half-plane is for."""
-        return side.slack(self.x, self.y) - growth >= self.passed(side.nx, side.ny) + ROUNDING
+        return side.slack(self.x, self.y) - growth >= self.passed(side.nx, side.ny) + SURE
 
     def kept_in(self, nx: float, ny: float, limit: float) -> HalfPlane:
         """Where the own position must stay so that all of the set stays in that half-plane."""

@@ -12,7 +12,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, Line
+from agents.lines.line import ROUNDING, SURE, Line
 
 Vector = tuple[float, float]
 Span = tuple[Vector, Vector]  # a point of each of two segments
@@ -85,7 +85,7 @@ def fit_line(
     if _length(span) < need:
         span = _closest(owner, follower, 0.0, 0.0, 0.0)
         if _length(span) < need:
-            return None
+            return _halfway(span, owner.radius, follower.radius)
         low, high = 0.0, 1.0
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
@@ -107,6 +107,19 @@ def initial_line(
     """The line between two robots at the start, the same for both."""
     owner, follower = sorted((robot, peer))
     return fit_line(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))
+
+
+def _halfway(span: Span, mine: float, theirs: float) -> Line | None:
+    """The line in the middle of a gap that is narrower than what lines take, between disks of these radii,
+    m; None if nothing is left. Two may come to stand as near as that, one beside the disk that the other was.
+    """
+    (ax, ay), (bx, by) = span
+    length = _length(span)
+    gap = length - mine - theirs
+    if gap < 2.0 * SURE:
+        return None
+    nx, ny = (bx - ax) / length, (by - ay) / length
+    return Line(nx, ny, nx * ax + ny * ay + mine + 0.5 * gap)
 
 
 def _length(span: Span) -> float:

@@ -68,10 +68,14 @@ def world(
     return Process(WORLD, "world.process:supervised", (*arguments, journal), True, restarts, reports=True)
 
 
-def robot(connection: Connection, run: str, identity: int, restarts: int = 0) -> Process:
-    """One robot; the fleet goes on without it."""
-    arguments = (connection, run, identity)
-    return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
+def robot(
+    connection: Connection, run: str, identity: int, restarts: int = 0, core: int | None = None
+) -> Process:
+    """One robot, on one `core` if that is given; the fleet goes on without it."""
+    name, arguments = robot_name(identity), (connection, run, identity)
+    if core is None:
+        return Process(name, "agents.process:main", arguments, restarts=restarts)
+    return Process(name, "agents.process:main_on_core", (core, *arguments), restarts=restarts)
 
 
 def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from deploy.processes import table
+from deploy.processes.cores import core_of
 from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
@@ -74,9 +75,13 @@ class Assembly:
 
     def robots(self) -> list[table.Process]:
         """The rows of all robots, which are not started yet."""
-        run, restarts, topology = self._options.run, self._options.restarts, self.topology
         ids = self._scenarios[0].ids
-        return [table.robot(topology.robot(robot), run, robot, restarts) for robot in ids]
+        together = len(ids) if self._options.lockstep and self._hosts is None else 0
+        return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
+
+    def _robot(self, robot: int, core: int | None = None) -> table.Process:
+        options, connection = self._options, self.topology.robot(robot)
+        return table.robot(connection, options.run, robot, options.restarts, core)
 
     def start_newcomer(self, robot: int) -> None:
         """The process of a robot that was added, on this host; a person must if this cannot."""
@@ -84,11 +89,10 @@ class Assembly:
         if name in self.supervisor.names:
             self.supervisor.restart(name)
             return
-        options, topology = self._options, self.topology
-        if isinstance(topology, Mesh):
-            topology = self.topology = topology.joined(robot)
+        if isinstance(self.topology, Mesh):
+            self.topology = self.topology.joined(robot)
         try:
-            self.supervisor.start([table.robot(topology.robot(robot), options.run, robot, options.restarts)])
+            self.supervisor.start([self._robot(robot)])
         except DisknavError as error:
             LOG.error(f"the process of robot {robot} is to be started by hand: {error}")
 

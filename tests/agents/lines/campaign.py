@@ -18,18 +18,20 @@ import time
 from pathlib import Path
 
 from deploy.output.bar import bar
-from tests.agents.lines import skirmish, walk
+from tests.agents.lines import aftermath, skirmish, walk
 from tests.agents.lines.mutants import MUTANTS, hunt
 from tests.agents.lines.product import Product
 
 _KEPT = 200  # runs after which it is noted how far it has come
-_MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of}
+_MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of, "aftermath": aftermath.violation_of}
 
 
 def main() -> int:
     """Run a campaign; returns the exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--model", choices=_MODELS, default="walk", help="the track, or whole robots")
+    parser.add_argument(
+        "--model", choices=_MODELS, default="walk", help="track, whole robots, or what follows"
+    )
     parser.add_argument("--runs", type=int, default=100_000, help="how many")
     parser.add_argument("--first", type=int, help="seed of the first; 0, or the mutant's own")
     parser.add_argument("--mutants", action="store_true", help="the product without each rule, instead")

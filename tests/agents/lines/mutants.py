@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tests.agents.lines import skirmish, walk
+from tests.agents.lines import aftermath, skirmish, walk
 from tests.agents.lines.product import Product
 from tests.agents.lines.small_model import Bounds, search
 from tests.interpreted import Edit
@@ -14,8 +14,9 @@ from tests.interpreted import Edit
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
-_THINGS, _OWN_SET, _INITIAL, _TALK = (
-    f"agents.lines.{name}" for name in ("things", "own_set", "initial_lines", "talk.near")
+_THINGS, _OWN_SET, _INITIAL, _TALK, _FAR_TALK, _LINE, _PLACEMENT = (
+    f"agents.lines.{name}"
+    for name in ("things", "own_set", "initial_lines", "talk.near", "talk.far", "line", "placement")
 )
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
     f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
@@ -37,7 +38,8 @@ class Mutant(NamedTuple):
         says: the rule.
         edits: what reads otherwise without it.
         saved: False: the coordinator tells what it decided before it writes it down.
-        model: that finds a violation; "walk" and "skirmish" are random, "pair" is exhaustive within `bounds`.
+        model: that finds a violation; "walk", "skirmish" and "aftermath" are random, "pair" is exhaustive
+            within `bounds`.
         first: the random run to begin with, where it takes many to come to one that shows the mutant.
     """
 
@@ -66,8 +68,10 @@ def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
     for tried, seed in enumerate(range(begin, begin + runs), 1):
         if mutant.model == "walk":
             violation = walk.violation_of(seed, product, mutant.saved)
-        else:
+        elif mutant.model == "skirmish":
             violation = skirmish.violation_of(seed, product)
+        else:
+            violation = aftermath.violation_of(seed, product)
         if violation:
             return Found(tried, violation)
     return Found(runs, "")
@@ -636,4 +640,26 @@ FAR = (
 )
 
 
-MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF, *SURROUNDINGS, *FAR)
+AFTERWARDS = (
+    Mutant(
+        "answer-who-lives-again",
+        "a far peer that stood and has spoken since is answered, though its disk is kept clear of until then",
+        (Edit(_FAR_TALK, " and pair.heard < end.peer_incarnation:", ":"),),
+        model="aftermath",
+    ),
+    Mutant(
+        "halfway",
+        "two that begin anew as near as they may come to stand can agree on a line",
+        (Edit(_PLACEMENT, "return _halfway(span, owner.radius, follower.radius)", "return None"),),
+        model="aftermath",
+    ),
+    Mutant(
+        "sure",
+        "for they need less room for that than they leave when they move",
+        (Edit(_LINE, "0.25 * ROUNDING", "ROUNDING"),),
+        model="aftermath",
+    ),
+)
+
+
+MUTANTS = (*PAIR, *LIVES, *WHO_IS_THERE, *ITSELF, *SURROUNDINGS, *FAR, *AFTERWARDS)

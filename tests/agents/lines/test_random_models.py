@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines import skirmish, walk
+from tests.agents.lines import aftermath, skirmish, walk
 from tests.agents.lines.product import Product
 
 PRODUCT = Product()
@@ -25,3 +25,13 @@ def test_no_walk_of_some_thousand_breaks_the_invariant() -> None:
 @pytest.mark.long(8)
 def test_nobody_touches_in_a_skirmish() -> None:
     assert [seed for seed in range(300) if skirmish.violation_of(seed, PRODUCT)] == []
+
+
+def test_when_trouble_is_over_everybody_becomes_ready() -> None:
+    assert [seed for seed in range(15) if aftermath.violation_of(seed, PRODUCT)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_when_trouble_is_over_everybody_becomes_ready_each_time() -> None:
+    assert [seed for seed in range(15, 200) if aftermath.violation_of(seed, PRODUCT)] == []

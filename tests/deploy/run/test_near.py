@@ -49,12 +49,13 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
     assert len(hashes) == 1
 
 
-def test_who_begins_anew_among_far_peers_moves_again() -> None:
+@pytest.mark.parametrize("fenced", [False, True])
+def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     """By letters it gets a line with everybody, although it hears hardly anybody."""
-    scenario = crowd(
-        Network("near", 0.06), process=(ProcessFault(3, 1.0, "restart"), ProcessFault(9, 1.0, "restart"))
-    )
-    report = in_process(scenario)
+    faults = [ProcessFault(robot, 3.0 if fenced else 1.0, "restart") for robot in (3, 9)]
+    if fenced:
+        faults += [ProcessFault(robot, 1.0, "kill") for robot in (3, 9)]
+    report = in_process(crowd(Network("near", 0.06), process=tuple(faults)))
     assert report["verdict"] == "arrived"
     assert report["min_clearance"] > 0.0
 

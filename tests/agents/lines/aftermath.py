@@ -1,0 +1,72 @@
+"""Skirmishes that end: from then on every robot has a process, everybody hears everybody and wants to stay.
+
+Nothing holds anybody then, so each has to become ready to move. Robots know exactly where they are here: two
+that begin anew closer to each other than the bounds of their errors cannot agree on a line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+from protocol.scenario.model import Scenario
+from tests.agents.lines import skirmish
+from tests.agents.lines.product import Product
+
+CALM = 80  # ticks
+
+
+def violation_of(seed: int, product: Product) -> str:
+    """What goes wrong in the run with this seed, or who stands for ever; "" if nothing does."""
+    run = Aftermath(seed, product)
+    violation = skirmish.first_violation(run, skirmish.TICKS)
+    if not violation:
+        run.end()
+        violation = skirmish.first_violation(run, CALM)
+    return violation or run.standing()
+
+
+class Aftermath(skirmish.Skirmish):
+    """One run, all of it drawn from its seed; in every other one all processes end with the trouble."""
+
+    def __init__(self, seed: int, product: Product) -> None:
+        self._is_over, self._anew = False, seed % 2 == 0
+        super().__init__(seed, product)
+
+    def _drawn(self, seed: int, rng: Random) -> Scenario:
+        return replace(super()._drawn(seed, rng), sensing=())
+
+    def end(self) -> None:
+        """Trouble is over."""
+        self._is_over = self.waits = True
+        self.trouble = self.loss = 0.0
+        self.delay, self.operator, self.former, self.late = 0, None, [], []
+        for robot in self.scenario.ids:
+            process = self.processes.get(robot)
+            if process is None or self._anew:
+                self.world.coordinator.lost(robot)
+                self._join(robot)
+            self.processes[robot].asleep = 0
+            self.processes[robot].core._law = _Staying()
+
+    def _live(self, process: Any, robot: int) -> None:
+        super()._live(process, robot)
+        if self._is_over:
+            process.core._law = _Staying()
+
+    def standing(self) -> str:
+        """Who is not ready to move; "" if everybody is."""
+        cores = [process.core for process in self.processes.values()]
+        held = sorted(core.robot for core in cores if core._filter is None or not core._filter.ready)
+        return f"robots {held} stand for ever" if held else ""
+
+
+class _Staying:
+    """A law that wants to stay."""
+
+    def slice_norm(self, *_: Any) -> float:
+        return 0.0
+
+    def velocity(self, _: Any) -> tuple[float, float]:
+        return 0.0, 0.0
