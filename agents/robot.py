@@ -23,7 +23,7 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState, from_afar
 from agents.roster import KnownRoster, has_ended
 from agents.safety_filter import SafetyFilter
-from protocol.interest import period
+from protocol.interest import period, turn
 from protocol.messages import (
     Answer,
     Command,
@@ -74,7 +74,8 @@ class Robot:
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
-        self._link, self._attention, self._awaited = Link(scenario, robot), Attention(), Awaited(robot)
+        self._link, self._awaited = Link(scenario, robot), Awaited(robot)
+        self._attention = Attention(turn(scenario, robot))
         self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known

@@ -240,7 +240,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
 class Summary(Message, frozen=True, array_like=True, gc=False):
     """World to all robots where some are far from each other: where everybody was sensed to be."""
 
-    tick: Count  # the tick that begins; laws go by it from two ticks later on
+    tick: Count  # the tick that begins; taken in two or three ticks later
     robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
