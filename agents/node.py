@@ -252,6 +252,7 @@ class RobotNode:
         self._tell_command(self._said_command)
         self._published += 1
         self._commanded = True
+        self._peers.tend(core.tick)
         if self._world.heard >= self._reported + REPORT_PERIOD:
             self._report()
 

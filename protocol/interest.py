@@ -1,7 +1,8 @@
 """Who hears whom in a large fleet: the times and distances that the world and all robots go by.
 
-Every PERIOD the world sums up where everybody is, and says who is near whom; both hold LEAD ticks later, when
-whoever begins to hear another has subscribed. Far robots talk about their line by way of the world, when
+Every PERIOD the world sums up where everybody is, and says who is near whom. The latter holds LEAD ticks
+later, when whoever begins to hear another has subscribed; what the summary says is taken in from then on, by
+some robots in one tick and by others in the next. Far robots talk about their line by way of the world, when
 one of them may reach it before the next summary could lead to another.
 """
 
@@ -13,12 +14,20 @@ from protocol.scenario.model import Scenario
 
 PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
+_TURNS: Final = 2  # ticks in which robots take in a summary: all in one would make that a long one
+_REACH: Final = 1.25  # times the urgent gap; from 2 on, where a line halfway is never urgent, more is heard
+_APART: Final = 5.0  # error bounds between two: a line halfway leaves room for all where they can be
 _TALK: Final = 4  # ticks that it takes two far robots to agree on a line, letters by way of the world
 
 
 def period(scenario: Scenario) -> int:
     """Ticks between two summaries."""
     return max(LEAD + 1, scenario.ticks(PERIOD))
+
+
+def turn(scenario: Scenario, robot: int) -> int:
+    """Ticks after LEAD in which this robot takes in a summary."""
+    return robot % min(_TURNS, period(scenario) - LEAD)
 
 
 def way(scenario: Scenario, ticks: int) -> float:
@@ -35,15 +44,15 @@ def talk(scenario: Scenario) -> int:
 
 def urgent(scenario: Scenario) -> float:
     """Gap between disk and line, m, that may be gone before the next summary could lead to another line."""
-    return way(scenario, period(scenario) + LEAD + talk(scenario))
+    return way(scenario, period(scenario) + LEAD + _TURNS - 1 + talk(scenario))
 
 
 def inner(scenario: Scenario) -> float:
-    """Gap between two disks below which they come to be near, m: above, a line halfway is not urgent."""
-    reach = scenario.network.reach
-    return 2.0 * urgent(scenario) if reach is None else reach
+    """Gap between two disks below which they come to be near, m; above, lines need nobody to make room."""
+    reach, doubt = scenario.network.reach, max((each.bound for each in scenario.sensing), default=0.0)
+    return max(_REACH * urgent(scenario) if reach is None else reach, _APART * doubt)
 
 
 def outer(scenario: Scenario) -> float:
     """Gap above which they cease to be near, m."""
-    return inner(scenario) + 2.0 * way(scenario, period(scenario))
+    return inner(scenario) + way(scenario, period(scenario))

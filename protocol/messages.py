@@ -153,7 +153,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
     active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
-    sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
+    sense: Sense | None = None  # None: exactly as commanded (large fleets), or its base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
@@ -240,7 +240,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
 class Summary(Message, frozen=True, array_like=True, gc=False):
     """World to all robots where some are far from each other: where everybody was sensed to be."""
 
-    tick: Count  # the tick that begins; laws go by it from two ticks later on
+    tick: Count  # the tick that begins; taken in two or three ticks later
     robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian

@@ -16,7 +16,6 @@ from typing import Any
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.interest import LEAD
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Tick
 from protocol.requests import joining
@@ -275,10 +274,9 @@ class WorldNode:
         return True
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
-        """What was told may have been lost; the summary too, if it counts for this tick."""
-        world = self._run.world
-        summary = world.coordinator.summary
-        if summary is not None and world.tick <= summary.tick + LEAD:
+        """What was told may have been lost, the summary too."""
+        summary = self._run.world.coordinator.summary
+        if summary is not None:
             self._publishers.summary(summary)
         self._publishers.ticks(ticks)
 

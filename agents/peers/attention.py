@@ -18,18 +18,34 @@ from protocol.messages import Summary
 class Attention:
     """Sender and tick of a State alone decide whether it is heard, never when it arrives.
 
+    Args:
+        turn: ticks after LEAD in which a summary is taken in.
+
     Attributes:
         everybody: whether all are heard: nobody has said who is near.
         near: whom this robot hears in the present tick, ascending.
         due: tick whose summary has to be there in the present tick; -1 for none.
     """
 
-    __slots__ = ("_coming", "_due", "_from", "_painted", "_picture", "_since", "due", "everybody", "near")
+    __slots__ = (
+        "_coming",
+        "_due",
+        "_from",
+        "_painted",
+        "_picture",
+        "_since",
+        "_take",
+        "_turn",
+        "due",
+        "everybody",
+        "near",
+    )
 
-    def __init__(self) -> None:
+    def __init__(self, turn: int = 0) -> None:
         self.everybody = True
         self.near: tuple[int, ...] = ()
         self.due = self._due = -1
+        self._turn, self._take = turn, 0  # from that tick on, the summary of `_due` has to be there
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
         self._coming: tuple[int, ...] | None = None
         self._from = 0  # tick from which those count
@@ -41,14 +57,15 @@ class Attention:
         self.everybody = False
         self._coming, self._from = tuple(sorted(near)), tick + LEAD
         if summed_up:
-            self._due = tick
+            self._due, self._take = tick, tick + LEAD + self._turn
 
     def turn(self, tick: int) -> bool:
         """A tick begins; whether others are near from here on."""
+        if tick >= self._take:
+            self.due = self._due
         if self._coming is None or tick < self._from:
             return False
         self.near, self._coming = self._coming, None
-        self.due = self._due
         self._since = {peer: self._since.get(peer, self._from) for peer in self.near}
         return True
 

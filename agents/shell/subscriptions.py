@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import final
+from typing import Final, final
 
 from agents.peers.reader import PeerReader
 from protocol.bus.bus import Bus
 from protocol.keys import robot_key
 from protocol.messages import Roster
 from protocol.requests.joining import Admission
+
+_TURNS: Final = 4  # ticks in which robots withdraw subscriptions: it keeps a router busy
 
 
 @final
@@ -31,6 +33,9 @@ class Subscriptions:
         self._radii: dict[int, float] = {}  # of all others, m
         self._oldest: Mapping[int, int] = {}  # first incarnations in this run
         self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
+        self._before = self._near  # who was named before them
+        self._named = False  # whether `attend` named somebody since the last `tend`
+        self._dropped: set[str] = set()  # keys to withdraw from
         self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
     def begin(self, admission: Admission) -> None:
@@ -38,6 +43,7 @@ class Subscriptions:
         scenario = admission.scenario
         self._radii = {spec.id: spec.radius for spec in scenario.robots if spec.id != self._robot}
         self._oldest, self._near = admission.oldest, frozenset()
+        self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}
         for peer in () if scenario.hears_near else self._radii:
             self._know(peer)
@@ -55,18 +61,34 @@ class Subscriptions:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
-        """Hear those who will be near, and for a while those who were."""
-        before, self._near = self._near, frozenset(near)
-        keys = {peer: self._key(peer) for peer in sorted(self._near | before)}
-        for peer, key in keys.items():
-            if peer in self._near and peer in self._radii and key not in self.readers:
+        """Hear those who will be near, and for a while those who were; `tend` sees to it."""
+        self._before, self._near, self._named = self._near, frozenset(near), True
+
+    def tend(self, tick: int) -> None:
+        """To be called once a tick, when nobody waits for this robot: subscribe to those whom `attend` named;
+        later, not all robots in the same tick, withdraw from those who are not near any more."""
+        if self._named:
+            self._named = False
+            self._hear()
+        elif self._dropped and (tick + self._robot) % _TURNS == 0:
+            self._withdraw()
+
+    def _hear(self) -> None:
+        kept = {self._key(peer) for peer in self._before}
+        for peer in sorted(self._near):
+            key = self._key(peer)
+            kept.add(key)
+            if peer in self._radii and key not in self.readers:
                 self._know(peer)
-        kept = frozenset(keys.values())
         self._subscribe([key for key in self.readers if key in kept])
-        for key in sorted(self._heard - kept):
+        self._dropped = self._heard - kept
+
+    def _withdraw(self) -> None:
+        for key in sorted(self._dropped):
             self._bus.unsubscribe(key)
             self._heard.discard(key)
             self.readers.pop(key, None)
+        self._dropped = set()
 
     def _key(self, peer: int) -> str:
         return robot_key(self._run, peer, "state")

@@ -48,7 +48,7 @@ def endure(
 
     With --kill-every robots are killed by lot, and with every tenth kill the router, with every tenth the
     world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. Who was on its
-    way has to move again within 5 s; commands that are missed meanwhile are not judged.
+    way has to move again within 5 s; commands that are missed and time that is lost meanwhile are not judged.
 
     Example: disknav endure --hours 8 --kill-every 60 --cut-every 300 --json endurance.json
 

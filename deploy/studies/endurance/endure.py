@@ -196,7 +196,7 @@ def result(
         ),
         Criterion(
             "real time kept", f"{ticks / wall if wall else 0.0:.2f} of {1.0 / step:g} ticks a second",
-            None if lockstep else ticks * step >= _PACE * wall > 0.0,
+            None if lockstep or trial.disturbed else ticks * step >= _PACE * wall > 0.0,
         ),
         Criterion("nothing touched", f"{(n := _sum(reports, 'collisions'))} collisions", n == 0),
         Criterion(
@@ -264,7 +264,7 @@ def _flatness(samples: Samples, disturbed: bool) -> list[Criterion]:
     ]
     for quantity, words in (("handles", "file handles flat"), ("threads", "threads flat")):
         found = {
-            name: flatness.steady(series[quantity], series["pid"], typical=disturbed)
+            name: flatness.steady(series[quantity], series["pid"], passing=disturbed)
             for name, series in samples.of.items()
         }
         growing = [name for name, flat in found.items() if flat is False]

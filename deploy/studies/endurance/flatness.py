@@ -79,11 +79,12 @@ def _slope(centred: Sequence[tuple[Floats, Floats]]) -> tuple[float, float]:
     return slope, (squares / freedom / moments * (1.0 + alike) / (1.0 - alike)) ** 0.5
 
 
-def steady(counts: Sequence[float], pids: Sequence[float] = (), *, typical: bool = False) -> bool | None:
+def steady(counts: Sequence[float], pids: Sequence[float] = (), *, passing: bool = False) -> bool | None:
     """Whether a count is no higher in the last quarter of any life than in its second; None with too few
-    samples. The most that was counted in a quarter, or the median where others come and go (`typical`)."""
+    samples. The most that was counted in a quarter, or, where some are there only in `passing`, the least:
+    what is never given back is in every sample."""
     found = [counts[begin:end] for begin, end in lives(len(counts), pids) if end - begin >= _FEWEST]
     if not found:
         return None
-    level = np.median if typical else np.max
+    level = np.min if passing else np.max
     return all(level(c[-(len(c) // 4) :]) <= level(c[len(c) // 4 : 2 * (len(c) // 4)]) for c in found)

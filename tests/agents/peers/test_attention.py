@@ -42,3 +42,13 @@ def test_who_missed_the_tick_hears_from_the_next_on() -> None:
     assert attention.turn(LEAD + 5)
     assert attention.due == -1
     assert attention.counts(2, LEAD)
+
+
+def test_a_summary_is_taken_in_by_turns_but_all_are_near_at_once() -> None:
+    first, second = Attention(0), Attention(1)
+    for attention in (first, second):
+        attention.announce(10, (2,), summed_up=True)
+        assert attention.turn(10 + LEAD)
+    assert (first.due, second.due) == (10, -1)
+    assert not second.turn(11 + LEAD)
+    assert second.due == 10

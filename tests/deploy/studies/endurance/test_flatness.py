@@ -69,7 +69,10 @@ def test_counts() -> None:
     assert steady(lives, [1] * 8 + [2] * 8) is False
     passing = [9] * 4 * 5 + [9, 9, 12, 9, 9]
     assert steady(passing) is False
-    assert steady(passing, typical=True)
+    assert steady(passing, passing=True)
+    busy = [3, 3, 5, 6, 3, 3, 5, 3, 6, 3, 5, 5, 3, 6, 5, 6]
+    assert steady(busy, passing=True), "some come and go, more often towards the end"
+    assert steady([*busy[:12], 4, 6, 5, 4], passing=True) is False, "one was never given back"
 
 
 def test_too_few_samples_say_nothing() -> None:

@@ -1,0 +1,58 @@
+"""Whom a robot hears changes when nobody waits for it: it hears more at once, and less some ticks later."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from agents.shell.subscriptions import Subscriptions
+from deploy.library.load import load
+from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.keys import robot_key
+from protocol.requests.joining import Admission
+from protocol.scenario.model import Network
+
+PERIOD = 5  # ticks
+
+
+def near_only(robot: int) -> tuple[LocalBus, Subscriptions]:
+    bus = LocalNetwork().connect()
+    peers = Subscriptions(bus, "run", robot)
+    peers.begin(Admission(1, True, replace(load("swap-6"), network=Network("near"))))
+    return bus, peers
+
+
+def test_nothing_changes_before_there_is_time() -> None:
+    bus, peers = near_only(1)
+    peers.attend((2,))
+    assert not bus.keys
+    peers.tend(0)
+    assert bus.keys == {robot_key("run", 2, "state")}
+
+
+def test_subscriptions_follow_who_is_near() -> None:
+    bus, peers = near_only(1)
+    heard = []
+    for turn, near in enumerate(((2, 3), (3, 4), (4, 5), (4, 5))):
+        peers.attend(near)
+        for tick in range(PERIOD):
+            peers.tend(turn * PERIOD + tick)
+            if tick in (0, PERIOD - 1):
+                heard.append({peer for peer in range(2, 7) if robot_key("run", peer, "state") in bus.keys})
+    assert heard == [{2, 3}, {2, 3}, {2, 3, 4}, {2, 3, 4}, {2, 3, 4, 5}, {3, 4, 5}, {3, 4, 5}, {4, 5}]
+    assert peers.readers.keys() == bus.keys
+
+
+def test_robots_withdraw_one_after_the_other() -> None:
+    fleet = [near_only(robot) for robot in range(1, 5)]
+    when = set()
+    for _, peers in fleet:
+        for near in ((5, 6), (6,), (6,)):
+            peers.attend(near)
+            peers.tend(0)
+    for tick in range(1, PERIOD):
+        for robot, (bus, peers) in enumerate(fleet):
+            before = len(bus.keys)
+            peers.tend(tick)
+            if len(bus.keys) < before:
+                when.add((robot, tick))
+    assert {robot for robot, _ in when} == {tick - 1 for _, tick in when} == set(range(4))
