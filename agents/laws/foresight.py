@@ -49,6 +49,6 @@ def _moved_on(me: Peer, peer: Peer, wx: float, wy: float) -> Peer:
     square, closing = wx * wx + wy * wy, -(rx * wx + ry * wy)
     discriminant = closing * closing - square * (distance * distance - near * near)
     part = 1.0
-    if closing > 0.0 and discriminant >= 0.0:
+    if closing > 0.0 and square > 0.0 and discriminant >= 0.0:
         part = min(1.0, (closing - math.sqrt(discriminant)) / square)
     return Peer(peer.x + part * wx, peer.y + part * wy, peer.radius, peer.gamma)

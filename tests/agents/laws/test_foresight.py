@@ -49,6 +49,10 @@ def test_a_wish_is_followed_for_a_lap_at_most() -> None:
     assert place(peer(0.3, 0.1, 0.09, 0.1), 10_000)[0] == pytest.approx(0.3 + 0.1 * LONGEST * LAP)
 
 
+def test_a_wish_so_small_that_its_square_is_0_is_none() -> None:
+    assert place(peer(0.3, 0.0, 0.09, -1e-170), 4) == (0.3, 0.0)
+
+
 def test_a_disk_that_stands_is_where_it_stands() -> None:
     disk = Peer(0.1, 0.0, R, 0.0)
     assert foreseen(ME, [disk], 4, PERIOD, LAP) == [disk]
