@@ -4,6 +4,7 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
 BIN := .venv/bin
 READY := .venv/.ready
 COMPILED := .venv/.compiled
+KERNEL := .venv/.kernel
 # What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix protocol/geometry/,disk.py polygon.py) \
@@ -24,13 +25,16 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix world/,simulation.py world.py node.py) \
   $(addprefix world/shell/,run.py publishers.py pacing.py)
 
+# What a certificate's search runs; numba compiles it for whoever comes first, which takes as long as a whole proof.
+SEARCH := $(wildcard deploy/theory/certify/boxes/*.py)
+
 .DEFAULT_GOAL := help
-.PHONY: help setup compile inner site demo test fast check golden bench fuzz figures diagrams engines clean
+.PHONY: help setup compile inner site demo test fast check collect golden bench fuzz figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-setup: $(READY) $(COMPILED)  ## build .venv with everything that running and testing needs, and compile
+setup: $(READY) $(COMPILED) $(KERNEL)  ## build .venv with everything that running and testing needs, and compile
 
 compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
 
@@ -51,6 +55,11 @@ $(READY): pyproject.toml
 	HATCH_BUILD_NO_HOOKS=true $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
 	@touch $@
 
+$(KERNEL): $(READY) $(SEARCH)
+	@mkdir -p build; rm -f build/figure-2.certificate.json
+	@$(BIN)/python -m disknav certify figure-2 --k 1000 --quiet --out build/figure-2.certificate.json >/dev/null
+	@touch $@
+
 demo: $(READY) $(COMPILED)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
@@ -61,13 +70,18 @@ check: $(READY)  ## lint, formatting, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
+fast test collect: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself
+
+collect: $(READY) $(COMPILED)  # once: else each process of pytest-xdist rewrites what all tests assert
+	@$(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
+
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
 
-test: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself
-test: check $(COMPILED)  ## lint, types, import contracts and the whole suite
+test: $(READY) $(COMPILED) $(KERNEL)  ## lint, types, import contracts and the whole suite
+	@$(MAKE) --no-print-directory --jobs=2 check collect
 	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
-	$(BIN)/python -m pytest --durations=5 -m alone
+	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

@@ -62,8 +62,12 @@ def main(
 
 
 def main_on_core(core: int, connection: Connection, run: str, robot: int) -> int:
-    """`main`, with this process and its threads to come on one core of the processor; Linux only."""
-    os.sched_setaffinity(0, {core})
+    """`main`, with this process and its threads to come on one core of the processor, where the system lets
+    it; Linux only."""
+    try:
+        os.sched_setaffinity(0, {core})
+    except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
+        LOG.info(f"does not stay on core {core}: {error}")
     return main(connection, run, robot)
 
 

@@ -21,6 +21,7 @@ from agents.peers.awaited import Awaited
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState, from_afar
+from agents.reckoning import Reckoning
 from agents.roster import KnownRoster, has_ended
 from agents.safety_filter import SafetyFilter
 from protocol.interest import period, turn
@@ -80,6 +81,7 @@ class Robot:
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known
         self._reports = scenario.is_external
+        self._reckoning = Reckoning(scenario.time.step) if scenario.hears_near else None
         self._desired = self._moved = STILL
         self._blind = True  # whether nothing is known of how far it went in the last tick
         self._halted = False  # an emergency stop is in force
@@ -99,7 +101,8 @@ class Robot:
         self._ordered = self._ordered if tick.goal is None else tick.goal
         self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
-        self._sense(tick.sense if sense is None else sense)
+        sense = tick.sense if sense is None else sense
+        self._sense(sense if self._reckoning is None else self._reckoning.sense(tick.tick, sense))
         if tick.roster is not None:
             self._follow(tick.roster)
         self._attend(tick)
@@ -274,6 +277,8 @@ class Robot:
             if position is not None and not self._halted:
                 self._desired = self._wish(position)
                 velocity = filter_.velocity(self._desired, self._estimate)
+        if self._reckoning is not None:
+            self._reckoning.commanded(self.tick, velocity)
         report = self._report() if self._reports else None
         return Command(
             self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter, handles

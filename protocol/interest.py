@@ -16,6 +16,7 @@ PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
 _TURNS: Final = 2  # ticks in which robots take in a summary: all in one would make that a long one
 _REACH: Final = 1.25  # times the urgent gap; from 2 on, where a line halfway is never urgent, more is heard
+_APART: Final = 5.0  # error bounds between two: a line halfway leaves room for all where they can be
 _TALK: Final = 4  # ticks that it takes two far robots to agree on a line, letters by way of the world
 
 
@@ -47,9 +48,9 @@ def urgent(scenario: Scenario) -> float:
 
 
 def inner(scenario: Scenario) -> float:
-    """Gap between two disks below which they come to be near, m."""
-    reach = scenario.network.reach
-    return _REACH * urgent(scenario) if reach is None else reach
+    """Gap between two disks below which they come to be near, m; above, lines need nobody to make room."""
+    reach, doubt = scenario.network.reach, max((each.bound for each in scenario.sensing), default=0.0)
+    return max(_REACH * urgent(scenario) if reach is None else reach, _APART * doubt)
 
 
 def outer(scenario: Scenario) -> float:

@@ -153,7 +153,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
     active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
-    sense: Sense | None = None  # from a simulated plant; None if the robot's base speaks for itself
+    sense: Sense | None = None  # None: exactly as commanded (large fleets), or its base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion

@@ -62,7 +62,7 @@ WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in block
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(page, marks=pytest.mark.long(40) if page.name == "README.md" else ())
+        pytest.param(page, marks=pytest.mark.long(10) if page.name == "README.md" else ())
         for page in WITH_COMMANDS
     ],
     ids=lambda page: page.name,

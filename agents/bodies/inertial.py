@@ -30,6 +30,7 @@ _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last 
 _STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
 _FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
+_TINY: Final = 1e-100  # m; what can be divided by
 
 Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)  # to a base: brake
@@ -197,10 +198,12 @@ class InertialBody:
 def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:
     """A half-plane of displacements that the sweep of a place known as `shape` around (x, y) violates."""
     found: HalfPlane | None = None
-    for index, dx in enumerate(passed.xs):
-        dy = passed.ys[index]
+    for index, margin in enumerate(passed.margins):
+        dx, dy = passed.xs[index], passed.ys[index]
+        if dx == dy == 0.0 and margin > 0.0:
+            dx = _TINY  # it comes back to where it began, but for the margin
         way = math.hypot(dx, dy)
         if way > 0.0:
-            cut = boundary.cut(x, y, shape, dx, dy, noise=passed.margins[index] / way)
+            cut = boundary.cut(x, y, shape, dx, dy, noise=margin / way)
             found = cut if cut is not None else found
     return found

@@ -22,7 +22,9 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     newest = dict.fromkeys(ids, -1)
     for told in recording.said(Tick):
         robot, sense = told.robot, told.sense
-        if sense is not None and sense.position is not None:
+        if sense is None and recording.scenario.hears_near:  # not told, for it is measured exactly
+            newest[robot] = told.tick
+        elif sense is not None and sense.position is not None:
             newest[robot] = max(newest[robot], sense.stamp)
         if newest[robot] >= 0 and told.tick in row:
             ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]

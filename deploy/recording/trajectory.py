@@ -1,8 +1,8 @@
 """The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
 
 Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
-its robot really did during the tick before: added to where the disk was, that is where it was next, to the
-last bit.
+its robot really did during the tick before, or that this was what it had commanded: added to where the disk
+was, that is where it was next, to the last bit.
 """
 
 from __future__ import annotations
@@ -71,19 +71,26 @@ class _Moves:
     def __init__(self, recording: Recording, ticks: Set[int]) -> None:
         self._path, self._ids = recording.path, recording.scenario.ids
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
-        self._commanded: set[tuple[int, int]] = set()
+        self._commanded: dict[tuple[int, int], Vector] = {}
+        self._as_commanded: set[tuple[int, int]] = set()
+        self._step, near = recording.scenario.time.step, recording.scenario.hears_near
         for _, _, message in recording.entries.of(Tick, Command):
             if isinstance(message, Command) and message.tick + 1 in ticks:
-                self._commanded.add((message.robot, message.tick))
-            elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
-                self._said[message.tick][message.robot] = message.sense.displacement
+                self._commanded[message.robot, message.tick] = message.velocity
+            elif isinstance(message, Tick) and message.tick in ticks:
+                if message.sense is not None:
+                    self._said[message.tick][message.robot] = message.sense.displacement
+                elif near:
+                    self._as_commanded.add((message.robot, message.tick))
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
         after = []
         for robot, (x, y) in zip(self._ids, before, strict=True):
-            move = self._said[tick].get(robot)
-            if move is None and (robot, tick - 1) in self._commanded:
+            move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
+            if (robot, tick) in self._as_commanded and velocity is not None:
+                move = velocity[0] * self._step, velocity[1] * self._step
+            elif move is None and velocity is not None:
                 raise RecordingError(
                     f"{self._path}: the truth of tick {tick} was not recorded, nor what robot {robot} did "
                     f"before it, so the trajectory cannot be checked; record on a machine with less load"

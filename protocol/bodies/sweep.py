@@ -76,8 +76,8 @@ def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: 
     heading, fastest = motion.heading, math.hypot(motion.ahead, motion.aside)
     for index, arc in enumerate(arcs):
         speed = math.hypot(arc.ahead, arc.aside)
-        if speed == 0.0 or arc.duration == 0.0:
-            continue
+        if arc.duration == 0.0 or (speed == 0.0 and rise == 0):
+            continue  # what stands has no lag; while it turns back, lag and play grow
         whole = abs(base.turn(arc))
         around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # of the arc that a circle is
         pieces = 1 + int(around * whole / _TURN)

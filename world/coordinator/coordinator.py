@@ -26,6 +26,7 @@ from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
+from world.coordinator.omission import Omission
 from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
 from world.coordinator.post import Post
@@ -65,6 +66,7 @@ class Coordinator:
         self.membership = Membership(scenario, self.lives, self.missions)
         self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
+        self._omission = Omission(scenario.time.step) if scenario.hears_near else None
         self._post = Post()
         self.schedule = Schedule(scenario)
 
@@ -192,10 +194,13 @@ class Coordinator:
 
     def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
         """Begin the tick, with what every robot senses: what is to be told."""
+        commanded = self.commands.velocities
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
         if self._interest is not None:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
+        if self._omission is not None:
+            sensed = self._omission.sift(self.tick, sensed, commanded, self.lives.incarnations)
         self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest)
         return self.told
 

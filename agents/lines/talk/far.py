@@ -74,8 +74,8 @@ class FarTalk:
         for peer in list(self._open)[:LETTERS]:
             pair = self._open.pop(peer)  # whoever is not done is put back, behind all others
             end = pair.end
-            if pair.disk is not None and pair.ready and pair.heard < end.peer_incarnation:
-                continue  # it stands; if it lives again, it speaks first
+            if pair.ready and not end.agreed and pair.heard < end.peer_incarnation:
+                continue  # it stands, or is gone; if it lives again, it speaks first
             if isinstance(end, Follower):
                 answers.append(answer_of(pair))
                 pair.answers_left -= 1

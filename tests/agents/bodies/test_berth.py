@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from agents.bodies.inertial import InertialBody
+from agents.bodies.inertial import InertialBody, _cut
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from protocol.bodies.base import Base, Motion, chord, turned
-from protocol.bodies.sweep import Miss
+from protocol.bodies.sweep import Miss, Sweep
 from protocol.messages import BaseMotion
 from protocol.scenario.body import PRESETS
 
@@ -70,3 +70,9 @@ def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
         for _ in range(60):
             track.tick((0.0, SPEED))
         assert track.y > 0.5 * 60 * PERIOD * SPEED, heading
+
+
+def test_a_body_that_comes_back_to_where_it_began_may_still_miss_that_place():
+    back = Sweep([0.0], [0.0], [0.002])
+    assert _cut(ROOM, ROOM.radius - 0.001, 0.0, None, back) is not None
+    assert _cut(ROOM, ROOM.radius - 0.003, 0.0, None, back) is None

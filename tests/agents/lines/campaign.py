@@ -2,7 +2,7 @@
 
 python -m tests.agents.lines.campaign --runs 100000 --log out/campaign.json
 python -m tests.agents.lines.campaign --model skirmish --runs 5000
-python -m tests.agents.lines.campaign --mutants
+python -m tests.agents.lines.campaign --mutants --first 0
 
 Each run is drawn from its seed alone: --first N --runs 1 repeats one. With --log the same command goes on
 where it was stopped.
@@ -33,11 +33,13 @@ def main() -> int:
         "--model", choices=_MODELS, default="walk", help="track, whole robots, or what follows"
     )
     parser.add_argument("--runs", type=int, default=100_000, help="how many")
-    parser.add_argument("--first", type=int, default=0, help="seed of the first")
+    parser.add_argument("--first", type=int, help="seed of the first; 0, or the mutant's own")
     parser.add_argument("--mutants", action="store_true", help="the product without each rule, instead")
     parser.add_argument("--log", type=Path, help="file that says how far it has come")
     options = parser.parse_args()
-    return _table() if options.mutants else _runs(options.model, options.first, options.runs, options.log)
+    if options.mutants:
+        return _table(options.first)
+    return _runs(options.model, options.first or 0, options.runs, options.log)
 
 
 def _runs(model: str, first: int, runs: int, log: Path | None) -> int:
@@ -72,11 +74,11 @@ def _violated(model: str, first: int, log: Path | None) -> list[bool]:
     return [each == "1" for each in kept["violated"]]
 
 
-def _table() -> int:
-    """Print rule, model, and how many runs or states it took to find a violation."""
+def _table(first: int | None) -> int:
+    """Print rule, model, and how many runs from `first` on, or states, it took to find a violation."""
     missed = 0
     for mutant in MUTANTS:
-        tried, violation = hunt(mutant)
+        tried, violation = hunt(mutant, first)
         missed += not violation
         unit = "states" if mutant.model == "pair" else "runs"
         print(

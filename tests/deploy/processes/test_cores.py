@@ -51,3 +51,12 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
     assert seen[True] == [{core} if mode == "lockstep" else everywhere] * 2
     assert seen[False]
     assert all(cores == everywhere for cores in seen[False])
+
+
+@linux
+@pytest.mark.process
+@pytest.mark.timeout(60)
+def test_a_core_that_is_not_there_costs_nothing_but_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("deploy.run.assembly.core_of", lambda *_: 1023)
+    with Fleet([load("swap-2")], RunOptions()) as fleet:
+        assert [result["verdict"] for result in fleet.execute()] == ["arrived"]

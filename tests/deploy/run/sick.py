@@ -45,7 +45,9 @@ class FleetWithOne(Fleet):
 
     def _made_sick(self, row: table.Process) -> table.Process:
         entry = f"tests.deploy.run.sick:{self._entry}"
-        return table.Process(row.name, entry, (*row.arguments, *self._arguments), restarts=row.restarts)
+        connection, run, robot = row.arguments[-3:]  # on whatever core
+        arguments = (connection, run, robot, *self._arguments)
+        return table.Process(row.name, entry, arguments, restarts=row.restarts)
 
 
 def dies_once_admitted(connection: Connection, run: str, robot: int, marker: Path) -> int:

@@ -11,7 +11,16 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
-from protocol.scenario.model import Link, Network, ProcessFault, Scenario
+from protocol.scenario.model import (
+    Control,
+    Link,
+    Network,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Sensing,
+    Time,
+)
 
 SHORT = 4.0  # s of simulated time
 
@@ -58,6 +67,20 @@ def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     report = in_process(crowd(Network("near", 0.06), process=tuple(faults)))
     assert report["verdict"] == "arrived"
     assert report["min_clearance"] > 0.0
+
+
+def test_whoever_is_too_close_for_a_line_is_near() -> None:
+    """Both may be farther off than the gap between them is wide: one has to see the other, and make room."""
+    robots = (RobotSpec(1, 0.04, (0.0, 0.0), (-0.15, 0.0)), RobotSpec(2, 0.04, (0.09, 0.0), (0.09, 0.0)))
+    scenario = Scenario(
+        robots,
+        time=Time(limit=10.0, tolerance=0.03),
+        network=Network("near", 1e-3),
+        sensing=(Sensing(noise=5e-4, noise_bound=0.02),),
+        process=(ProcessFault(1, 0.1, "restart"),),
+        control=Control(k=20.0),
+    )
+    assert in_process(scenario)["verdict"] == "arrived"
 
 
 @pytest.mark.process

@@ -131,6 +131,15 @@ def test_a_sweep_contains_the_way(heading, ahead, aside, vx, vy, towards, body):
     assert passed.extent(nx, ny) <= farthest + 0.25 * way + 1e-14
 
 
+def test_a_body_that_turns_back_may_be_off_by_more_when_it_has_stood_in_between():
+    base, motion, play = Base(WHEELLESS, PERIOD), Motion(0.0, 0.01), 1e-4
+    arcs = base.drive(motion, -0.01, 0.0)
+    passed = sweep(base, motion, arcs, miss=Miss(play=play), rise=STEPS)
+    forth = sum(arc.ahead * arc.duration for arc in arcs[:3])
+    assert arcs[2].ahead == 0.0
+    assert passed.extent(1.0, 0.0) >= forth + 0.6 * play
+
+
 @given(speeds, speeds, st.sampled_from([BURGER, WHEELLESS]))
 def test_the_place_to_stand_gives_back_the_velocity(vx, vy, body):
     base, motion = Base(body, PERIOD), Motion(0.3)

@@ -226,7 +226,12 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         until(
             lambda: processes.output("robot-3").rstrip().endswith("stands"), 10.0, "robot 3 does not notice"
         )
-        time.sleep(2.0)
+        passing = {robot: fleet.place(robot) for robot in (2, 4)}
+        until(
+            lambda: any(math.dist(fleet.place(robot), passing[robot]) > 0.1 for robot in passing),
+            30.0,
+            "nobody passes robot 3",
+        )
 
         # the emergency stop
         fleet.order("stop", "yard")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
@@ -10,7 +11,8 @@ from agents.lines.placement import Disk
 from agents.lines.robot_pair import RobotPair
 from agents.lines.talk.far import FarTalk
 from agents.peers.far import FarPicture
-from protocol.messages import Answer, Proposal, Summary
+from agents.peers.state import PeerState, from_afar
+from protocol.messages import Answer, Letter, Member, Proposal, Summary
 from world.coordinator.interest import runs
 
 RADIUS = 0.1
@@ -34,6 +36,10 @@ def talking(*, owns: bool) -> tuple[FarTalk, RobotPair]:
 
 def said(talk: FarTalk, ticks: int) -> list[tuple[tuple[Proposal, ...], tuple[Answer, ...]]]:
     return [talk.entries(ME, lambda _: True) for _ in range(ticks)]
+
+
+def spoken(robot: int, incarnation: int) -> PeerState:
+    return from_afar(2, Letter(robot, incarnation, 0), RADIUS)
 
 
 def test_an_offer_is_repeated_once_its_answer_could_be_there() -> None:
@@ -70,3 +76,27 @@ def test_nothing_is_said_by_letter_to_who_came_near() -> None:
     said(talk, 1)
     talk.drop(frozenset({2}))
     assert said(talk, 3) == [((), ())] * 3
+
+
+@pytest.mark.parametrize("owns", [False, True])
+def test_who_stands_is_not_written_to_until_it_lives_again_and_speaks(owns: bool) -> None:
+    talk, pair = talking(owns=owns)
+    pair.on_member(Member(pair.peer, 1, "standing", RADIUS, THERE))
+    assert pair.keeps_clear
+    talk.take_up(pair)
+    assert said(talk, 4) == [((), ())] * 4
+    pair.on_member(Member(pair.peer, 2, "live", RADIUS))
+    talk.take_up(pair)
+    assert said(talk, 4) == [((), ())] * 4
+    pair.accept(spoken(pair.peer, 2))
+    talk.take_up(pair)
+    talk.survey(picture(), ME, [])
+    assert any(proposals or answers for proposals, answers in said(talk, 1))
+
+
+def test_nobody_asks_for_an_answer_of_one_that_is_gone() -> None:
+    talk, pair = talking(owns=True)
+    talk.survey(picture(), ME, [pair])
+    assert [len(answers) for _, answers in said(talk, 2)] == [1, 0]
+    pair.on_member(Member(2, 1, "gone", RADIUS))
+    assert said(talk, 4) == [((), ())] * 4

@@ -11,12 +11,16 @@ from deploy.studies.falsify.shrinking.shrink import shrunk
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Link, Scenario, Sensing, Time, Workspace
 
-LARGE = max((drawn(0, number)[0] for number in range(200)), key=lambda s: len(s.process) * len(s.robots))
 ENOUGH = 5000
 
 
-def test_of_what_does_not_matter_nothing_is_left() -> None:
-    smallest, tried = shrunk(LARGE, lambda _: True, ENOUGH)
+@pytest.fixture(scope="module")
+def large() -> Scenario:
+    return max((drawn(0, number)[0] for number in range(200)), key=lambda s: len(s.process) * len(s.robots))
+
+
+def test_of_what_does_not_matter_nothing_is_left(large: Scenario) -> None:
+    smallest, tried = shrunk(large, lambda _: True, ENOUGH)
     (robot,) = smallest.robots
     assert (robot.id, robot.start, robot.goal) == (1, (0.0, 0.0), (0.0, 0.0))
     assert smallest.ticks(smallest.time.limit) == 1
@@ -27,9 +31,9 @@ def test_of_what_does_not_matter_nothing_is_left() -> None:
     assert tried < 200
 
 
-def test_what_matters_stays() -> None:
+def test_what_matters_stays(large: Scenario) -> None:
     """A robot restarted twice, while another one is late by more than 3 ticks, for at least 20 ticks."""
-    robot = LARGE.process[0].robot
+    robot = large.process[0].robot
 
     def shows(scenario: Scenario) -> bool:
         events = [fault for fault in scenario.process if fault.robot == robot]
@@ -38,18 +42,18 @@ def test_what_matters_stays() -> None:
     def renamed(scenario: Scenario) -> bool:
         return len(scenario.process) >= 1 and len(scenario.robots) >= 2 and scenario.time.limit > 0.5
 
-    smallest, _ = shrunk(LARGE, renamed, ENOUGH)
+    smallest, _ = shrunk(large, renamed, ENOUGH)
     assert len(smallest.process) == 1
     assert smallest.ids == (1, 2)
     assert 0.5 < smallest.time.limit <= 0.6
-    kept, _ = shrunk(LARGE, shows, ENOUGH)
+    kept, _ = shrunk(large, shows, ENOUGH)
     assert [fault.robot for fault in kept.process] == [robot]
     assert len(kept.robots) == 2
     assert kept.ticks(kept.time.limit) == 20
 
 
 @pytest.mark.parametrize("budget", [0, 1, 7])
-def test_the_budget_is_kept_and_what_was_reached_is_valid(budget: int) -> None:
+def test_the_budget_is_kept_and_what_was_reached_is_valid(large: Scenario, budget: int) -> None:
     tries = 0
 
     def shows(_: Scenario) -> bool:
@@ -57,13 +61,13 @@ def test_the_budget_is_kept_and_what_was_reached_is_valid(budget: int) -> None:
         tries += 1
         return True
 
-    smaller, tried = shrunk(LARGE, shows, budget)
+    smaller, tried = shrunk(large, shows, budget)
     assert tries == tried <= budget
     assert validated(smaller) == smaller
 
 
-def test_numbers_become_round_as_far_as_they_may() -> None:
-    bound = LARGE.workspace.shape.around.radius * 1.23456789
-    scenario = replace(LARGE, workspace=Workspace(bound))
+def test_numbers_become_round_as_far_as_they_may(large: Scenario) -> None:
+    bound = large.workspace.shape.around.radius * 1.23456789
+    scenario = replace(large, workspace=Workspace(bound))
     smallest, _ = shrunk(scenario, lambda s: (s.workspace.radius or 0.0) > 0.9 * bound, ENOUGH)
     assert len(repr(smallest.workspace.radius)) <= 5

@@ -1,0 +1,35 @@
+"""What a robot knows of itself without being told: all went as it commanded (`protocol.reckoning`)."""
+
+from __future__ import annotations
+
+from typing import final
+
+from protocol.messages import Sense, Vector
+from protocol.reckoning import as_commanded, exact_place
+
+
+@final
+class Reckoning:
+    """Of one life.
+
+    Args:
+        step: of time, s.
+    """
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+        self._tick = -1  # in which it commanded last
+        self._velocity: Vector = (0.0, 0.0)
+        self._place: Vector | None = None  # m, at the start of the newest tick, if it is known exactly
+
+    def sense(self, tick: int, told: Sense | None) -> Sense | None:
+        """What is sensed as `tick` begins: what is `told`, or if that is nothing, what was commanded; None if
+        neither is known."""
+        if told is None and self._place is not None and self._tick == tick - 1:
+            told = as_commanded(tick, self._place, self._velocity, self._step)
+        self._place = exact_place(tick, told)
+        return told
+
+    def commanded(self, tick: int, velocity: Vector) -> None:
+        """The robot gives its Command of `tick`."""
+        self._tick, self._velocity = tick, velocity
