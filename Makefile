@@ -81,7 +81,7 @@ fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
 test: $(READY) $(COMPILED) $(KERNEL)  ## lint, types, import contracts and the whole suite
 	@$(MAKE) --no-print-directory --jobs=2 check collect
 	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
-	$(BIN)/python -m pytest --durations=5 -m alone
+	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

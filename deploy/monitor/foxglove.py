@@ -79,7 +79,7 @@ class FoxgloveServer:
         while (topic := self._wanted.get()) is not None:
             with self._lock:
                 if self._scene is not None:
-                    self._log([self._scene.picture(topic)])
+                    self._log(self._scene.latest(topic))
 
     def _log(self, pictures: Iterable[Picture]) -> None:
         for picture in pictures:

@@ -126,7 +126,7 @@ class Drawing:
         fx, fy = mx + off * nx, my + off * ny
         return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
 
-    def _hue(self, robot: int, opacity: float = 0.9) -> Color:
+    def _hue(self, robot: int, opacity: float = 1.0) -> Color:
         return _color(_HUES[self._scenario.ids.index(robot) % len(_HUES)], opacity)
 
 

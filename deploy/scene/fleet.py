@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 import msgspec
@@ -94,7 +95,12 @@ class FleetScene:
 
     def whole(self) -> Iterator[Picture]:
         """All of it, for who has just come."""
-        return map(self.picture, TOPICS)
+        return chain.from_iterable(map(self.latest, TOPICS))
+
+    def latest(self, topic: str) -> tuple[Picture, ...]:
+        """One topic of it; nothing of measures before anything was measured."""
+        measured = topic != "/measures" or self._truth.robots
+        return (self.picture(topic),) if measured else ()
 
     def picture(self, topic: str) -> Picture:
         """One topic of it."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import time
 
 import msgspec
 
 from deploy.monitor.source import Source
 
 FRAME_PERIOD = 0.05  # s
+_REST = 0.01  # s between two looks at least
 
 
 class FrameStream:
@@ -49,7 +51,7 @@ class FrameStream:
             return self._number, self._epoch, self._frame
 
     async def _look(self) -> None:
-        since = -1
+        since, due = -1, time.monotonic()
         while self._viewers:
             frame = self._source.snapshot(since)
             if frame["epoch"] != self._epoch:
@@ -60,5 +62,6 @@ class FrameStream:
                 self._number, self._epoch = self._number + 1, frame["epoch"]
                 self._frame = msgspec.json.encode(frame)
                 self._fresh.notify_all()
-            await asyncio.sleep(FRAME_PERIOD)
+            due = max(due + FRAME_PERIOD, time.monotonic() + _REST)  # to look takes a while, too
+            await asyncio.sleep(due - time.monotonic())
         self._looking = None

@@ -9,7 +9,6 @@ talks on.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -83,7 +82,7 @@ class Coordinator:
 
     def twin(self, owner: Track) -> Coordinator:
         """The same, to be changed independently."""
-        twin = copy.copy(self)
+        twin = _twin(self)
         twin.roster, twin._saved, twin.owner = _copied(self.roster), _copied(self._saved), owner
         twin.announced = list(self.announced)
         return twin
@@ -119,7 +118,7 @@ class Track:
 
     def twin(self) -> Track:
         """The same state, to be changed independently."""
-        twin = copy.copy(self)
+        twin = _twin(self)
         twin.truth, twin.error, twin.seats = dict(self.truth), dict(self.error), dict(self.seats)
         twin.newest = dict(self.newest)
         return twin
@@ -355,7 +354,7 @@ class Track:
 
 
 def _copied(roster: Any) -> Any:
-    twin = copy.copy(roster)
+    twin = _twin(roster)
     twin._members, twin._kept = dict(roster._members), dict(roster._kept)
     return twin
 

@@ -121,11 +121,19 @@ def test_pictures_come_at_a_bounded_rate() -> None:
     assert counts == {"/tf": 100, "/measures": 100, "/scene/lines": 10, "/scene/trails": 5}
 
 
+def test_nothing_is_measured_before_the_first_truth() -> None:
+    scene = FleetScene(SCENARIO)
+    assert {picture.topic for picture in scene.whole()} == TOPICS.keys() - {"/measures"}
+    list(scene.hear(truth(0)))
+    assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5}
+
+
 def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
     scene = FleetScene(SCENARIO)
+    list(scene.hear(truth(0)))
     before = [*scene.whole()]
     assert not list(scene.hear(truth(2**53)))
-    list(scene.hear(Truth(0, (9,), ((0.3, 0.3), (0.1, 0.1)), 0.0, 1.0)))
+    list(scene.hear(Truth(0, (9,), ((0.3, 0.3), (0.1, 0.1)), 0.01, 0.5)))
     list(scene.hear(health(9, 3)))
     list(scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0))))
     assert [*scene.whole()] == before
