@@ -147,5 +147,4 @@ class GradientLaw:
         gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, 2.0 * far)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
-        speed = self._speed * pace.haste(self._latency / self._lap)
-        return pace.common_pace(slice_norm, gamma, speed, self._max_rate)
+        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)

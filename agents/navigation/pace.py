@@ -8,19 +8,11 @@ it brakes exponentially from the distance speed / (2 max_rate) on. With
 max_rate = 1 / (2 max(period, tolerance/speed)) that
 distance is the arrival tolerance, or one period's way if that is longer: arrival has no tail, and a period
 shortens the distance by a factor of at most e, so robots that know each other late do not overshoot.
-
-Where States are late the common pace is faster: whoever has to give way to a robot that presses is told of it
-later, and at the pace of a robot that stands before it in vain would be done later still. Robots then follow
-the paper's path less closely.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
-
-HASTE: Final = 0.5  # of the pace more, per lap by which States are late
-LONGEST: Final = 1.0  # laps, of those that count
 
 
 def max_rate(speed: float, period: float, tolerance: float) -> float:
@@ -31,12 +23,6 @@ def max_rate(speed: float, period: float, tolerance: float) -> float:
 def own_pace(limit: float) -> float:
     """The scale of a robot that saturates by itself: the maximum rate; the flow keeps to the speed limit."""
     return limit
-
-
-def haste(late: float) -> float:
-    """Factor of the common pace where States are `late`, in laps (a lap is the time in which the largest disk
-    moves by its radius at full speed)."""
-    return 1.0 + HASTE * min(late, LONGEST)
 
 
 def common_pace(slice_norm: float, gamma: float, speed: float, limit: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Point, RobotSpec, Scenario, Workspace
+from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Time, Workspace
 
 Array = NDArray[np.float64]
 
@@ -51,7 +52,8 @@ def random_starts(radii: Sequence[float], workspace: float, seed: int, stream: i
 def random_instance(
     count: int, seed: int, *, density: float = PAPER_DENSITY, unequal: float = 0.0, name: str | None = None
 ) -> Scenario:
-    """Random starts and goals for `count` robots; the workspace is as large as `density` asks for.
+    """Random starts and goals for `count` robots; the workspace is as large as `density` asks for, the time
+    limit three times as long as the way across it takes, or that of all scenarios.
 
     Args:
         density: area of all disks over that of the workspace, at most `LARGEST_DENSITY`.
@@ -77,7 +79,9 @@ def random_instance(
         for n, (radius, start, goal) in enumerate(zip(radii, starts, goals, strict=True))
     )
     text = f"{count} robots, random starts and goals, density {density:.3g}"
-    return validated(Scenario(robots, name or f"random-{count}", text, seed, Workspace(workspace)))
+    across = 2.0 * workspace / Control().speed
+    time = Time(limit=max(Time().limit, math.ceil(3.0 * across)))
+    return validated(Scenario(robots, name or f"random-{count}", text, seed, Workspace(workspace), time))
 
 
 def in_turn(count: int, seed: int = 0) -> Scenario:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from agents.navigation.flow import Flow, desired_velocity
-from agents.navigation.pace import common_pace, haste, max_rate, own_pace
+from agents.navigation.pace import common_pace, max_rate, own_pace
 from agents.navigation.slice import Slice
 
 
@@ -23,11 +23,6 @@ def test_the_gain_is_the_largest_scale() -> None:
     assert common_pace(1e-9, 1e-18, 0.1, 10.0) == 10.0
     assert common_pace(0.0, 0.0, 0.1, 10.0) == 10.0
     assert own_pace(10.0) == 10.0
-
-
-def test_late_states_make_haste_and_what_is_very_late_no_more() -> None:
-    assert haste(0.0) == 1.0
-    assert 1.0 < haste(0.25) < haste(0.75) < haste(1.0) == haste(100.0)
 
 
 @pytest.mark.parametrize("period", [0.02, 0.05, 0.1, 0.2])
