@@ -13,6 +13,8 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
 
+pytestmark = pytest.mark.slow
+
 PERIODS = (0.01, 0.05, 0.25, 0.5)  # s
 WORKSPACES = (0.02, 0.3, 200.0)  # m
 
@@ -67,7 +69,6 @@ def test_a_few_on_a_circle_of_two_hundred_metres_arrive(pace: str) -> None:
     assert_arrives(circle(5, 200.0, 60.0, pace))
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(200)
 def test_a_crowd_that_swings_at_full_speed_notices_that_it_gets_nowhere() -> None:
     """With a window of less than two periods this ended in a deadlock although everybody moved."""

@@ -48,6 +48,7 @@ def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
 
 
 @pytest.mark.parametrize("journalled", [False, True])
+@pytest.mark.slow
 def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: bool, tmp_path: Path) -> None:
     path = tmp_path / "journal" if journalled else None
     if path is not None:

@@ -21,6 +21,7 @@ def test_nothing_but_declared_errors() -> None:
     assert all(tally.refused[name] for name in TARGETS.keys() - {"log"})  # that shows what it cannot read
 
 
+@pytest.mark.slow
 def test_an_input_is_drawn_from_its_number_alone() -> None:
     assert repr(drawn(3, 41)) == repr(drawn(3, 41))
     assert len({repr(drawn(3, n)) for n in range(200)}) > 150

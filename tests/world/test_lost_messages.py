@@ -48,6 +48,7 @@ class Deaf:
 
 
 @pytest.mark.parametrize(("listener", "kind"), [(2, State), (2, Tick), (None, Command)])
+@pytest.mark.slow
 def test_what_is_lost_is_said_again(listener: int | None, kind: type[Tick | State | Command]) -> None:
     whole = LocalFleet([SCENARIO]).execute()[0]
     fleet = LocalFleet([SCENARIO])

@@ -216,6 +216,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     assert_fits(run.clock(), world_key("r", "clock"))
 
 
+@pytest.mark.slow
 def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
     run = Run(0, validated(replace(crowd(), link=Link(partition=apart))), {})

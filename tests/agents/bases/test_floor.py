@@ -15,6 +15,8 @@ from deploy.library.load import load
 from protocol.scenario.base import Base
 from tests.agents.bases.floor import Floor
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = (
     "world.plant=external",
     "time.step=0.1",

@@ -82,6 +82,7 @@ class Stage:
         return math.dist(self.floor.wheels[robot].control, spec.start)
 
 
+@pytest.mark.slow
 def test_robots_join_once_they_know_where_they_are_and_drive():
     stage = Stage("world.plant=external")
     assert stage.world.world.tick == 0
@@ -93,6 +94,7 @@ def test_robots_join_once_they_know_where_they_are_and_drive():
         assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
 
 
+@pytest.mark.slow
 def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning():
     stage = Stage("world.plant=external")
     stage.floor.wheels[2].x += 0.5

@@ -7,6 +7,8 @@ import pytest
 from tests.agents.bodies.mutants import MUTANTS, Mutant, hunt
 from tests.agents.bodies.ride import KINDS, ROUNDING, Product, Ride, excess_of
 
+pytestmark = pytest.mark.slow
+
 RIDES = 15
 
 

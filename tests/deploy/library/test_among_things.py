@@ -14,6 +14,8 @@ from deploy.theory.check.surrounded import surrounded
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import RobotSpec
 
+pytestmark = pytest.mark.slow
+
 NAMES = ["sphere-world", "beads-5", "boxes-8", "forest-10", "blocks-100"]
 
 

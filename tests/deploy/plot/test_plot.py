@@ -20,6 +20,8 @@ from protocol.errors import UsageError
 from protocol.scenario.model import Link, Partition, Sensing
 from tests.deploy.recording.recorded import record
 
+pytestmark = pytest.mark.slow
+
 STEP = 0.05
 
 
@@ -81,7 +83,6 @@ def test_several_recordings_side_by_side(recording, faulty, tmp_path):
     assert faulty.path.stem in text
 
 
-@pytest.mark.slow
 def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
     data = recording.path.read_bytes()
     cut = tmp_path / "cut.mcap"
@@ -92,7 +93,6 @@ def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
         assert (tmp_path / name).stat().st_size > 1000
 
 
-@pytest.mark.slow
 def test_a_film_ends_with_the_end(recording, tmp_path):
     told: list[float] = []
     draw(recording, tmp_path / "a.gif", told.append)
@@ -178,7 +178,6 @@ def test_without_ffmpeg_a_film_is_a_gif(monkeypatch, recording, tmp_path: Path):
         draw(recording, tmp_path / "a.mp4")
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="needs ffmpeg, from the package of that name")
 def test_a_film_for_players_everywhere(recording, tmp_path):
     """Every player wants H.264 in yuv420p; the disks of the last picture are in their colours."""

@@ -10,6 +10,7 @@ from deploy.recording.reader import read
 from protocol.errors import RecordingError, UsageError
 
 
+@pytest.mark.slow
 def test_a_file_cut_anywhere_is_read_to_the_cut(recorded, tmp_path):
     whole = recorded[0].read_bytes()
     entries = list(read(recorded[0]).entries)

@@ -43,6 +43,7 @@ def finished(fleet: LocalFleet) -> dict[str, Any]:
     return report
 
 
+@pytest.mark.slow
 def test_parts_get_to_their_goals_the_same_way_each_time() -> None:
     reports = [finished(LocalFleet([SCENARIO])) for _ in range(2)]
     assert reports[0]["trajectory_sha256"] == reports[1]["trajectory_sha256"]
@@ -65,6 +66,7 @@ def test_a_carrier_that_is_restarted_goes_on() -> None:
     finished(fleet)
 
 
+@pytest.mark.slow
 def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
     Journal.create(tmp_path / "journal", "local", [SCENARIO])
     fleet = LocalFleet([SCENARIO], journal=tmp_path / "journal")

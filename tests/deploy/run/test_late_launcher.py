@@ -31,6 +31,7 @@ class _Late(local.FaultInjector):
                 super().handle(each)
 
 
+@pytest.mark.slow
 def test_who_is_to_be_killed_or_frozen_takes_no_part_in_the_next_run(monkeypatch: pytest.MonkeyPatch) -> None:
     quick = ["time.fence=0.2", "time.limit=2.0"]
     faults = (ProcessFault(2, 0.3, "kill"), ProcessFault(3, 0.3, "pause"))

@@ -40,6 +40,7 @@ def trajectory(report: dict) -> str:
 
 
 @pytest.mark.parametrize("scenario", LATE)
+@pytest.mark.slow
 def test_a_late_life_touches_nobody(scenario: Scenario) -> None:
     assert trajectory(LocalFleet([scenario]).execute()[0]) == trajectory(LocalFleet([scenario]).execute()[0])
 

@@ -67,12 +67,14 @@ def outcome(fleet: Ordered) -> tuple[str, float, str]:
 
 
 @pytest.mark.parametrize("law", ["gradient", "orca"])
+@pytest.mark.slow
 def test_a_robot_goes_where_it_is_sent(law: str) -> None:
     # Clocks are told by the wall clock, so the tick of the order differs from run to run.
     verdict, away, _ = outcome(Ordered(replace(SCENARIO, control=replace(SCENARIO.control, law=law))))
     assert (verdict, away <= TOLERANCE) == ("arrived", True)
 
 
+@pytest.mark.slow
 def test_an_order_outlives_the_world(tmp_path: Path) -> None:
     Journal.create(tmp_path / "journal", "local", [SCENARIO])
     verdict, away, _ = outcome(Ordered(SCENARIO, tmp_path / "journal"))
@@ -89,6 +91,7 @@ def order_at(tick: int) -> str:
     return sha
 
 
+@pytest.mark.slow
 def test_the_same_order_at_the_same_tick_gives_the_same_trajectory() -> None:
     assert order_at(30) == order_at(30) != order_at(31)
 

@@ -51,6 +51,7 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
     assert report["messages"]["rejected"] == {"key": 10, "identity": 4, "oversize": 2}
 
 
+@pytest.mark.slow
 def test_a_watcher_counts_strangers() -> None:
     fleet = LocalFleet([SWAP], speed=8.0)  # slow enough for the watcher to ask for the scenario
     watcher = watch_local(fleet.network, "local")

@@ -32,6 +32,8 @@ from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario, Workspace
 
+pytestmark = pytest.mark.slow
+
 PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
 SMALL: dict[str, Callable[[], Study]] = {
     "robustness": lambda: robustness(1, conditions=[Conditions(), Conditions(noise=0.001)]),

@@ -150,6 +150,7 @@ class Lossy:
         return getattr(self._bus, name)
 
 
+@pytest.mark.slow
 def test_a_lost_reply_costs_nothing() -> None:
     fleet = LocalFleet([SWAP])
     bus = fleet.robots[2]
@@ -168,6 +169,7 @@ def test_a_reply_that_never_comes_ends_the_process() -> None:
         fleet.execute()
 
 
+@pytest.mark.slow
 def test_a_twin_does_not_disturb_a_run() -> None:
     fleet = LocalFleet([SWAP], speed=6.0)  # long enough for the twin to be refused
     first = fleet.robots[2]

@@ -184,6 +184,7 @@ def test_the_trajectory_is_that_of_a_run_without_deaths(data: st.DataObject, num
     assert all(report["collisions"] == 0 for report in reports)
 
 
+@pytest.mark.slow
 def test_in_real_time_ticks_go_on_from_the_journal(tmp_path: Path) -> None:
     _, (report,) = disturbed(0, tmp_path, [200, 400], lockstep=False)
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)

@@ -28,6 +28,8 @@ from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.monitor.watched import PATIENCE, ring, running, served
 
+pytestmark = pytest.mark.slow
+
 
 def live(server: Server, **options: Any) -> ClientConnection:
     """A viewer with the token."""

@@ -40,6 +40,7 @@ def test_every_planted_fault_is_found(fault: Fault, monkeypatch: pytest.MonkeyPa
     assert found.violation.kind in kinds
 
 
+@pytest.mark.slow
 def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it(monkeypatch: pytest.MonkeyPatch) -> None:
     planted.plant(planted.not_waiting, monkeypatch)
     monkeypatch.setitem(trial.TRIES, "local", 150)

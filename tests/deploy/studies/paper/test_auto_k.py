@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
+
 from deploy.studies.paper.auto_k import MARKER, REPORT, auto_k_study, summary
 from deploy.studies.paper.smallest_k import smallest_k_study
 
 
+@pytest.mark.slow
 def test_the_rule_arrives_and_a_tenth_of_it_does_not() -> None:
     rows = list(auto_k_study((4, 6), (0.1, 0.3), (1.0, 2.0), (1.0, 0.1), runs=3))
     at_rule = [row for row in rows if row.factor == 1.0]

@@ -16,6 +16,7 @@ def test_only_starts_at_which_both_arrive_are_compared(pace: Pace) -> None:
     assert row("d", pace, [Pair(None, 1.0)]).ratio is None
 
 
+@pytest.mark.slow
 def test_at_50_ms_the_fleet_keeps_to_the_path_of_the_flow() -> None:
     for found in sampled_study("b", runs=3):
         assert found.compared == 3

@@ -25,6 +25,7 @@ def _study(runs: int = 1) -> Study:
     return adjusted(tightness(runs), COARSE)
 
 
+@pytest.mark.slow
 def test_rows_do_not_depend_on_jobs() -> None:
     one = execute(_study(2), "local", RunLog(None), jobs=1)
     two = execute(_study(2), "local", RunLog(None), jobs=2)
@@ -33,6 +34,7 @@ def test_rows_do_not_depend_on_jobs() -> None:
     assert [row["arrived"] for row in one.rows] == [2] * 5
 
 
+@pytest.mark.slow
 def test_a_second_call_executes_only_what_is_new(tmp_path: Path) -> None:
     with RunLog(tmp_path / "log") as log:
         execute(_study(1), "local", log, jobs=2)

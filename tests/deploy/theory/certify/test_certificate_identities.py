@@ -40,6 +40,7 @@ def at_goals(found: Known) -> float:
     return float(found.row[2 * p : -1] @ beta)
 
 
+@pytest.mark.slow
 def test_a_critical_point_solves_a_linear_system_in_its_multipliers() -> None:
     for found in points():
         error = matrix(found) @ found.point.b - found.problem.goals

@@ -41,6 +41,7 @@ def test_down_and_up_reach_beyond_the_neighbours(x: float) -> None:
 
 @given(ordered, ordered, shares, shares)
 @settings(max_examples=400)
+@pytest.mark.slow
 def test_operations_hold_the_exact_result(a: Interval, b: Interval, s: Fraction, t: Fraction) -> None:
     x, y = inside(a, s), inside(b, t)
     assert holds(i.add(a, b), x + y)
