@@ -12,8 +12,9 @@ def core_of(turn: int, robots: int) -> int | None:
     """The processor core that a robot's process is to stay on, None where the system had better choose.
 
     The threads of a robot take turns, and so do robots that wait for each other: left to itself the system
-    moves them to whichever core is idle, away from what the other core's cache holds of them. Of 6, 16, 32
-    and 64 robots on two cores a tick takes 0.83 to 0.95 of the time so (`python -m tests.benchmarks`).
+    moves them to whichever core is idle, away from what the other core's cache holds of them. On two cores
+    beside other work a tick of 16 and 32 robots takes 0.85 of the time so; with 64 on a quiet machine there
+    was no difference (`python -m tests.benchmarks`).
 
     Args:
         turn: how many robots of the fleet come before this one.
