@@ -8,6 +8,7 @@ one of them may reach it before the next summary could lead to another.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from protocol.scenario.model import Scenario
@@ -17,6 +18,7 @@ LEAD: Final = 2  # ticks
 _TURNS: Final = 2  # ticks in which robots take in a summary: all in one would make that a long one
 _REACH: Final = 1.25  # times the urgent gap; from 2 on, where a line halfway is never urgent, more is heard
 _APART: Final = 5.0  # error bounds between two: a line halfway leaves room for all where they can be
+_SINGLE: Final = 2.0**-24  # of a coordinate, by which a summary rounds it at most
 _TALK: Final = 4  # ticks that it takes two far robots to agree on a line, letters by way of the world
 
 
@@ -49,10 +51,17 @@ def urgent(scenario: Scenario) -> float:
 
 def inner(scenario: Scenario) -> float:
     """Gap between two disks below which they come to be near, m; above, lines need nobody to make room."""
-    reach, doubt = scenario.network.reach, max((each.bound for each in scenario.sensing), default=0.0)
-    return max(_REACH * urgent(scenario) if reach is None else reach, _APART * doubt)
+    reach = scenario.network.reach
+    return max(_REACH * urgent(scenario) if reach is None else reach, _APART * _doubt(scenario))
 
 
 def outer(scenario: Scenario) -> float:
     """Gap above which they cease to be near, m."""
     return inner(scenario) + way(scenario, period(scenario))
+
+
+def _doubt(scenario: Scenario) -> float:
+    """How far from where it stands a summary may have a robot, m."""
+    around = scenario.workspace.shape.around
+    rounding = _SINGLE * (math.hypot(around.x, around.y) + around.radius)
+    return rounding + max((each.bound for each in scenario.sensing), default=0.0)

@@ -188,9 +188,12 @@ class Coordinator:
 
     def tell_fenced(self) -> dict[int, Tick]:
         """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
-        near: how often this is said depends on who joins when."""
+        near: how often this is said depends on who joins when. A life that goes on is told nothing before the
+        tick begins: it would take what this does not say, what is sensed of it, for as it commanded."""
+        of = self.lives.of
         awaited = self.lives.awaited if self.lives.founded else frozenset()
-        return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in awaited}
+        fenced = [robot for robot in awaited if of[robot].fenced]
+        return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in fenced}
 
     def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
         """Begin the tick, with what every robot senses: what is to be told."""

@@ -21,10 +21,11 @@ _THINGS, _OWN_SET, _INITIAL, _TALK, _FAR_TALK, _LINE, _PLACEMENT = (
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
     f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
 )
-_ROLL, _COMMANDS, _LIVES, _BODIES = (
+_ROLL, _COMMANDS, _LIVES, _COORDINATOR, _BODIES = (
     "world.coordinator.roster",
     "world.coordinator.commands",
     "world.coordinator.lives",
+    "world.coordinator.coordinator",
     "world.plants.integrator",
 )
 _RUNS = 2_000  # random ones in which a mutant has to be found, at most, wherever they begin
@@ -636,6 +637,14 @@ FAR = (
         ),
         model="skirmish",
         first=54,
+    ),
+    Mutant(
+        "nothing-before-a-tick-begins",
+        "a life that goes on is told nothing before the tick begins: where nothing is said of how its robot "
+        "went, it counts on that having been as commanded",
+        (Edit(_COORDINATOR, "for robot in awaited if of[robot].fenced]", "for robot in awaited if of]"),),
+        model="aftermath",
+        first=191,
     ),
 )
 

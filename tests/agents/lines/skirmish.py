@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any, Literal
 
@@ -73,6 +73,7 @@ class Skirmish:
         self.operator = Random(f"operator {seed}") if self.scenario.things else None
         self.things = self.scenario.shapes  # that stand in this tick
         self.network = Random(f"summaries {seed}") if self.scenario.hears_near else None
+        self.tokens = Random(f"tokens {seed}")
         for robot in self.scenario.ids:
             if rng.random() < 0.15:
                 self.world.coordinator.give_up_waiting(robot)
@@ -99,6 +100,8 @@ class Skirmish:
             world.accept(command)
         self.late = self.late[-20:]
         self.things = dict(world.coordinator.lives.things.standing)
+        if self.network is not None:
+            self._cut_off(self.tokens)
         world.close_tick()
         for process in self.processes.values():
             process.asleep -= 1
@@ -109,16 +112,30 @@ class Skirmish:
         for robot in self.scenario.ids:
             if rng.random() < self.trouble:
                 self._trouble(robot)
-        told = world.open_tick()
-        for robot, tick in told.items():
-            process = self.processes.get(robot)
-            if process is not None and rng.random() >= 0.3 * self.loss:
-                process.queue.append(tick)
+        self._tell(world.open_tick())
+        if not world.is_open:
+            for robot in world.coordinator.lives.awaited:
+                world.coordinator.give_up_waiting(robot)
+            self._tell(world.open_tick())
         if self.network is not None:
             self._sum_up(self.network)
         self.before = list(world.truth.positions)
         if self.operator is not None and self.operator.random() < 0.2:
             self._operate(self.operator)
+
+    def _tell(self, told: Mapping[int, Tick]) -> None:
+        for robot, tick in told.items():
+            process = self.processes.get(robot)
+            if process is not None and self.rng.random() >= 0.3 * self.loss:
+                process.queue.append(tick)
+
+    def _cut_off(self, rng: Random) -> None:
+        """A process that lives on may be taken for dead: what it commanded in this tick is void, and another
+        is awaited in its place, which does not come."""
+        if rng.random() < self.trouble:
+            robot = rng.choice(self.scenario.ids)
+            self.world.coordinator.lost(robot)
+            self.world.coordinator.expect(robot)
 
     def _sum_up(self, rng: Random) -> None:
         """Whoever is lucky hears where everybody is, at any time after it was said."""

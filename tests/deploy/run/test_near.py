@@ -20,6 +20,7 @@ from protocol.scenario.model import (
     Scenario,
     Sensing,
     Time,
+    Workspace,
 )
 
 SHORT = 4.0  # s of simulated time
@@ -79,6 +80,25 @@ def test_whoever_is_too_close_for_a_line_is_near() -> None:
         sensing=(Sensing(noise=5e-4, noise_bound=0.02),),
         process=(ProcessFault(1, 0.1, "restart"),),
         control=Control(k=20.0),
+    )
+    assert in_process(scenario)["verdict"] == "arrived"
+
+
+def test_whom_a_summary_has_elsewhere_by_rounding_is_near() -> None:
+    """Far from the origin it is off by millimetres, and a line halfway to where it has a peer no use."""
+    x, y, room = 9e4 + 0.0069, -9e4, 2.0
+    robots = tuple(
+        RobotSpec(number, 0.05, (x + ahead, y), (x + 3.0 * ahead, y))
+        for number, ahead in ((1, -0.0506), (2, 0.0506))
+    )
+    corners = ((x - room, y - room), (x + room, y - room), (x + room, y + room), (x - room, y + room))
+    scenario = Scenario(
+        robots,
+        workspace=Workspace(points=corners),
+        time=Time(limit=30.0, tolerance=0.01),
+        network=Network("near", 1e-3),
+        process=tuple(ProcessFault(each.id, 0.05, "restart") for each in robots),
+        control=Control(k=20.0, speed=0.02),
     )
     assert in_process(scenario)["verdict"] == "arrived"
 
