@@ -186,7 +186,10 @@ class Skirmish:
             outside = scenario.workspace.shape.distance(*after[number]) + radius
             if outside > TOLERANCE:
                 return f"robot {robot} is out of the workspace by {outside:.3g} m"
+            way = math.dist(self.before[number], after[number])
             for thing, shape in self.things.items():
+                if shape.distance(*after[number]) > radius + way:
+                    continue  # it was never nearer by more than its way
                 overlap = radius - _nearest(shape, self.before[number], after[number])
                 if overlap > TOLERANCE:
                     return f"robot {robot} and thing {thing} overlap by {overlap:.3g} m"
