@@ -37,6 +37,7 @@ def environment(domain: int) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "CYCLONEDDS_URI": LOOPBACK,
         "OMP_NUM_THREADS": "1",
+        "MUJOCO_GL": "disable",  # nothing is drawn, and looking for libraries that draw takes a while
     }
 
 
@@ -67,5 +68,5 @@ def _install() -> None:
     make = [sys.executable, "-m", "venv", "--without-pip", FOLDER]
     subprocess.run(make, check=False, capture_output=True, timeout=120)
     pip = [sys.executable, "-m", "pip", "--python", FOLDER / "bin" / "python"]
-    fill = [*pip, "install", "--quiet", "--disable-pip-version-check", *PACKAGES]
+    fill = [*pip, "install", "--quiet", "--no-compile", "--disable-pip-version-check", *PACKAGES]
     subprocess.run(fill, check=False, capture_output=True, timeout=400)
