@@ -52,6 +52,15 @@ class Search(NamedTuple):
     violation: str
 
 
+class _Always(NamedTuple):
+    """Places the same line, whoever the peer is."""
+
+    line: Any
+
+    def __call__(self, _: int) -> Any:
+        return self.line
+
+
 class _Count(NamedTuple):
     """Events of the bounded kinds so far."""
 
@@ -106,7 +115,7 @@ def _events(track: Track, bounds: Bounds, count: _Count) -> Iterator[tuple[Event
             yield partial(Track.move, robot=robot, place=min(float(LENGTH), place + 1.0)), count
     for event in _talk(track, bounds):
         yield event, count
-    if any(each.status == "appearing" for each in track.coordinator.roster.message.members):
+    if any(each.status == "appearing" for each in track.members()):
         for robot in ROBOTS:
             yield partial(Track.acknowledge, robot=robot), count
     if track.coordinator.roster.version < bounds.versions:
@@ -129,16 +138,12 @@ def _talk(track: Track, bounds: Bounds) -> Iterator[Event]:
             ):
                 for offset in LINES:
                     line = track.product.Line(1.0, 0.0, offset)
-                    yield partial(Track.entries, who=who, choose=partial(_same, line))
+                    yield partial(Track.entries, who=who, choose=_Always(line))
             for state in track.sent:
                 if state.robot != seat.robot:
                     yield partial(Track.hear, who=who, state=state)
         for roster in track.coordinator.announced:
             yield partial(Track.be_told, who=who, roster=roster)
-
-
-def _same(line: Any, _: int) -> Any:
-    return line
 
 
 def _decisions(track: Track, bounds: Bounds, count: _Count) -> Iterator[tuple[Event, _Count]]:

@@ -9,7 +9,7 @@ talks on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Hashable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -38,12 +38,12 @@ Who = tuple[int, int]  # a robot and one of its incarnations
 
 @dataclass(slots=True)
 class Seat:
-    """One incarnation of one robot; twins of a track share it until one of them changes it."""
+    """One incarnation of one robot; tracks share it until one of them changes it."""
 
     robot: int
     incarnation: int
     known: Any  # its KnownRoster
-    owner: Track
+    owner: Track | None  # who may change it; the others change a copy
     ledger: Any = None  # none before it has heard a roster
     key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
 
@@ -106,7 +106,9 @@ class Track:
         self.seats: dict[Who, Seat] = {}  # of whoever may still talk
         self.newest: dict[int, int] = {}  # incarnation of each robot
         self.sent: tuple[State, ...] = ()
+        self._said: frozenset[int] = frozenset()  # their numbers
         self._keys: dict[Any, int] = {}  # small numbers for what is compared often
+        self._outcomes: dict[Hashable, tuple[Seat, Any]] = {}  # of what seats were seen to do, for all twins
         self.coordinator = Coordinator(product, setting.saved, self)
         there = setting.founding if setting.founding is not None else frozenset(setting.starts)
         places = {robot: (place, 0.0) for robot, place in setting.starts.items()}
@@ -128,9 +130,8 @@ class Track:
         for seat in self.seats.values():
             seat.key = seat.key or self._number(_frozen_seat(seat))
         self.coordinator.key = self.coordinator.key or self._number(self.coordinator.frozen())
-        said = frozenset([self._number(state) for state in self.sent])
         seats = tuple([seat.key for seat in self.seats.values()])
-        return tuple(self.truth.values()), tuple(self.error.values()), seats, said, self.coordinator.key
+        return tuple(self.truth.values()), tuple(self.error.values()), seats, self._said, self.coordinator.key
 
     def _number(self, thing: Any) -> int:
         return self._keys.setdefault(thing, len(self._keys) + 1)
@@ -142,6 +143,23 @@ class Track:
             seat = self.seats[who] = _copied_seat(seat, self)
         seat.key = 0
         return seat
+
+    def _act(self, who: Who, what: Hashable, act: Callable[[Seat], Any]) -> Any:
+        """An incarnation does what is named `what`; the outcome is looked up if one that nothing can tell
+        apart did the same in the same place, on this track or a twin."""
+        before = self.seats[who]
+        place = None if before.ledger is None else before.ledger._own.x
+        name = (before.key, place, what)
+        if name in self._outcomes:
+            self.seats[who], result = self._outcomes[name]
+            return result
+        known = before.key > 0
+        seat = self._change(who)
+        result = act(seat)
+        if known:
+            seat.owner = None
+            self._outcomes[name] = seat, result
+        return result
 
     def _decide(self, act: Callable[[Any], object]) -> bool:
         """The coordinator changes the roster and announces it; False if it refuses, or nothing changes."""
@@ -203,8 +221,10 @@ class Track:
         self.error[robot] = error
         seat, place = self.seat(robot), self.truth[robot]
         if seat is not None and seat.ledger is not None and place is not None:
-            seat = self._change((robot, seat.incarnation))
-            seat.ledger.locate(0, (place + error, 0.0), self.setting.bound)
+            estimate = (place + error, 0.0)
+            bound = self.setting.bound
+            who = (robot, seat.incarnation)
+            self._act(who, ("locate", estimate), lambda seat: seat.ledger.locate(0, estimate, bound))
         return True
 
     def move(self, robot: int, place: float) -> bool:
@@ -222,7 +242,14 @@ class Track:
         peer."""
         if self.seats[who].ledger is None:
             return False
-        seat = self._change(who)
+        state = self._act(who, ("entries", choose), lambda seat: self._state(seat, choose))
+        number = self._number(state)
+        if number in self._said:
+            return False
+        self.sent, self._said = (*self.sent, state), self._said | {number}
+        return True
+
+    def _state(self, seat: Seat, choose: Callable[[int], Any]) -> State:
         for pair in seat.ledger._each:
             pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
         placement = self.product.placement
@@ -232,19 +259,18 @@ class Track:
         finally:
             placement.fit_line = fit
         name = (0.0, float(seat.robot))  # no place, which only matters to where lines are placed
-        state = State(
+        return State(
             seat.robot, seat.incarnation, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers
         )
-        if state in self.sent:
-            return False
-        self.sent = (*self.sent, state)
-        return True
 
     def hear(self, who: Who, state: State) -> bool:
         """An incarnation hears what was once said."""
         if self.seats[who].ledger is None or state.robot == who[0]:
             return False
-        self._change(who).ledger.on_state(addressed_to(who[0], state, self.setting.radius))
+        radius = self.setting.radius
+        self._act(
+            who, ("hear", state), lambda seat: seat.ledger.on_state(addressed_to(who[0], state, radius))
+        )
         return True
 
     def be_told(self, who: Who, roster: Roster) -> bool:
@@ -252,12 +278,19 @@ class Track:
         (`Robot._on_roster`)."""
         if all((each.robot, each.incarnation) != who for each in roster.members):
             return False
-        seat = self._change(who)
+        robot, incarnation = who
+        place, estimate = self.truth[robot], None
+        if self.newest[robot] == incarnation and place is not None:
+            estimate = (place + self.error[robot], 0.0)
+        self._act(who, ("be_told", roster, estimate), lambda seat: self._follow(seat, roster, estimate))
+        return True
+
+    def _follow(self, seat: Seat, roster: Roster, estimate: tuple[float, float] | None) -> None:
         news = seat.known.update(roster)
         if seat.ledger is not None:
             for member in news:
                 seat.ledger.on_member(member)
-            return True
+            return
         starts = {robot: (start, 0.0) for robot, start in self.setting.starts.items()}
         seat.ledger = self.product.SeparatingLines(
             seat.robot,
@@ -268,9 +301,8 @@ class Track:
             members=news,
             starts=starts if seat.known.founding else None,
         )
-        if self.newest[seat.robot] == seat.incarnation:
-            self.locate(seat.robot, self.error[seat.robot])
-        return True
+        if estimate is not None:
+            seat.ledger.locate(0, estimate, self.setting.bound)
 
     def acknowledge(self, robot: int) -> bool:
         """A Command of the newest incarnation is taken (`Robot.command`)."""
@@ -285,7 +317,7 @@ class Track:
     def join(self, robot: int, again: bool = False) -> bool:
         """A process begins a new incarnation of the robot, or `again` claims the number of the present
         one."""
-        newest = max((each.incarnation for each in self._members() if each.robot == robot), default=0)
+        newest = max((each.incarnation for each in self.members() if each.robot == robot), default=0)
         incarnation = newest if again else newest + 1
         if not self._decide(lambda roster: roster.admit(robot, incarnation)):
             return False
@@ -331,19 +363,20 @@ class Track:
         settled: list[int] = []
         if not self._decide(lambda roster: settled.extend(roster.settle())):
             return False
-        for each in self._members():
+        for each in self.members():
             if each.robot in settled and each.position is not None:
                 self.truth[each.robot], self.error[each.robot] = each.position[0], 0.0
         return True
 
-    def _members(self) -> Sequence[Any]:
-        return self.coordinator.roster.message.members
+    def members(self) -> Collection[Any]:
+        """Of the coordinator's present roster."""
+        return self.coordinator.roster._members.values()
 
     def _lives(self, seat: Seat) -> bool:
         """Whether the coordinator has commands of this incarnation executed."""
         return any(
             (each.robot, each.incarnation, each.status) == (seat.robot, seat.incarnation, "live")
-            for each in self._members()
+            for each in self.members()
         )
 
     def _seat(self, robot: int, incarnation: int) -> None:

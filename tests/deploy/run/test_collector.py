@@ -1,0 +1,81 @@
+"""What a run in this process costs the garbage collector, and that no garbage piles up over many."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from deploy.run.collector import seldom_collecting
+
+
+class Ring:
+    """Garbage once nobody has it: it has itself, and so many others of its kind."""
+
+    def __init__(self, more: int = 0) -> None:
+        self.parts = [self, *(Ring() for _ in range(more))]
+
+
+@contextmanager
+def whole_collections() -> Iterator[list[int]]:
+    """A 1 for each time that all objects are looked through."""
+    seen: list[int] = []
+
+    def note(phase: str, info: dict[str, int]) -> None:
+        if (phase, info["generation"]) == ("stop", 2):
+            seen.append(1)
+
+    gc.callbacks.append(note)
+    try:
+        yield seen
+    finally:
+        gc.callbacks.remove(note)
+
+
+def run() -> None:
+    with seldom_collecting():
+        pass
+
+
+def test_many_short_runs_look_through_everything_at_most_once() -> None:
+    run()
+    with whole_collections() as seen:
+        for _ in range(20):
+            run()
+    assert len(seen) <= 1
+
+
+def test_what_a_run_leaves_is_gone_when_the_next_begins() -> None:
+    with seldom_collecting():
+        left = weakref.ref(Ring())
+    assert left() is not None
+    run()
+    assert left() is None
+
+
+def test_what_became_old_before_it_was_left_does_not_pile_up() -> None:
+    """Python's own collector would not notice: it counts only what becomes old by itself."""
+    run()
+    rings = len(gc.get_objects()) // 32  # of two objects each: a sixteenth more
+    left = []
+    for _ in range(10):
+        ring = Ring(rings)
+        left.append(weakref.ref(ring))
+        gc.collect(1)
+        del ring
+        run()
+    assert sum(each() is not None for each in left) <= 5
+
+
+def test_thresholds_are_those_from_before_whatever_happens() -> None:
+    before = gc.get_threshold()
+    with seldom_collecting():
+        assert gc.get_threshold() != before
+    assert gc.get_threshold() == before
+    with pytest.raises(ZeroDivisionError), seldom_collecting():
+        raise ZeroDivisionError
+    assert gc.get_threshold() == before
+    assert gc.get_freeze_count() == 0
