@@ -279,9 +279,9 @@ class Robot:
                 velocity = filter_.velocity(self._desired, self._estimate)
         if self._reckoning is not None:
             self._reckoning.commanded(self.tick, velocity)
-        report = self._report() if self._reports else None
+        report, norm = self._report() if self._reports else None, self._summed_up()
         return Command(
-            self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter, handles
+            self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter, handles, norm
         )
 
     def complaint(self) -> Command:
@@ -327,6 +327,13 @@ class Robot:
         filter_.lines.survey(picture)
         known = {self.robot, *self._attention.near, *self._neighbours.standing}
         self._neighbours.far = picture.field(position, self._radii[self.robot], known)
+
+    def _summed_up(self) -> float | None:
+        """What the next tick's summary is to say of this robot's pace, if there is one."""
+        position = self._estimate.position
+        if self._attention.everybody or position is None or (self.tick + 1) % period(self._scenario):
+            return None
+        return self._law.slice_norm(position, self.goal)
 
     def _letter(self, filter_: SafetyFilter) -> Letter | None:
         """What is to be said to far peers, if anything."""

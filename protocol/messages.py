@@ -214,6 +214,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
     letter: Letter | None = None  # to far peers; the world hands each its part
     handles: Handling | None = None  # a part to be taken up or put down
+    slice: Size | None = None  # m, norm of the own slice D_i, for the summary of the next tick
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
@@ -244,6 +245,7 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
     robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
+    slices: bytes  # m, norms of their slices as last commanded, one 32-bit float each, little-endian
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

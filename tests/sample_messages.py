@@ -155,7 +155,7 @@ ONE: dict[str, Message] = {
     ),
     "command": Command(1, 2, 3, (0.1, 0.2), 4),
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
-    "summary": Summary(3, bytes((1, 0, 0, 0, 1, 0, 0, 0)), bytes(8), bytes(4)),
+    "summary": Summary(3, bytes((1, 0, 0, 0, 1, 0, 0, 0)), bytes(8), bytes(4), bytes(4)),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
     "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),

@@ -142,9 +142,10 @@ class GradientLaw:
     def _pace(self, slice_norm: float) -> float:
         if not self._common:
             return pace.own_pace(self._max_rate)
-        # Of who is far the attraction alone is known, and from a while ago: nobody is slowed by what was.
-        far = max(0.0, math.sqrt(self._far.largest) - self._speed * self._period * self._late)
-        gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, 2.0 * far)
+        # What is known of who is far is from a while ago: nobody is slowed by what was.
+        since = self._speed * self._period * self._late
+        far = max(0.0, math.sqrt(self._far.largest) - since)
+        gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, self._far.slice - 2.0 * since)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
         return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)

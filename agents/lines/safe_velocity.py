@@ -93,10 +93,11 @@ def _near(
 
 
 def wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
-    """Two half-planes inside {d: n.d + noise |d| <= s}: apex s/(1 + noise) n, edges along the asymptotes."""
+    """Two half-planes inside {d: n.d + noise |d| <= s}, with edges along the asymptotes from its apex:
+    s/(1 + noise) n, or where it has to lead away, as s < 0, s/(1 - noise) n."""
     nx, ny, slack = limit.nx, limit.ny, limit.limit
     cosine = math.sqrt(1.0 - noise * noise)
-    offset = slack * cosine / (1.0 + noise)
+    offset = slack * cosine / (1.0 + noise if slack >= 0.0 else 1.0 - noise)
     return (
         HalfPlane(cosine * nx - noise * ny, noise * nx + cosine * ny, offset),
         HalfPlane(cosine * nx + noise * ny, cosine * ny - noise * nx, offset),

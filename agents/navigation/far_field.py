@@ -27,17 +27,18 @@ class FarField:
         log_x, log_y: half the gradient of log beta there, 1/m.
         xx, xy, yy: its derivative, symmetric, 1/m^2.
         gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
+        slice: the largest norm of the disks' own slices, m.
         count: of disks.
         tick: in which they were there.
     """
 
-    __slots__ = ("count", "gamma", "largest", "log_x", "log_y", "tick", "x", "xx", "xy", "y", "yy")
+    __slots__ = ("count", "gamma", "largest", "log_x", "log_y", "slice", "tick", "x", "xx", "xy", "y", "yy")
 
     def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
         self.tick = tick
         self.x, self.y = x, y
         self.log_x = self.log_y = self.xx = self.xy = self.yy = 0.0
-        self.gamma = self.largest = 0.0
+        self.gamma = self.largest = self.slice = 0.0
         self.count = 0
 
 
@@ -45,7 +46,13 @@ NOTHING = FarField()
 
 
 def far_field(
-    tick: int, position: Vector, places: Array, contacts: Array, gammas: Array, known: Sequence[int] = ()
+    tick: int,
+    position: Vector,
+    places: Array,
+    contacts: Array,
+    gammas: Array,
+    slices: Array,
+    known: Sequence[int] = (),
 ) -> FarField:
     """The field of disks that are surely apart; the others are left out.
 
@@ -55,6 +62,7 @@ def far_field(
         places: of the disks, m; shape (n, 2).
         contacts: distance at which each touches, m.
         gammas: squared distances to their goals, m^2.
+        slices: norms of their own slices, m.
         known: indices of disks that do not count, each once.
     """
     field = FarField(tick, *position)
@@ -66,9 +74,9 @@ def far_field(
     ax, ay = away[:, 0], away[:, 1]
     beta = ax * ax + ay * ay - squares
     beta[beta <= squares] = np.inf
-    others = gammas.copy()
+    others, norms = gammas.copy(), slices.copy()
     if known:
-        beta[known], others[known] = np.inf, 0.0
+        beta[known], others[known], norms[known] = np.inf, 0.0, 0.0
     inverse = 1.0 / beta
     slope = -2.0 * inverse * inverse
     along = slope * ax
@@ -77,4 +85,5 @@ def far_field(
     field.xx, field.xy = trace + float(along @ ax), float(along @ ay)
     field.yy = trace + float((slope * ay) @ ay)
     field.gamma, field.largest = float(others.sum()), float(others.max())
+    field.slice = float(norms.max())
     return field

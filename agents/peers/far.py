@@ -40,11 +40,16 @@ class FarPicture:
     ) -> None:
         self.tick = summary.tick
         count = len(summary.gammas) // 4
-        if len(summary.gammas) != 4 * count or len(summary.positions) != 8 * count:
-            raise MessageError("shape", "summary: as many positions as squared distances are needed")
+        sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
+        if not sizes_fit or len(summary.positions) != 8 * count:
+            raise MessageError(
+                "shape", "summary: as many positions as squared distances and slices are needed"
+            )
         self.places: Array = np.frombuffer(summary.positions, dtype="<f4").astype(np.float64).reshape(-1, 2)
         self._gammas: Array = np.frombuffer(summary.gammas, dtype="<f4").astype(np.float64)
-        if not ((np.abs(self.places) <= LARGEST).all() and (self._gammas >= 0.0).all()):
+        self._slices: Array = np.frombuffer(summary.slices, dtype="<f4").astype(np.float64)
+        sound = (self._gammas >= 0.0).all() and (self._slices >= 0.0).all()
+        if not (sound and (np.abs(self.places) <= LARGEST).all()):
             raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
         self._runs = summary.robots
         self.robots: NDArray[np.int64]
@@ -72,7 +77,8 @@ class FarPicture:
             known: robots that are known better, own id included, each once.
         """
         index = [self._index[robot] for robot in known if robot in self._index]
-        return far_field(self.tick, position, self.places, radius + self._radii, self._gammas, index)
+        terms = (self.places, radius + self._radii, self._gammas, self._slices)
+        return far_field(self.tick, position, *terms, index)
 
 
 def _ids(runs: bytes, count: int) -> NDArray[np.int64]:

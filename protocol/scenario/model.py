@@ -36,7 +36,7 @@ LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
 DEFAULT_RADIUS = 0.30  # m, of the workspace
-CROWD = 64  # robots, up to which everybody hears everybody unless the scenario says otherwise
+CROWD = 32  # robots, up to which everybody hears everybody unless the scenario says otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,7 +195,7 @@ class Network:
     where they are."""
 
     __pydantic_config__ = STRICT
-    interest: Literal["near", "all"] | None = None  # unless given, near from 65 robots on
+    interest: Literal["near", "all"] | None = None  # unless given, near from 33 robots on
     reach: Positive | None = None  # m, gap of two disks below which they are near; by speed unless given
 
 

@@ -13,7 +13,7 @@ from tests.benchmarks.fleets import Measured, measure
 
 ROBOTS = (6, 16, 32, 64)
 _HEAD = (
-    f"{'robots':>6} {'':<15} {'ticks/s':>8} {'ratio':>6} {'cpu ms/tick':>12} {'ratio':>6} {'us/state':>9}"
+    f"{'robots':>6} {'':<16} {'ticks/s':>8} {'ratio':>6} {'cpu ms/tick':>12} {'ratio':>6} {'us/state':>9}"
     f" {'start s':>8} {'private MB':>11}"
 )
 
@@ -30,9 +30,11 @@ def compare(robots: int, seconds: float, rounds: int) -> dict[str, Measured | Ra
 
 
 def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
+    """All of a round. In bare floors everybody hears everybody, in larger fleets near ones only."""
     return {
         "bare zenoh": bare_transport.rate(robots, seconds),
         "fleet": measure(robots, seconds),
+        "fleet, all heard": measure(robots, seconds, interest="all"),
         "fleet, no filter": measure(robots, seconds, "none"),
         "bare pyzmq": floors.rate(robots, seconds, "zmq"),
         "bare pipes": floors.rate(robots, seconds, "pipes"),
@@ -45,7 +47,7 @@ def table(robots: int, results: dict[str, Measured | Rate]) -> str:
     lines = []
     for name, result in results.items():
         line = (
-            f"{robots:6d} {name:<16}{result.ticks_per_second:8.0f}"
+            f"{robots:6d} {name:<17}{result.ticks_per_second:8.0f}"
             f" {result.ticks_per_second / floor.ticks_per_second:6.2f} {result.cpu_ms:12.2f}"
             f" {floor.cpu_ms / result.cpu_ms:6.2f} {1000.0 * result.cpu_ms / (robots * (robots - 1)):9.1f}"
         )

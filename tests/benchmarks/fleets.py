@@ -17,6 +17,7 @@ from protocol.messages import Clock
 from protocol.scenario.model import Scenario
 
 Filter = Literal["separating-lines", "none"]
+Interest = Literal["near", "all"]
 _TURNS = 1000  # runs one after another with the same processes: nobody counts ticks beyond the time asked for
 
 
@@ -33,17 +34,23 @@ class Measured(NamedTuple):
     private_mb: float
 
 
-def scenario(robots: int, safety: Filter = "separating-lines") -> Scenario:
-    """A swap up to 8 robots, which is over in about 250 ticks, else a random instance."""
+def scenario(robots: int, safety: Filter = "separating-lines", interest: Interest | None = None) -> Scenario:
+    """A swap up to 8 robots, which is over in about 250 ticks, else a random instance; who hears whom is as
+    by default unless `interest` says so."""
     loaded = load(f"swap-{robots}" if robots <= 8 else f"random-{robots}")
-    return replace(loaded, control=replace(loaded.control, filter=safety))
+    network = replace(loaded.network, interest=interest)
+    return replace(loaded, control=replace(loaded.control, filter=safety), network=network)
 
 
 def measure(
-    robots: int, seconds: float = 3.0, safety: Filter = "separating-lines", restarts: int = 0
+    robots: int,
+    seconds: float = 3.0,
+    safety: Filter = "separating-lines",
+    restarts: int = 0,
+    interest: Interest | None = None,
 ) -> Measured:
     """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a journal."""
-    repeated = [scenario(robots, safety)] * _TURNS
+    repeated = [scenario(robots, safety, interest)] * _TURNS
     watch = _Watch(seconds)
     with Fleet(repeated, RunOptions("routed", "lockstep", restarts=restarts), watch=watch) as fleet:
         fleet.execute()

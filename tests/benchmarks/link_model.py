@@ -3,7 +3,7 @@
     bytes per tick = a n + b c + (hosts - 1) summary
 
 with n robots beside another router than the world's, each of which is told a Tick and gives a Command; c
-copies of States to hosts where somebody is near; and the summary, 12 bytes a robot and period. a and b are
+copies of States to hosts where somebody is near; and the summary, 16 bytes a robot and period. a and b are
 fitted to fleets of `links`, and checked on one that was not fitted.
 
     python -m tests.benchmarks.link_model
@@ -25,7 +25,7 @@ FITTED = ((16, 2), (32, 4), (64, 4), (64, 2))  # robots, hosts
 CHECKED = (96, 6)
 ASKED = (1000, 10)
 _SECONDS = 8.0  # of simulated time
-_ENTRY = 12  # bytes of a robot in a summary
+_ENTRY = 16  # bytes of a robot in a summary
 
 
 class Load(NamedTuple):

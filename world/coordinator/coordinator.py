@@ -212,6 +212,8 @@ class Coordinator:
         taken = self.commands.accept(command)
         if taken:
             self._post.send(command)
+            if self._interest is not None:
+                self._interest.accept(command)
             self.noted(command)
         return taken
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from protocol.interest import LEAD, inner, outer, period
-from protocol.messages import Sense, Summary, Vector
+from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Scenario
 from world.close_pairs import close_pairs
 
@@ -41,6 +41,7 @@ class Interest:
         self._period = period(scenario)
         self._inner, self._outer = inner(scenario), outer(scenario)
         self._places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
+        self._slices: dict[int, float] = {}  # m, as last commanded
         self._ids: tuple[int, ...] = ()
         self._radii: NDArray[np.float64] = np.zeros(0)
         self._pairs: frozenset[tuple[int, int]] = frozenset()  # who are near, the lower id first
@@ -69,8 +70,19 @@ class Interest:
             goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
             away = places - np.array([goals[robot] for robot in self._ids], dtype=np.float64)
             gammas = (away**2).sum(axis=1)
-            packed = (places.astype("<f4").tobytes(), gammas.astype("<f4").tobytes())
+            slices = self._norms(2.0 * np.sqrt(gammas))
+            packed = [each.astype("<f4").tobytes() for each in (places, gammas, slices)]
             self.summary = Summary(tick, runs(self._ids), *packed)
+
+    def accept(self, command: Command) -> None:
+        """A command was taken."""
+        if command.slice is not None:
+            self._slices[command.robot] = command.slice
+
+    def _norms(self, attraction: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the slices of all; of who has said none, what the attraction alone (m) gives."""
+        said = np.array([self._slices.get(robot, np.nan) for robot in self._ids])
+        return np.where(np.isnan(said), attraction, said)
 
     def _recast(self, scenario: Scenario) -> None:
         """Robots came or went; who was near remains so."""

@@ -62,7 +62,8 @@ def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count
     robot, random = 1 + seed % count, Random(seed)
     flat = np.array([random.uniform(-2, 2) for _ in range(2 * count)], dtype="<f4").reshape(-1, 2)
     places = dict(zip(sorted(starts), map(tuple, flat.tolist()), strict=True))
-    summary = Summary(3, runs(sorted(starts)), flat.tobytes(), np.zeros(count, dtype="<f4").tobytes())
+    nothing = np.zeros(count, dtype="<f4").tobytes()
+    summary = Summary(3, runs(sorted(starts)), flat.tobytes(), nothing, nothing)
     picture = FarPicture(summary, radii)
     assert {peer: picture.place(peer) for peer in starts} == places
     found = InitialLines(robot, starts, radii).reached(picture, reach)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from agents.lines.boundary import RoundBoundary, StraightBoundary
 from agents.lines.line import ROUNDING, HalfPlane
-from agents.lines.safe_velocity import safe_velocity
+from agents.lines.safe_velocity import safe_velocity, wedge
 
 PERIOD, SPEED, ROOM = 0.05, 0.1, 0.26
 REACH = PERIOD * SPEED
@@ -137,6 +137,22 @@ def test_a_line_already_crossed_is_not_approached_but_can_be_left() -> None:
     vx, vy = solved((0.1, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)])
     assert -1e-15 < vx <= 0.0 == vy
     assert solved((-0.05, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)]) == pytest.approx((-0.05, 0.0))
+
+
+@given(
+    st.sampled_from([-1e-11, 0.0, 0.001]),
+    st.floats(0.0, 0.95),
+    st.sampled_from([0.0, 1e-11, 1e-3]),
+    st.floats(-1.0, 1.0),
+)
+def test_a_wedge_holds_whatever_the_noise(slack: float, noise: float, size: float, turn: float) -> None:
+    """Also where a displacement has to lead away by what rounding may lose."""
+    one, other = wedge(HalfPlane(1.0, 0.0, slack), noise)
+    apex, angle = one.limit / one.nx, math.pi + turn * math.acos(noise)
+    dx, dy = apex + size * math.cos(angle), size * math.sin(angle)
+    tiny = 1e-15 * (abs(dx) + abs(dy))
+    assert all(side.nx * dx + side.ny * dy <= side.limit + tiny for side in (one, other))
+    assert dx + noise * math.hypot(dx, dy) <= slack + 4.0 * tiny
 
 
 def test_noise_keeps_the_apex_in_front_of_a_line() -> None:

@@ -30,7 +30,7 @@ def slices(near: list[Peer], far: list[Peer], known: list[int] | None = None) ->
     places = np.array([(each.x, each.y) for each in far])
     contacts = np.array([OWN + each.radius for each in far])
     gammas = np.array([each.gamma for each in far])
-    field = far_field(3, PLACE, places, contacts, gammas, known or ())
+    field = far_field(3, PLACE, places, contacts, gammas, gammas, known or ())
     left = [each for index, each in enumerate(far) if index not in (known or ())]
     every = Slice(GOAL, OWN, WORKSPACE, 50.0, [*near, *left])
     return every, Slice(GOAL, OWN, WORKSPACE, 50.0, near, field)
@@ -67,7 +67,12 @@ def test_the_derivative_is_that_of_the_field() -> None:
 
 
 def test_disks_that_may_touch_are_left_out_and_nobody_is_nothing() -> None:
-    touching = far_field(0, PLACE, np.array([PLACE]), np.array([0.1]), np.array([2.0]))
-    assert (touching.log_x, touching.xx, touching.gamma, touching.largest) == (0.0, 0.0, 2.0, 2.0)
-    nobody = far_field(0, PLACE, np.zeros((1, 2)), np.ones(1), np.ones(1), [0])
-    assert (nobody.count, nobody.gamma) == (NOTHING.count, NOTHING.gamma) == (0, 0.0)
+    touching = far_field(0, PLACE, np.array([PLACE]), np.array([0.1]), np.array([2.0]), np.array([1.5]))
+    assert (touching.log_x, touching.xx) == (0.0, 0.0)
+    assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
+    nobody = far_field(0, PLACE, np.zeros((1, 2)), np.ones(1), np.ones(1), np.ones(1), [0])
+    assert (
+        (nobody.count, nobody.gamma, nobody.slice)
+        == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
+        == (0, 0.0, 0.0)
+    )

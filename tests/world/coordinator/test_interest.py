@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from agents.peers.far import FarPicture
 from protocol.errors import MessageError
 from protocol.interest import LEAD, inner, outer, period
-from protocol.messages import Sense, Summary, Vector
+from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Network, Scenario
 from tests.world.driving import joined, scenario
 from world.coordinator.interest import Interest, runs
@@ -115,11 +115,32 @@ def test_a_tick_names_only_those_who_are_heard() -> None:
 @given(st.sets(st.integers(1, 12), min_size=1))
 def test_runs_stand_for_the_ids_that_they_are_made_of(ids: set[int]) -> None:
     flat = np.zeros(len(ids), dtype="<f4").tobytes()
-    assert FarPicture(Summary(0, runs(sorted(ids)), 2 * flat, flat), {}).robots.tolist() == sorted(ids)
+    assert FarPicture(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat), {}).robots.tolist() == sorted(ids)
 
 
 @pytest.mark.parametrize("told", [(2, 2, 3, 1), (4, 1, 2, 2), (1, 2**32 - 1), (1, 4), (1, 1)])
 def test_runs_that_cannot_be_are_refused(told: tuple[int, ...]) -> None:
     made = np.array(told, dtype="<u4").tobytes()
     with pytest.raises(MessageError):
-        FarPicture(Summary(0, made, bytes(24), bytes(12)), {})
+        FarPicture(Summary(0, made, bytes(24), bytes(12), bytes(12)), {})
+
+
+def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() -> None:
+    setting = four()
+    interest = Interest(setting)
+    interest.accept(Command(3, 1, 4, (0.0, 0.0), slice=0.75))
+    interest.accept(Command(3, 1, 5, (0.0, 0.0)))  # says nothing of it, so that it stays
+    interest.open(0, setting, {}, nowhere)
+    assert interest.summary is not None
+    gammas = np.frombuffer(interest.summary.gammas, dtype="<f4")
+    attraction = (2.0 * np.sqrt(gammas)).tolist()
+    slices = np.frombuffer(interest.summary.slices, dtype="<f4").tolist()
+    assert slices == pytest.approx([*attraction[:2], 0.75, attraction[3]])
+
+
+@pytest.mark.parametrize(
+    "slices", [bytes(8), np.full(1, -1.0, "<f4").tobytes(), np.full(1, np.nan, "<f4").tobytes()]
+)
+def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
+    with pytest.raises(MessageError):
+        FarPicture(Summary(0, runs([1]), bytes(8), bytes(4), slices), {1: RADIUS})

@@ -22,7 +22,9 @@ THERE = (1.0, 0.0)
 
 def picture() -> FarPicture:
     places, gammas = np.array([THERE], dtype="<f4"), np.zeros(1, dtype="<f4")
-    return FarPicture(Summary(0, runs([2]), places.tobytes(), gammas.tobytes()), {2: RADIUS})
+    return FarPicture(
+        Summary(0, runs([2]), places.tobytes(), gammas.tobytes(), gammas.tobytes()), {2: RADIUS}
+    )
 
 
 def talking(*, owns: bool) -> tuple[FarTalk, RobotPair]:
