@@ -1,12 +1,15 @@
 """What all tests share: how hypothesis searches, that what is tested is what the sources say, who begins."""
 
 import os
+from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from deploy.software import compiled
 from protocol.errors import UsageError
+from tests.forks import Forks
 
 # A busy machine is no counterexample; in continuous integration the same examples are tried every time.
 settings.register_profile("disknav", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -19,6 +22,13 @@ def pytest_configure() -> None:
         compiled.check()
     except UsageError as error:
         pytest.exit(str(error), returncode=2)
+
+
+@pytest.fixture(scope="session")
+def disknav() -> Iterator[Forks]:
+    """The command, for those who run it to its end."""
+    with closing(Forks()) as forks:
+        yield forks
 
 
 @pytest.hookimpl(trylast=True)  # after those that were not asked for have gone

@@ -9,11 +9,8 @@ in a folder of the page's own, and have to succeed. A comment before a block cha
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +18,7 @@ import pytest
 import typer
 
 from deploy.commands.application import app
+from tests.forks import Forks
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -67,25 +65,15 @@ WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in block
     ],
     ids=lambda page: page.name,
 )
-def test_they_run(page: Path, tmp_path: Path) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
     for block in blocks(page):
         if block.file:
             (tmp_path / block.file).write_text(block.text)
         for words in block.commands if block.runs else ():
             call, target = redirected(words)
-            with (tmp_path / target).open("w") as output:
-                done = subprocess.run(
-                    [sys.executable, "-m", "disknav", *call],
-                    cwd=tmp_path,
-                    env=environment,
-                    stdin=subprocess.DEVNULL,
-                    stdout=output,
-                    stderr=subprocess.PIPE,
-                    timeout=150,
-                    check=False,
-                )
-            assert done.returncode == 0, (words, done.stderr.decode())
+            done = disknav(*call, cwd=tmp_path)
+            assert done.returncode == 0, (words, done.stderr)
+            (tmp_path / target).write_text(done.stdout)
 
 
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)

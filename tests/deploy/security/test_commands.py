@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from protocol.bus.connection import Connection
-
-
-def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "deploy.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+from tests.forks import Forks
 
 
 @pytest.mark.process
-def test_keys_then_a_run_with_them(tmp_path: Path) -> None:
+def test_keys_then_a_run_with_them(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
     made = disknav("keys", "new", keys, "--scenario", "figure-2", "--run", "yard")
     assert made.returncode == 0
@@ -29,7 +23,7 @@ def test_keys_then_a_run_with_them(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_mistakes_are_named_before_anything_starts(tmp_path: Path) -> None:
+def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
     assert disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard").returncode == 0
     mistakes = {
@@ -48,7 +42,7 @@ def test_mistakes_are_named_before_anything_starts(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_print_config_is_the_whole_of_the_rules(tmp_path: Path) -> None:
+def test_print_config_is_the_whole_of_the_rules(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
     disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard")
     printed = disknav("router", "--secure", keys, "--print-config")
