@@ -16,6 +16,8 @@ settings.register_profile("disknav", deadline=None, suppress_health_check=[Healt
 settings.register_profile("ci", settings.get_profile("disknav"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "disknav")
 
+os.environ["MUJOCO_GL"] = "disable"  # nothing is drawn, and looking for libraries that draw takes a while
+
 
 def pytest_configure() -> None:
     try:

@@ -1,7 +1,5 @@
 """Replaying: the same trajectory recomputed, the same messages over again, and what `info` says."""
 
-import subprocess
-import sys
 import time
 from contextlib import closing
 from dataclasses import replace
@@ -172,11 +170,9 @@ def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
 
 
 @pytest.mark.process
-def test_exit_status_of_the_command(path, recording, tmp_path):
+def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
     x = repr(recording.truths.positions[20, 0, 0].item()).encode()
     altered = _altered(path, tmp_path / "altered.mcap", x, x[:-1] + (b"1" if x[-1:] != b"1" else b"2"))
     for file, status in ((path, 0), (altered, 3), (tmp_path / "none.mcap", 2)):
-        done = subprocess.run(
-            [sys.executable, "-m", "deploy.cli", "replay", file], capture_output=True, check=False
-        )
-        assert done.returncode == status, done.stderr.decode()
+        done = disknav("replay", file)
+        assert done.returncode == status, done.stderr

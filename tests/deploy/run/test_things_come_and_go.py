@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +24,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.requests.things import decode_thing_change
 from protocol.scenario.model import Thing
+from tests.forks import Forks
 from world.shell.journal import Journal
 
 SWAP = load("swap-4")
@@ -139,17 +138,11 @@ def test_from_python() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-def test_from_the_command_line() -> None:
+def test_from_the_command_line(disknav: Forks) -> None:
     said: list[tuple[int, str]] = []
 
-    def disknav_(*words: str) -> None:
-        done = subprocess.run(
-            [sys.executable, "-m", "deploy.cli", *words],
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
+    def say(*words: str) -> None:
+        done = disknav(*words)
         said.append((done.returncode, done.stdout + done.stderr))
 
     scenario = replace(LISTED, time=replace(SWAP.time, endless=True))
@@ -160,11 +153,11 @@ def test_from_the_command_line() -> None:
             if clocks and clocks[-1].founded and not said:
                 (endpoint,) = fleet.topology.observer().connect
                 run, router = fleet._options.run, ("--router", endpoint)
-                disknav_("place", run, "-0.01", "0.0", "--radius", "0.02", *router)
-                disknav_("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
-                disknav_("take", run, "1", *router)
-                disknav_("take", run, "1", *router)
-                disknav_("things", run, "--json", *router)
+                say("place", run, "-0.01", "0.0", "--radius", "0.02", *router)
+                say("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
+                say("take", run, "1", *router)
+                say("take", run, "1", *router)
+                say("things", run, "--json", *router)
             return bool(said)
 
         fleet.execute(enough)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 import re
 import socket
-import subprocess
-import sys
 import tarfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -23,6 +21,7 @@ from deploy.processes.hosts.install import install
 from deploy.processes.hosts.table import Host
 from protocol.errors import UsageError
 from tests.deploy.processes.hosts.ssh_server import ROOT, free_ports, needs_sshd, ssh_server
+from tests.forks import Forks
 
 HERE = Host("here", "127.0.0.1")
 
@@ -107,14 +106,13 @@ def test_what_a_host_says_cannot_steer_the_terminal(
 
 
 @pytest.mark.slow
-def test_the_command_tells_by_its_status(tmp_path: Path) -> None:
+def test_the_command_tells_by_its_status(disknav: Forks, tmp_path: Path) -> None:
     table = tmp_path / "hosts.toml"
     (port,) = free_ports(1)
     text = f'[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nport = {port}\nrobots = [3, 7]\n'
     for address, status in (("127.0.0.1", 0), ("203.0.113.1", 1)):
         table.write_text(text.replace("127.0.0.1", address))
-        command = [sys.executable, "-m", "deploy.cli", "hosts", "check", str(table)]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        done = disknav("hosts", "check", table)
         assert done.returncode == status, done.stdout + done.stderr
         assert "router port" in done.stdout
 

@@ -33,6 +33,7 @@ from protocol.wire.codec import decode
 from tests.deploy.processes.hosts.ssh_server import ROOT, Server, free_ports, needs_sshd, ssh_server
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
+from tests.forks import Forks
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
@@ -68,11 +69,6 @@ def table(
     path = folder / "hosts.toml"
     path.write_text(text)
     return path, ports[0]
-
-
-def disknav(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [*DISKNAV, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=80, check=False)
 
 
 @contextmanager
@@ -129,7 +125,7 @@ def result(folder: Path) -> dict[str, Any]:
 
 
 def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
-    server: Server, tmp_path: Path
+    server: Server, disknav: Forks, tmp_path: Path
 ) -> None:
     keys, record = tmp_path / "keys", tmp_path / "run.mcap"
     hosts, _ = table(server, tmp_path)
@@ -168,7 +164,7 @@ def assert_logged(folder: Path) -> None:
         assert ended == {None, *robots}
 
 
-def test_scheduled_faults_reach_other_hosts(server: Server, tmp_path: Path) -> None:
+def test_scheduled_faults_reach_other_hosts(server: Server, disknav: Forks, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
     scenario.write_text(write_toml(replace(SCENARIO, process=(ProcessFault(3, 0.5, "restart"),))))
     hosts, _ = table(server, tmp_path, ["left"])
@@ -263,7 +259,7 @@ def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> N
     ],
 )
 def test_a_host_that_cannot_be_used_is_named(
-    changes: dict[str, str], status: int, text: str, server: Server, tmp_path: Path
+    changes: dict[str, str], status: int, text: str, server: Server, disknav: Forks, tmp_path: Path
 ) -> None:
     hosts, _ = table(server, tmp_path, ["left"], **changes)
     done = disknav("run", "figure-1", "--hosts", hosts)
