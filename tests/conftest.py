@@ -1,5 +1,6 @@
 """What all tests share: how hypothesis searches, that what is tested is what the sources say, who begins."""
 
+import gc
 import os
 from collections.abc import Iterator
 from contextlib import closing
@@ -19,11 +20,18 @@ settings.load_profile("ci" if os.environ.get("CI") else "disknav")
 os.environ["MUJOCO_GL"] = "disable"  # nothing is drawn, and looking for libraries that draw takes a while
 
 
+gc.disable()  # until all tests are imported, which leaves little garbage
+
+
 def pytest_configure() -> None:
     try:
         compiled.check()
     except UsageError as error:
         pytest.exit(str(error), returncode=2)
+
+
+def pytest_collection_finish() -> None:
+    gc.enable()
 
 
 @pytest.fixture(scope="session")
