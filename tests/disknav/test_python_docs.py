@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jupytext
 import matplotlib as mpl
 import pytest
 
@@ -43,6 +42,8 @@ def test_a_page(page: str, tmp_path: Path) -> None:
 
 
 def test_the_notebook_draws_figure_1_in_ten_lines() -> None:
+    import jupytext
+
     mpl.use("Agg")
     cells = [cell.source for cell in jupytext.read(NOTEBOOK).cells if cell.cell_type == "code"]
     assert len([line for line in cells[0].splitlines() if line]) <= 10

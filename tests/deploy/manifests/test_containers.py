@@ -11,8 +11,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import compose_spec
-import kubernetes_validate
 import pytest
 import yaml
 
@@ -49,6 +47,8 @@ def documents(path: Path) -> list[dict[str, Any]]:
 
 
 def test_compose_follows_its_specification(tmp_path: Path, plan: Plan) -> None:
+    import compose_spec
+
     folder = written(tmp_path, "compose", plan)
     project = compose_spec.PyCompose.from_yaml((folder / "compose.yaml").read_text())
     project.validate()
@@ -73,6 +73,8 @@ def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path,
 
 @pytest.mark.parametrize("version", ["1.30", "1.33"])
 def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str) -> None:
+    import kubernetes_validate
+
     folder = written(tmp_path, "kubernetes", plan)
     kinds = []
     for name in ("fleet.yaml", "secret.yaml"):
@@ -94,6 +96,8 @@ def test_kubectl_reads_the_files(tmp_path: Path, plan: Plan) -> None:
 
 
 def test_a_kubernetes_schema_would_notice(tmp_path: Path, plan: Plan) -> None:
+    import kubernetes_validate
+
     job = documents(written(tmp_path, "kubernetes", plan) / "fleet.yaml")[-1]
     job["spec"]["completionz"] = 3
     with pytest.raises(kubernetes_validate.ValidationError):

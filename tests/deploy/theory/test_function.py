@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy
 
 from deploy.theory.boundary import boundary_gradient
 from deploy.theory.function import (
@@ -49,6 +48,8 @@ def test_gradient_is_the_derivative_of_phi(p: int, unequal: bool, seed: int) -> 
 
 
 def test_phi_and_gradient_agree_with_sympy() -> None:
+    import sympy
+
     problem = Problem(np.array([[5.0, 1.0], [-4.0, 2.0]]), np.array([1.0, 2.0]), 9.0, 3.0)
     b = np.array([[-3.0, 4.0], [3.0, -2.5]])
     x = sympy.symbols("x0:4")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import sympy
 
 from deploy.theory.function import Problem, gradient, log_beta, phi, reduced_gradient
 from deploy.theory.hessian import hessian, reduced_jacobian
@@ -33,6 +32,8 @@ def test_second_derivatives_match_differences(p: int, unequal: bool, seed: int) 
 
 
 def test_hessian_agrees_with_sympy() -> None:
+    import sympy
+
     problem = Problem(np.array([[1.0, 1.0]]), np.array([1.0]), 5.0, 2.0)
     b = np.array([[-2.0, 0.5]])
     x, y = sympy.symbols("x y")
