@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from agents.reckoning import Reckoning
 from protocol.messages import Sense, Vector
-from world.coordinator.omission import Omission
+from world.coordinator.crowd.omission import Omission
 
 STEP = 0.1  # s
 numbers = st.floats(-0.1, 0.1)

@@ -21,15 +21,15 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
+from world.coordinator.crowd.interest import Interest
+from world.coordinator.crowd.omission import Omission
+from world.coordinator.crowd.post import Post
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
-from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
-from world.coordinator.omission import Omission
 from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
-from world.coordinator.post import Post
 from world.coordinator.schedule import Operated, Schedule
 
 

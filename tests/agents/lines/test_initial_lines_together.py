@@ -16,7 +16,7 @@ from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.far import FarPicture
 from protocol.messages import Member, Summary
-from world.coordinator.interest import runs
+from world.coordinator.crowd.interest import runs
 
 SPEED, PERIOD, ROOM = 0.1, 0.1, 3.0
 Vector = tuple[float, float]

@@ -13,7 +13,7 @@ from agents.lines.talk.far import FarTalk
 from agents.peers.far import FarPicture
 from agents.peers.state import PeerState, from_afar
 from protocol.messages import Answer, Letter, Member, Proposal, Summary
-from world.coordinator.interest import runs
+from world.coordinator.crowd.interest import runs
 
 RADIUS = 0.1
 ME = Disk(0.0, 0.0, RADIUS)

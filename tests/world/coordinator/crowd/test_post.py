@@ -1,7 +1,7 @@
 """Letters reach whom they are addressed to, once, whatever order they came in."""
 
 from protocol.messages import Answer, Command, Letter, Proposal
-from world.coordinator.post import Post
+from world.coordinator.crowd.post import Post
 
 
 def proposal(peer: int) -> Proposal:

@@ -16,7 +16,7 @@ from protocol.interest import LEAD, inner, outer, period
 from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Network, Scenario
 from tests.world.driving import joined, scenario
-from world.coordinator.interest import Interest, runs
+from world.coordinator.crowd.interest import Interest, runs
 
 places = st.lists(st.tuples(st.floats(-0.25, 0.25), st.floats(-0.25, 0.25)), min_size=4, max_size=4)
 RADIUS = 0.01
