@@ -61,7 +61,7 @@ class Shown:
         deadline = time.monotonic() + patience
         while not condition():
             assert time.monotonic() < deadline, "waited in vain"
-            self.page.wait_for_timeout(10)
+            self.page.wait_for_timeout(40)
 
     def wait_for_frames(self, count: int) -> None:
         """Until the page has been told so often how things stand; they come at a fixed rate, held or not."""
