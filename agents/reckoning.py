@@ -1,4 +1,4 @@
-"""What a robot knows of itself without being told: all went as it commanded (`protocol.reckoning`)."""
+"""What a robot knows of itself once it is told that all went as it commanded (`protocol.reckoning`)."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class Reckoning:
         self._velocity: Vector = (0.0, 0.0)
         self._place: Vector | None = None  # m, at the start of the newest tick, if it is known exactly
 
-    def sense(self, tick: int, told: Sense | None) -> Sense | None:
-        """What is sensed as `tick` begins: what is `told`, or if that is nothing, what was commanded; None if
-        neither is known."""
-        if told is None and self._place is not None and self._tick == tick - 1:
+    def sense(self, tick: int, told: Sense | None, *, went_as_commanded: bool) -> Sense | None:
+        """What is sensed as `tick` begins: what is `told`, or what was commanded, if that is what happened;
+        None if neither is known. That nothing is told says nothing: the command may have been void."""
+        if went_as_commanded and self._place is not None and self._tick == tick - 1:
             told = as_commanded(tick, self._place, self._velocity, self._step)
         self._place = exact_place(tick, told)
         return told

@@ -102,7 +102,9 @@ class Robot:
         self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
         sense = tick.sense if sense is None else sense
-        self._sense(sense if self._reckoning is None else self._reckoning.sense(tick.tick, sense))
+        if self._reckoning is not None:
+            sense = self._reckoning.sense(tick.tick, sense, went_as_commanded=tick.as_commanded)
+        self._sense(sense)
         if tick.roster is not None:
             self._follow(tick.roster)
         self._attend(tick)

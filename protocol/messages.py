@@ -153,7 +153,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
     active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
-    sense: Sense | None = None  # None: exactly as commanded (large fleets), or its base speaks for itself
+    sense: Sense | None = None  # None: `as_commanded`, or its base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
@@ -161,6 +161,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
     letters: tuple[Letter, ...] = ()  # what far peers say of lines to this robot alone
+    as_commanded: bool = False  # in place of a sense, large fleets: it went exactly as it commanded
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):

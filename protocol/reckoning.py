@@ -1,7 +1,7 @@
 """What need not be said of a robot that went exactly as it commanded, and whose place is measured exactly.
 
 Coordinator and robot both know where it was and what it commanded. Where the sum of the two is what it would
-be told in `Tick.sense`, the coordinator leaves that out: in a large fleet it is most of a Tick.
+be told in `Tick.sense`, the coordinator says just that: in a large fleet a sense is most of a Tick.
 """
 
 from __future__ import annotations

@@ -73,14 +73,14 @@ class _Moves:
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
         self._as_commanded: set[tuple[int, int]] = set()
-        self._step, near = recording.scenario.time.step, recording.scenario.hears_near
+        self._step = recording.scenario.time.step
         for _, _, message in recording.entries.of(Tick, Command):
             if isinstance(message, Command) and message.tick + 1 in ticks:
                 self._commanded[message.robot, message.tick] = message.velocity
             elif isinstance(message, Tick) and message.tick in ticks:
                 if message.sense is not None:
                     self._said[message.tick][message.robot] = message.sense.displacement
-                elif near:
+                elif message.as_commanded:
                     self._as_commanded.add((message.robot, message.tick))
 
     def follow(self, before: _Plane, tick: int) -> _Plane:

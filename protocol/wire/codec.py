@@ -62,7 +62,8 @@ def _is_finite(message: AnyMessage) -> bool:
         total = _state_sum(message)
     elif isinstance(message, Command):
         total = abs(message.velocity[0]) + abs(message.velocity[1])
-        if message.report is not None or message.letter is not None or message.handles is not None:
+        others = (message.report, message.letter, message.handles, message.slice)
+        if any(each is not None for each in others):
             total += sum(map(abs, _command_numbers(message)))
     elif isinstance(message, Summary):
         total = 0.0  # whoever unpacks it looks at its numbers
@@ -109,6 +110,8 @@ def _command_numbers(command: Command) -> Iterator[float]:
         yield from (*command.report.position, command.report.bound)
     if command.letter is not None:
         yield from _line_numbers(command.letter.proposals)
+    if command.slice is not None:
+        yield command.slice
     if command.handles is not None:
         yield from (command.handles.radius, *(command.handles.place or ()))
 

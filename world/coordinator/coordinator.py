@@ -189,7 +189,7 @@ class Coordinator:
     def tell_fenced(self) -> dict[int, Tick]:
         """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
         near: how often this is said depends on who joins when. A life that goes on is told nothing before the
-        tick begins: it would take what this does not say, what is sensed of it, for as it commanded."""
+        tick begins: how it went is not known yet."""
         of = self.lives.of
         awaited = self.lives.awaited if self.lives.founded else frozenset()
         fenced = [robot for robot in awaited if of[robot].fenced]
@@ -197,14 +197,14 @@ class Coordinator:
 
     def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
         """Begin the tick, with what every robot senses: what is to be told."""
-        commanded = self.commands.velocities
+        commanded, omitted = self.commands.velocities, frozenset[int]()
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
         if self._interest is not None:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
         if self._omission is not None:
-            sensed = self._omission.sift(self.tick, sensed, commanded, self.lives.incarnations)
-        self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest)
+            sensed, omitted = self._omission.sift(self.tick, sensed, commanded, self.lives.incarnations)
+        self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest, omitted)
         return self.told
 
     def accept(self, command: Command) -> bool:
@@ -250,6 +250,7 @@ class Coordinator:
         sensed: Mapping[int, Sense] = MappingProxyType({}),
         letters: Mapping[int, tuple[Letter, ...]] = MappingProxyType({}),
         interest: Interest | None = None,
+        omitted: frozenset[int] = frozenset(),
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
         roster_for, goal, since = self.lives.roster_for, self.missions.goal, self.missions.since
@@ -268,6 +269,7 @@ class Coordinator:
                 heard=life.heard if leased and life.heard >= 0 else None,
                 near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),
                 letters=letters.get(robot, ()),
+                as_commanded=robot in omitted,
             )
             for robot, life in self.lives.listeners()
         }

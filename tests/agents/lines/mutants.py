@@ -18,8 +18,8 @@ _THINGS, _OWN_SET, _INITIAL, _TALK, _FAR_TALK, _LINE, _PLACEMENT = (
     f"agents.lines.{name}"
     for name in ("things", "own_set", "initial_lines", "talk.near", "talk.far", "line", "placement")
 )
-_ROSTER, _ROBOT, _ESTIMATE, _FILTER = (
-    f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter")
+_ROSTER, _ROBOT, _ESTIMATE, _FILTER, _RECKONING = (
+    f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter", "reckoning")
 )
 _ROLL, _COMMANDS, _LIVES, _COORDINATOR, _BODIES = (
     "world.coordinator.roster",
@@ -639,10 +639,12 @@ FAR = (
         first=54,
     ),
     Mutant(
-        "nothing-before-a-tick-begins",
-        "a life that goes on is told nothing before the tick begins: where nothing is said of how its robot "
-        "went, it counts on that having been as commanded",
-        (Edit(_COORDINATOR, "for robot in awaited if of[robot].fenced]", "for robot in awaited if of]"),),
+        "silence-is-no-news",
+        "whoever is told nothing of how its robot went knows nothing of it: the command may have been void",
+        (
+            Edit(_COORDINATOR, "for robot in awaited if of[robot].fenced]", "for robot in awaited if of]"),
+            Edit(_RECKONING, "if went_as_commanded and self._place", "if told is None and self._place"),
+        ),
         model="aftermath",
         first=191,
     ),

@@ -29,6 +29,7 @@ _LINES = [
 _ROBOT = [
     "agents.roster",
     "agents.estimate",
+    "agents.reckoning",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
     "agents.safety_filter",

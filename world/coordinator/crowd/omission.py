@@ -37,8 +37,8 @@ class Omission:
         sensed: Mapping[int, Sense],
         commanded: Mapping[int, Vector],
         incarnations: Mapping[int, int],
-    ) -> dict[int, Sense]:
-        """What is still to be told at the start of `tick`.
+    ) -> tuple[dict[int, Sense], frozenset[int]]:
+        """What is still to be told at the start of `tick`, and of whom only that it went as it commanded.
 
         Args:
             tick: that begins; each once, in order.
@@ -60,4 +60,4 @@ class Omission:
                 or sense != as_commanded(tick, before.place, velocity, self._step)
             ):
                 told[robot] = sense
-        return told
+        return told, frozenset(sensed.keys() - told.keys())
