@@ -170,6 +170,7 @@ class Watcher(SharedView):
                 self._listener.begin(reply.scenario)
                 for status in reply.goals:
                     self._listener.hear(status)
+            self._ask_for(Steer())  # which changes nothing: what is in force is the answer
 
     def _pass_on(self) -> None:
         while True:

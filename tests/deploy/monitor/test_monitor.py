@@ -83,6 +83,21 @@ def test_pause_step_and_resume_reach_a_run_in_this_process() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
+def test_who_comes_late_is_shown_what_is_in_force() -> None:
+    fleet = LocalFleet([ring()], "r", speed=1.0)
+    watcher = watch_local(fleet.network, "r")
+    with running(fleet):
+        until(lambda: watcher.snapshot()["tick"] >= 2)
+        assert watcher.snapshot()["steering"]["speed"] == 1.0
+        watcher.steer(Steer(pause=True, speed=0.5))
+        until(lambda: watcher.snapshot()["phase"] == "paused")
+        late = watch_local(fleet.network, "r")
+        until(lambda: late.snapshot()["phase"] == "paused")
+        assert late.snapshot()["steering"]["speed"] == 0.5
+        watcher.steer(Steer(pause=False, speed=0.0))
+        until(lambda: watcher.snapshot()["verdict"] == "arrived")
+
+
 def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
