@@ -215,6 +215,7 @@ class FaultInjector:
         for robot, bus in self._fleet.robots.items():
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self._fleet.kill(robot)
+                self._started.discard(robot)  # whoever is added under its id next has a node of its own
 
     def _carry_out(self, fault: ProcessFault) -> None:
         fleet, robot = self._fleet, fault.robot

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,9 @@ from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.requests.fleet import FleetReply, decode_change
 from protocol.scenario.body import Body
-from protocol.scenario.model import RobotSpec
+from protocol.scenario.model import Order, RobotSpec
 from tests.deploy.run.turnover import Turnover, asked
+from world.shell.failure_detector import GATHERING
 from world.shell.journal import Journal
 
 SWAP = load("swap-4")
@@ -57,6 +59,16 @@ def test_a_guest_appears_joins_and_arrives() -> None:
     assert report["robots"] == [1, 2, 3, 4, 7]
     assert math.dist(report["positions"]["7"], GUEST.goal) <= SWAP.time.tolerance
     assert report["min_clearance"] > 0.0
+
+
+def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
+    """Also if the ticks between are so few, or so quick, that no Clock says that nobody is to come."""
+    orders = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
+    scenario = replace(SWAP, orders=tuple(Order(at, **order) for at, order in orders))
+    began = time.monotonic()
+    report = LocalFleet([scenario]).execute()[0]
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    assert time.monotonic() - began < GATHERING  # nobody was waited for in vain
 
 
 def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:
