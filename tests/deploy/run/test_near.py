@@ -68,6 +68,7 @@ def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     report = in_process(crowd(Network("near", 0.06), process=tuple(faults)))
     assert report["verdict"] == "arrived"
     assert report["collisions"] == 0
+    assert report["min_clearance"] > -1e-12  # rounding
 
 
 def test_whoever_is_too_close_for_a_line_is_near() -> None:
