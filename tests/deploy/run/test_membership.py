@@ -71,6 +71,27 @@ def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> No
     assert time.monotonic() - began < GATHERING  # nobody was waited for in vain
 
 
+def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
+    fleet = LocalFleet([SWAP])
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    process = fleet.start(7)
+    process.wake(math.inf)  # asks to join
+    assert status(fleet, 7) == "appearing"
+    to_be(fleet, 7, "standing")
+    process.wake(math.inf)
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["leaves with the run", "comes in each"])
+def test_a_guest_of_one_run_is_none_of_the_next(again: bool) -> None:
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),))
+    reports = LocalFleet([guested, guested if again else SWAP]).execute()
+    assert [report["verdict"] for report in reports] == ["arrived", "arrived"]
+    assert [len(report["robots"]) for report in reports] == [5, 5 if again else 4]
+
+
 def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:
     found = [guested(tick)["trajectory_sha256"] for tick in (20, 20, 21)]
     assert found[0] == found[1] != found[2]
