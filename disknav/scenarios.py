@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from agents.laws import require as require_law
-from deploy.library import catalogue
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
+from deploy.library.names import catalogue
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
 from world.plants.choice import require as require_plant

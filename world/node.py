@@ -83,7 +83,8 @@ class WorldNode:
         self._tell, self._note = tell, note
         self._returning = returning(gathering, restarts, lockstep=lockstep)
         current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
-        ids = {*scenarios[0].ids, *current.scenario.ids}
+        named = {each.robot for each in current.world.coordinator.lives.roster.members}
+        ids = {*scenarios[0].ids, *current.scenario.ids, *named}  # who is to come and who has gone, too
         self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)

@@ -1,4 +1,5 @@
-"""The four ROS 2 messages that a base on wheels speaks, as `geometry_msgs` and `nav_msgs` define them.
+"""The four ROS 2 messages of a base on wheels, as `geometry_msgs` and `nav_msgs` define them: two are written
+for it, two are read.
 
 SI units. A quaternion is (x, y, z, w), a velocity three linear and three angular components.
 """
@@ -65,70 +66,41 @@ class Odometry(NamedTuple):
 def encode_twist(velocity: Velocity) -> bytes:
     """CDR of a Twist."""
     writer = CdrWriter()
-    _write_velocity(writer, velocity)
+    write_velocity(writer, velocity)
     return writer.payload
-
-
-def decode_twist(payload: bytes) -> Velocity:
-    """Read a Twist; raises MessageError, as all of the following do."""
-    return _velocity(CdrReader(payload))
 
 
 def encode_twist_stamped(message: StampedVelocity) -> bytes:
     """CDR of a TwistStamped."""
     writer = CdrWriter()
-    _write_header(writer, message.header)
-    _write_velocity(writer, message.velocity)
-    return writer.payload
-
-
-def decode_twist_stamped(payload: bytes) -> StampedVelocity:
-    """Read a TwistStamped."""
-    reader = CdrReader(payload)
-    return StampedVelocity(_header(reader), _velocity(reader))
-
-
-def encode_pose(message: StampedPose) -> bytes:
-    """CDR of a PoseStamped."""
-    writer = CdrWriter()
-    _write_header(writer, message.header)
-    _write_pose(writer, message.pose)
+    write_header(writer, message.header)
+    write_velocity(writer, message.velocity)
     return writer.payload
 
 
 def decode_pose(payload: bytes) -> StampedPose:
     """Read a PoseStamped."""
     reader = CdrReader(payload)
-    return StampedPose(_header(reader), _pose(reader))
-
-
-def encode_odometry(message: Odometry) -> bytes:
-    """CDR of an Odometry."""
-    writer = CdrWriter()
-    _write_header(writer, message.header)
-    writer.text(message.child)
-    _write_pose(writer, message.pose)
-    writer.doubles(message.pose_covariance)
-    _write_velocity(writer, message.velocity)
-    writer.doubles(message.velocity_covariance)
-    return writer.payload
+    return StampedPose(read_header(reader), _pose(reader))
 
 
 def decode_odometry(payload: bytes) -> Odometry:
     """Read an Odometry."""
     reader = CdrReader(payload)
-    header, child, pose = _header(reader), reader.text(), _pose(reader)
+    header, child, pose = read_header(reader), reader.text(), _pose(reader)
     pose_covariance = reader.doubles(36)
-    return Odometry(header, child, pose, _velocity(reader), pose_covariance, reader.doubles(36))
+    return Odometry(header, child, pose, read_velocity(reader), pose_covariance, reader.doubles(36))
 
 
-def _header(reader: CdrReader) -> Header:
+def read_header(reader: CdrReader) -> Header:
+    """Take a Header; raises MessageError, as all that read do."""
     (seconds,) = reader.numbers("i", 4)
     (nanoseconds,) = reader.numbers("I", 4)
     return Header(int(seconds) * NANO + int(nanoseconds), reader.text())
 
 
-def _write_header(writer: CdrWriter, header: Header) -> None:
+def write_header(writer: CdrWriter, header: Header) -> None:
+    """Put a Header."""
     seconds, nanoseconds = divmod(header.stamp, NANO)
     writer.numbers("i", 4, (seconds,))
     writer.numbers("I", 4, (nanoseconds,))
@@ -140,14 +112,12 @@ def _pose(reader: CdrReader) -> Pose:
     return Pose((x, y, z), (qx, qy, qz, qw))
 
 
-def _write_pose(writer: CdrWriter, pose: Pose) -> None:
-    writer.doubles((*pose.position, *pose.orientation))
-
-
-def _velocity(reader: CdrReader) -> Velocity:
+def read_velocity(reader: CdrReader) -> Velocity:
+    """Take a Twist."""
     vx, vy, vz, wx, wy, wz = reader.doubles(6)
     return Velocity((vx, vy, vz), (wx, wy, wz))
 
 
-def _write_velocity(writer: CdrWriter, velocity: Velocity) -> None:
+def write_velocity(writer: CdrWriter, velocity: Velocity) -> None:
+    """Put a Twist."""
     writer.doubles((*velocity.linear, *velocity.angular))

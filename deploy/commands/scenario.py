@@ -23,7 +23,7 @@ def list_() -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from deploy.library import catalogue
+    from deploy.library.names import catalogue
 
     table = Table("name", "robots", "what it shows", box=None, header_style="bold", pad_edge=False)
     for entry in catalogue():

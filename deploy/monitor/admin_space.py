@@ -16,9 +16,8 @@ ROUTERS = "@/*/router"
 
 
 class Link(msgspec.Struct, frozen=True):
-    """One link of a session: endpoints on the router's side and on the other's."""
+    """One link of a session: the endpoint that is not the router's."""
 
-    src: str
     dst: str
 
 

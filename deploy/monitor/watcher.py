@@ -16,7 +16,6 @@ from deploy.monitor.source import SharedView
 from deploy.monitor.view.fleet import View
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
-from protocol.bus.local import LocalNetwork
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
 from protocol.messages import AnyMessage, Message
@@ -211,11 +210,3 @@ class Watcher(SharedView):
         except (BusError, *DAMAGED):
             return  # the world has gone, or is of another version: its controls stay as they are shown
         self.change(lambda view, _: setattr(view, "steering", steering))
-
-
-def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:
-    """Watch a run that goes on in this process; the network's own thread drives the watcher."""
-    bus = network.connect()
-    watcher = Watcher(bus, run, speed=speed)
-    bus.node = watcher
-    return watcher

@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Patch, Polygon
 from deploy.plot.style import FAINT, INK
 from deploy.recording.reader import Recording
 from protocol.geometry import Disk, Shape
+from protocol.messages import Clock
 
 
 class Stay(NamedTuple):
@@ -33,7 +34,7 @@ def stays(recording: Recording) -> list[Stay]:
     shapes = dict(recording.scenario.shapes)
     since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
     came: set[int] = set()
-    for clock in recording.clocks:
+    for clock in recording.said(Clock):
         told = {thing.number: thing for thing in clock.things}
         for number, thing in told.items():
             if thing.status == "standing" and number not in shapes:

@@ -23,7 +23,7 @@ from deploy.recording.mcap.contents import Contents
 from deploy.recording.mcap.series import Series, series
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
 from protocol.keys import parse
-from protocol.messages import Clock, Command, Health, Message, State, Tick, Truth
+from protocol.messages import Message, Truth
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -115,42 +115,11 @@ class Recording:
     preceding: str
     cut: bool
 
-    @property
-    def clocks(self) -> list[Clock]:
-        """The world's clock."""
-        return list(self.said(Clock))
-
-    @property
-    def told(self) -> dict[int, list[Tick]]:
-        """What each robot was told, by robot."""
-        return self._by_robot(Tick)
-
-    @property
-    def states(self) -> dict[int, list[State]]:
-        """What each robot told its peers, by robot."""
-        return self._by_robot(State)
-
-    @property
-    def commands(self) -> dict[int, list[Command]]:
-        """What each robot commanded, by robot."""
-        return self._by_robot(Command)
-
-    @property
-    def health(self) -> dict[int, list[Health]]:
-        """What each robot said about itself, by robot."""
-        return self._by_robot(Health)
-
     def said(self, kind: type[_M]) -> Iterator[_M]:
         """All messages of a kind, one after the other."""
         for entry in self.entries.of(kind):
             assert isinstance(entry.message, kind)
             yield entry.message
-
-    def _by_robot(self, kind: type[_M]) -> dict[int, list[_M]]:
-        found: dict[int, list[_M]] = {robot: [] for robot in self.scenario.ids}
-        for message in self.said(kind):
-            found[message.robot].append(message)  # type: ignore[attr-defined]  # all four have it
-        return found
 
 
 def read(path: Path | str, progress: Progress | None = None) -> Recording:

@@ -32,7 +32,6 @@ class FlowResult:
     path: Array
     lengths: Array
     nrl: float
-    residual: float  # largest |D_i| at the end, m: small without arrival means another equilibrium
 
 
 @dataclass(frozen=True)
@@ -118,6 +117,5 @@ def _far(problem: Problem, b: Array) -> float:
 def _summary(problem: Problem, path: Array, arrived: bool) -> FlowResult:
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=2).sum(axis=0)
     straight = np.linalg.norm(path[0] - problem.goals, axis=1).sum()
-    residual = np.linalg.norm(reduced_gradient(problem, path[-1]), axis=1).max()
     nrl = float(lengths.sum() / straight) if straight > 0.0 else 1.0
-    return FlowResult(arrived, path, lengths, nrl, float(residual))
+    return FlowResult(arrived, path, lengths, nrl)

@@ -1,10 +1,11 @@
-"""The navigation function phi, its gradient and the reduced gradient D, evaluated in logarithms.
+"""What the navigation function phi is made of, and the reduced gradient D.
 
 Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of
-magnitude and leave the range of a double, so only their logarithms are ever formed.
+magnitude and leave the range of a double, so neither is ever formed: D = grad phi / c needs only their
+logarithms' derivatives.
 
-Outside free space phi is not defined: every function built on log beta returns nan there. A negative
-beta is never clamped, since that would hide a collision.
+Outside free space phi is not defined: D is nan there. A negative beta is never clamped, since that would hide
+a collision.
 """
 
 from __future__ import annotations
@@ -45,14 +46,9 @@ class Problem:
         return self.radii[:, None] + self.radii[None, :]
 
 
-def gamma_parts(problem: Problem, b: Array) -> Array:
-    """gamma_i = |b_i - g_i|^2 of each robot, (p,) m^2."""
-    return np.asarray(((b - problem.goals) ** 2).sum(axis=1))
-
-
 def gamma(problem: Problem, b: Array) -> float:
     """gamma = |b - g|^2, m^2."""
-    return float(gamma_parts(problem, b).sum())
+    return float(((b - problem.goals) ** 2).sum())
 
 
 def displacements(b: Array) -> Array:
@@ -83,41 +79,6 @@ def in_free_space(problem: Problem, b: Array) -> bool:
     return bool((obstacle_functions(problem, b) >= 0.0).all())
 
 
-def _log(values: Array) -> Array:
-    """Logarithm with log 0 = -inf, and nan for a negative value."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.log(values))
-
-
-def log_beta(problem: Problem, b: Array) -> float:
-    """log beta, the sum over all pairs; -inf on the boundary of free space, nan outside it."""
-    return float(_log(obstacle_functions(problem, b)).sum())
-
-
-def _log_gamma_k(problem: Problem, b: Array) -> float:
-    """k log gamma; -inf at the goal."""
-    return float(problem.k * _log(np.array(gamma(problem, b))))
-
-
-def log_sum_exp(x: float, y: float) -> float:
-    """log(e^x + e^y); nan as soon as one is nan, without a warning."""
-    with np.errstate(invalid="ignore"):
-        return float(np.logaddexp(x, y))
-
-
-def log_ratio(problem: Problem, b: Array) -> float:
-    """log phi_hat = k log gamma - log beta, equation (5); -inf at the goal, +inf on the boundary."""
-    return _log_gamma_k(problem, b) - log_beta(problem, b)
-
-
-def phi(problem: Problem, b: Array) -> float:
-    """phi = (gamma^k / (gamma^k + beta))^(1/k), equation (9).
-
-    Exactly 0 at the goal, exactly 1 on the boundary of free space, nan outside it.
-    """
-    return float(np.exp(-log_sum_exp(0.0, -log_ratio(problem, b)) / problem.k))
-
-
 def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array) -> Array:
     """Sum over pairs of w_ij grad beta_ij + w_0i grad beta_0i, (p, 2).
 
@@ -139,23 +100,3 @@ def reduced_gradient(problem: Problem, b: Array) -> Array:
         return np.full_like(b, np.nan)
     steer = weighted_obstacle_gradient(b, 1.0 / pairs, 1.0 / boundary)
     return np.asarray(2.0 * (b - problem.goals) - gamma(problem, b) / problem.k * steer)
-
-
-def slice_of(problem: Problem, b: Array, i: int) -> Array:
-    """Robot i's slice of the reduced gradient, D_i, (2,) m; `i` is an index, from 0."""
-    return np.asarray(reduced_gradient(problem, b)[i])
-
-
-def log_scale(problem: Problem, b: Array) -> float:
-    """log c, where grad phi = c D: log beta - (1 + 1/k) log(gamma^k + beta)."""
-    total = log_beta(problem, b)
-    return total - (1.0 + 1.0 / problem.k) * log_sum_exp(_log_gamma_k(problem, b), total)
-
-
-def gradient(problem: Problem, b: Array) -> Array:
-    """grad phi, (p, 2) 1/m, in the interior of free space and at its goal; nan elsewhere.
-
-    Deep in the repulsive layer c underflows and the gradient is a true zero to double precision: use
-    `reduced_gradient` for directions. The limit on the boundary is `deploy.theory.boundary`.
-    """
-    return np.asarray(np.exp(log_scale(problem, b)) * reduced_gradient(problem, b))

@@ -1,4 +1,4 @@
-"""Second derivatives: the Jacobian of D and the Hessian of phi, in logarithms.
+"""Second derivatives: the Jacobian of D, and of the obstacle functions what it is made of.
 
 Matrices are (2p, 2p) with robot-major order: row 2i + a is axis a of robot i.
 """
@@ -14,9 +14,6 @@ from deploy.theory.function import (
     beta_pairs,
     displacements,
     gamma,
-    log_ratio,
-    log_scale,
-    reduced_gradient,
     weighted_obstacle_gradient,
 )
 
@@ -64,22 +61,3 @@ def reduced_jacobian(problem: Problem, b: Array) -> Array:
     out = -(np.outer(steer, pull) + gamma(problem, b) * curvature) / problem.k
     out[np.diag_indices_from(out)] += 2.0
     return np.asarray(out)
-
-
-def hessian(problem: Problem, b: Array) -> Array:
-    """D^2 phi = c (dD/db + D (grad log c)^T) in the interior of free space, (2p, 2p) 1/m^2.
-
-    At the goal this is Proposition D.1, 2 beta(g)^(-1/k) I, which finite differences confirm.
-    """
-    scale = np.exp(log_scale(problem, b))
-    if gamma(problem, b) == 0.0:
-        return np.asarray(2.0 * scale * np.eye(2 * problem.p))
-    steer = weighted_obstacle_gradient(
-        b, 1.0 / beta_pairs(problem, b), 1.0 / beta_boundary(problem, b)
-    ).ravel()
-    share = 1.0 / (1.0 + np.exp(min(log_ratio(problem, b), 700.0)))  # beta / (gamma^k + beta)
-    pull = 2.0 * (b - problem.goals).ravel() / gamma(problem, b)
-    log_total = (1.0 - share) * problem.k * pull + share * steer
-    slope = steer - (1.0 + 1.0 / problem.k) * log_total
-    reduced = reduced_gradient(problem, b).ravel()
-    return np.asarray(scale * (reduced_jacobian(problem, b) + np.outer(reduced, slope)))

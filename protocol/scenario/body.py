@@ -80,4 +80,3 @@ PRESETS: Final[dict[str, Body]] = {
     "robotarium": _two_wheels(0.055, 0.11, 0.20, 0.035, 0.02, 5e-4),
     "e-puck": _two_wheels(0.035, 0.053, 0.13, 0.02, 0.03, 8e-4),
 }
-POINT: Final = PRESETS["point"]

@@ -16,13 +16,13 @@ from pathlib import Path
 
 import psutil
 
-from agents.bases.ros_messages import encode_odometry, encode_pose
 from deploy.library.load import load
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
+from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.floor import STEP, Wheels
 
 SECONDS, ROBOTS = 15.0, 6

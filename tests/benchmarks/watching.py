@@ -23,11 +23,10 @@ from typing import NamedTuple
 from rich.console import Console
 
 from deploy.monitor.terminal import table
-from deploy.monitor.watcher import watch_local
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Network, Scenario
 from tests.benchmarks.crowds import restless
-from tests.deploy.monitor.watched import PATIENCE, running, served, until
+from tests.deploy.monitor.watched import PATIENCE, running, served, until, watch_local
 
 _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 _FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync")

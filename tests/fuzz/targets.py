@@ -19,7 +19,6 @@ from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState
 from deploy.library.demonstrations import crash
 from deploy.library.load import load, read
-from deploy.monitor.watcher import watch_local
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -43,6 +42,7 @@ from protocol.scenario.file import (
 from protocol.scenario.model import Network, Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import REASONS, decode, encode
+from tests.deploy.monitor.watched import watch_local
 from tests.fuzz.hosts import HOSTS
 from tests.fuzz.kept import KEPT, folder
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from deploy.library import catalogue, swap
 from deploy.library.load import load, resolved
+from deploy.library.names import catalogue
+from deploy.library.swaps import swap
 from protocol.scenario.model import Scenario
 
 _COUNTED = (

@@ -105,11 +105,6 @@ class Physics:
         """See `world.plants.plant.Plant`."""
         return sorted(self._touched)
 
-    @property
-    def scene(self) -> tuple[Any, Any]:
-        """The engine's model and data, to draw."""
-        return self._model, self._data
-
     def _step(self, count: int) -> None:
         self._engine.mj_step(self._model, self._data, count)
         self._engine.mj_kinematics(self._model, self._data)  # `mj_step` does not say where it led to

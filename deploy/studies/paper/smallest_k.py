@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deploy.library import figure_3, random_starts, tightness
 from deploy.library.figures import RADIUS, WORKSPACE
+from deploy.library.goal_sets import figure_3, tightness
+from deploy.library.random_instances import random_starts
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Problem
 from deploy.theory.gain.threshold import arrival_threshold

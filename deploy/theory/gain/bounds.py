@@ -23,11 +23,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deploy.theory.function import Array, Problem, gamma, obstacle_functions
+from deploy.theory.function import Array, Problem, obstacle_functions
 from deploy.theory.gain.assumptions import Margins, margins
 from deploy.theory.gain.chains import smallest_contact
 from deploy.theory.gain.families import Family
-from deploy.theory.hessian import obstacle_curvature
 
 
 @dataclass(frozen=True)
@@ -143,8 +142,3 @@ def bounds(problem: Problem, eps: float, clusters: Family | None = None) -> Boun
         k3(problem, found, eps),
         problem.p + q,
     )
-
-
-def n2_at(problem: Problem, b: Array) -> float:
-    """gamma lambda_max(L1 L1^T - L0 L0^T) at one configuration: what N2 maximises; unbounded near contact."""
-    return float(gamma(problem, b) * np.linalg.eigvalsh(obstacle_curvature(problem, b))[-1] / 2.0)

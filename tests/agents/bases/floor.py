@@ -15,17 +15,7 @@ from functools import partial
 from itertools import count
 
 from agents.bases.ros2 import Ros2Base
-from agents.bases.ros_messages import (
-    NANO,
-    Header,
-    Odometry,
-    Pose,
-    StampedPose,
-    Velocity,
-    decode_twist,
-    encode_odometry,
-    encode_pose,
-)
+from agents.bases.ros_messages import NANO, Header, Odometry, Pose, StampedPose, Velocity
 from agents.bodies.inertial import InertialBody
 from agents.peers.state import addressed_to
 from agents.polygon import DIRECTIONS
@@ -33,6 +23,7 @@ from agents.robot import Robot
 from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Scenario
+from tests.agents.bases.base_side import decode_twist, encode_odometry, encode_pose
 from world.world import World
 
 STEP = 0.005  # s, of the wheels

@@ -9,12 +9,12 @@ import time
 import pytest
 
 from agents.bases.choice import base_of
-from agents.bases.ros_messages import encode_odometry, encode_pose
 from agents.node import RobotNode
 from deploy.library.load import load
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
+from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.floor import STEP, Wheels
 from world.node import WorldNode
 

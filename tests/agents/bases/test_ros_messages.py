@@ -20,14 +20,11 @@ from agents.bases.ros_messages import (
     Velocity,
     decode_odometry,
     decode_pose,
-    decode_twist,
-    decode_twist_stamped,
-    encode_odometry,
-    encode_pose,
     encode_twist,
     encode_twist_stamped,
 )
 from protocol.errors import MessageError
+from tests.agents.bases.base_side import decode_twist, decode_twist_stamped, encode_odometry, encode_pose
 
 COUNT = 2500  # of each of the four
 STORE = get_typestore(Stores.ROS2_JAZZY)

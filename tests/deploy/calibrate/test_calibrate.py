@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from agents.bases.ros_messages import encode_odometry, encode_pose
 from deploy.calibrate.bounds import Bounds, bounds, statements
 from deploy.calibrate.square import Driver, square
 from deploy.library.load import load
 from protocol.scenario.base import Base
+from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.floor import STEP, Wheels
 
 LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008

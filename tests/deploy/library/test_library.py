@@ -12,20 +12,12 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from deploy.commands.scenario import app
-from deploy.library import (
-    GOAL_SETS,
-    build,
-    catalogue,
-    figure_3,
-    head_on,
-    random_instance,
-    random_starts,
-    swap,
-    tightness,
-)
 from deploy.library.generate import generate
+from deploy.library.goal_sets import GOAL_SETS, figure_3, tightness
 from deploy.library.load import load
-from deploy.library.swaps import circle
+from deploy.library.names import build, catalogue
+from deploy.library.random_instances import random_instance, random_starts
+from deploy.library.swaps import circle, head_on, swap
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from deploy.monitor import terminal
 from deploy.monitor.player import Player
-from deploy.monitor.watcher import Watcher, watch_local
+from deploy.monitor.watcher import Watcher
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalNetwork
 from protocol.keys import parse
@@ -21,7 +21,7 @@ from protocol.messages import Clock, Truth
 from protocol.requests.goals import GoalOrder
 from protocol.requests.steering import Steer
 from protocol.streams import STREAMS
-from tests.deploy.monitor.watched import PATIENCE, ring, running, until
+from tests.deploy.monitor.watched import PATIENCE, ring, running, until, watch_local
 
 
 def test_a_watcher_sees_what_the_world_judged() -> None:

@@ -10,8 +10,10 @@ from math import cos, pi, sin
 from typing import Any
 
 from deploy.monitor.source import Source
+from deploy.monitor.watcher import Watcher
 from deploy.monitor.web.server import Server, serve_in_thread
 from deploy.run.local import LocalFleet
+from protocol.bus.local import LocalNetwork
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
 
 PATIENCE = 30.0
@@ -54,3 +56,11 @@ def served(source: Source) -> Iterator[Server]:
     """The live page of a source."""
     with closing(serve_in_thread(source)) as server:
         yield server
+
+
+def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:
+    """Watch a run that goes on in this process; the network's own thread drives the watcher."""
+    bus = network.connect()
+    watcher = Watcher(bus, run, speed=speed)
+    bus.node = watcher
+    return watcher

@@ -10,9 +10,8 @@ import pytest
 from matplotlib import image
 from PIL import Image
 
-from deploy.plot import draw
 from deploy.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
-from deploy.plot.draw import check
+from deploy.plot.draw import check, draw
 from deploy.plot.excerpt import until
 from deploy.plot.style import COLOURS, colour, dash
 from deploy.recording.reader import Recording, read

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from deploy.recording.reader import Recording
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 
@@ -25,3 +26,8 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
     with LocalFleet([scenario(**changes)], "three", record=path) as fleet:
         (report,) = fleet.execute()
     return report
+
+
+def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:
+    """What one robot said, or was told, in messages of a kind."""
+    return [message for message in recording.said(kind) if message.robot == robot]

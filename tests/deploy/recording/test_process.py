@@ -19,11 +19,11 @@ from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.keys import world_key
-from protocol.messages import Result, Truth
+from protocol.messages import Command, Result, State, Truth
 from protocol.wire.codec import encode
 from tests.deploy.monitor.watched import until
 from tests.deploy.recording.fake_world import FakeWorld
-from tests.deploy.recording.recorded import ROBOTS, scenario
+from tests.deploy.recording.recorded import ROBOTS, said_by, scenario
 
 
 def _feed(world: FakeWorld, bus, until: Callable[[], bool]) -> int:
@@ -174,5 +174,5 @@ def test_a_fleet_is_recorded_by_its_router_to_the_last_message(tmp_path):
     assert not found.cut
     assert trajectory(found) == (report["trajectory_sha256"], 0)
     for spec in ROBOTS:
-        assert [state.tick for state in found.states[spec.id]] == list(range(report["ticks"]))
-        assert [command.tick for command in found.commands[spec.id]] == list(range(report["ticks"]))
+        assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
+        assert [command.tick for command in said_by(found, Command, spec.id)] == list(range(report["ticks"]))

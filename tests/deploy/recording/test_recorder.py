@@ -20,7 +20,7 @@ from protocol.requests import joining
 from protocol.streams import STREAMS
 from protocol.wire.codec import encode
 from tests.deploy.recording.fake_world import FakeWorld
-from tests.deploy.recording.recorded import scenario
+from tests.deploy.recording.recorded import said_by, scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingFile]:
@@ -77,8 +77,8 @@ def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path):
     file.write(batch)
     file.finish()
     found = read(tmp_path / "x.mcap")
-    assert found.commands[1] == good
-    assert [each.note for each in found.health[1]] == ["null"]
+    assert said_by(found, Command, 1) == good
+    assert [each.note for each in said_by(found, Health, 1)] == ["null"]
     assert file.rejected == {"not-finite": 667, "identity": 667, "shape": 666}
 
 
@@ -87,7 +87,7 @@ def test_a_tick_beyond_all_time_does_not_end_the_recording(tmp_path):
     file.begin("r", scenario())
     file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 2**53, (0.1, 0.2))))])
     file.finish()
-    assert read(tmp_path / "x.mcap").commands[1] == [Command(1, 1, 2**53, (0.1, 0.2))]
+    assert said_by(read(tmp_path / "x.mcap"), Command, 1) == [Command(1, 1, 2**53, (0.1, 0.2))]
 
 
 def test_a_chunk_without_messages_is_whole(tmp_path):
@@ -162,7 +162,7 @@ def test_a_world_that_answers_nonsense_is_asked_again(tmp_path, first):
     recorder.wake(recorder.deadline)
     recorder.close()
     file.finish()
-    assert read(tmp_path / "odd.mcap").commands[1] == [Command(1, 1, 0, (0.1, 0.2))]
+    assert said_by(read(tmp_path / "odd.mcap"), Command, 1) == [Command(1, 1, 0, (0.1, 0.2))]
 
 
 def test_a_world_that_answers_nothing_else_is_named(tmp_path):

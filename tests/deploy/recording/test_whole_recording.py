@@ -18,10 +18,10 @@ from deploy.scene.fleet import TOPICS
 from deploy.scene.ros import NAME
 from protocol.bus.events import Sample
 from protocol.keys import everything, parse, robot_key
-from protocol.messages import Command
+from protocol.messages import Clock, Command, Health, State, Tick
 from protocol.streams import STREAMS
 from protocol.wire.codec import decode, encode
-from tests.deploy.recording.recorded import ROBOTS, scenario
+from tests.deploy.recording.recorded import ROBOTS, said_by, scenario
 
 
 class Spy:
@@ -106,11 +106,12 @@ def test_what_is_read_is_what_was_run(recorded):
     assert found.truths.clearance.min() == report["min_clearance"]
     assert np.array_equal(found.truths.positions[0], [spec.start for spec in ROBOTS])
     for spec in ROBOTS:
-        told = [tick.tick for tick in found.told[spec.id] if not tick.over]
-        assert told == [command.tick for command in found.commands[spec.id]] == list(range(report["ticks"]))
-        assert [state.tick for state in found.states[spec.id]] == list(range(report["ticks"]))
-        assert found.health[spec.id]
-    assert found.clocks[-1].verdict == report["verdict"]
+        told = [tick.tick for tick in said_by(found, Tick, spec.id) if not tick.over]
+        assert told == list(range(report["ticks"]))
+        assert [command.tick for command in said_by(found, Command, spec.id)] == told
+        assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
+        assert said_by(found, Health, spec.id)
+    assert list(found.said(Clock))[-1].verdict == report["verdict"]
 
 
 def test_everything_that_was_said_is_recorded_in_order(tmp_path):

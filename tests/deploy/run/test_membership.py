@@ -175,6 +175,23 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 
 
+@pytest.mark.parametrize("removed", [False, True], ids=["who is to come", "who has gone"])
+def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Path, removed: bool) -> None:
+    Journal.create(tmp_path / "journal", "local", [SWAP])
+    fleet = LocalFleet([SWAP], journal=tmp_path / "journal")
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    if removed:
+        to_be(fleet, 7, "live")
+        assert asked(fleet, {"remove": 7}).accepted
+        step(fleet, 5)
+    fleet.kill_world()
+    fleet.start_world()
+    report = fleet.execute()[0]
+    there = [1, 2, 3, 4] if removed else [1, 2, 3, 4, 7]
+    assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, there)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_comings_and_goings_under_faults(seed: int) -> None:
     turnover = Turnover(seed)

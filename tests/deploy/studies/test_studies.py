@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from deploy.library import swap
+from deploy.library.swaps import swap
 from deploy.software.provenance import provenance
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.table import table

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deploy.theory.clusters import circulation, clusters, neighbours
 from deploy.theory.function import Array, Problem
+from tests.deploy.theory.clusters import circulation, clusters, neighbours
 
 points = st.lists(
     st.tuples(st.floats(-30, 30), st.floats(-30, 30), st.floats(0.5, 5.0)), min_size=1, max_size=9

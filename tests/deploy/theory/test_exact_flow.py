@@ -8,14 +8,15 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from deploy.theory.clusters import circulation
 from deploy.theory.critical import classify
 from deploy.theory.equilibria import find_equilibrium
 from deploy.theory.exact_flow import Field, integrate
-from deploy.theory.function import Array, Problem, log_ratio, obstacle_functions, reduced_gradient
+from deploy.theory.function import Array, Problem, obstacle_functions, reduced_gradient
 from deploy.theory.gain.tuning import automatic_k
 from deploy.theory.hessian import reduced_jacobian
 from deploy.theory.reachability import mirrored_triples
+from tests.deploy.theory.clusters import circulation
+from tests.deploy.theory.potential import log_ratio
 from tests.deploy.theory.problems import admissible, crowded, free
 
 

@@ -7,24 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deploy.theory.boundary import boundary_gradient
 from deploy.theory.function import (
     Array,
     Problem,
     beta_boundary,
     beta_pairs,
     gamma,
-    gamma_parts,
-    gradient,
     in_free_space,
-    log_beta,
-    log_scale,
     obstacle_functions,
-    phi,
     reduced_gradient,
-    slice_of,
     weighted_obstacle_gradient,
 )
+from tests.deploy.theory.potential import boundary_gradient, gradient, log_beta, log_scale, phi
 from tests.deploy.theory.problems import SIZES, crowded, free
 
 H = 1e-5
@@ -70,8 +64,6 @@ def test_gradient_is_a_positive_multiple_of_the_reduced_gradient() -> None:
     np.testing.assert_allclose(
         gradient(problem, b), np.exp(log_scale(problem, b)) * reduced_gradient(problem, b), rtol=1e-14
     )
-    for i in range(6):
-        np.testing.assert_array_equal(slice_of(problem, b, i), reduced_gradient(problem, b)[i])
 
 
 def test_two_hundred_robots_at_k_ten_thousand_stay_finite_and_right() -> None:
@@ -124,11 +116,10 @@ def test_a_disk_larger_than_the_workspace_is_never_free() -> None:
     assert not in_free_space(problem, np.zeros((1, 2)))
 
 
-def test_gamma_is_the_sum_of_its_parts() -> None:
+def test_gamma_is_the_squared_distance_from_the_goal() -> None:
     problem = crowded(6, False, k=60.0)
     b = free(problem, 3)
     assert gamma(problem, b) == pytest.approx(float(np.linalg.norm(b - problem.goals) ** 2), rel=1e-14)
-    assert gamma_parts(problem, b).shape == (6,)
 
 
 def contacts(p: int, unequal: bool) -> tuple[Problem, Array]:

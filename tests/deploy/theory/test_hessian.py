@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from deploy.theory.function import Problem, gradient, log_beta, phi, reduced_gradient
-from deploy.theory.hessian import hessian, reduced_jacobian
+from deploy.theory.function import Problem, reduced_gradient
+from deploy.theory.hessian import reduced_jacobian
+from tests.deploy.theory.potential import gradient, hessian, log_beta, phi
 from tests.deploy.theory.problems import SIZES, crowded, free
 
 H = 1e-5

@@ -7,8 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from deploy.theory.boundary import boundary_gradient
-from deploy.theory.clusters import circulation, clusters
 from deploy.theory.critical import classify
 from deploy.theory.equilibria import equilibria, swapped_pairs
 from deploy.theory.function import (
@@ -17,12 +15,12 @@ from deploy.theory.function import (
     beta_boundary,
     beta_pairs,
     gamma,
-    log_ratio,
     obstacle_functions,
     reduced_gradient,
 )
-from deploy.theory.gain.bounds import n2_at
-from deploy.theory.hessian import hessian, obstacle_curvature, obstacle_outer, reduced_jacobian
+from deploy.theory.hessian import obstacle_curvature, obstacle_outer, reduced_jacobian
+from tests.deploy.theory.clusters import circulation, clusters
+from tests.deploy.theory.potential import boundary_gradient, hessian, log_ratio, n2_at
 from tests.deploy.theory.problems import SIZES, admissible, crowded, free
 
 CASES = [(p, unequal) for p in SIZES for unequal in (False, True)]

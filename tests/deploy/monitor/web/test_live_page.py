@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from deploy.monitor.watcher import Watcher, watch_local
+from deploy.monitor.watcher import Watcher
 from deploy.monitor.web.server import Server
 from deploy.run.local import LocalFleet
 from protocol.requests.steering import Steer
 from protocol.scenario.model import Scenario
-from tests.deploy.monitor.watched import ring, running, served
+from tests.deploy.monitor.watched import ring, running, served, watch_local
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="playwright is missing: pip install playwright"

@@ -20,13 +20,12 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from deploy.monitor.source import SharedView
-from deploy.monitor.watcher import watch_local
 from deploy.monitor.web.server import Server, serve_in_thread
 from deploy.monitor.web.stream import FrameStream
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
-from tests.deploy.monitor.watched import PATIENCE, ring, running, served
+from tests.deploy.monitor.watched import PATIENCE, ring, running, served, watch_local
 
 pytestmark = pytest.mark.slow
 

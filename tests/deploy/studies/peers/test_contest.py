@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from deploy.library import swap
 from deploy.library.goal_sets import figure_3
+from deploy.library.swaps import swap
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
 from deploy.studies.peers.places import Group, contest, places
 from deploy.studies.peers.study import LAWS, SCANS, peers, settings
