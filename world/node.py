@@ -21,6 +21,7 @@ from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
+from world.shell import snapshot
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.journal import Began
@@ -125,6 +126,8 @@ class WorldNode:
     def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
+        for robot, session in past.ended.items():
+            self._admissions.bar(robot, session)
         for robot, session in past.sessions.items():
             life = past.run.world.coordinator.lives.incarnations[robot]
             if past.run.world.coordinator.lives.goes_on(robot, life):
@@ -292,6 +295,8 @@ class WorldNode:
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
+        if self._journal is not None and snapshot.is_due(run.world):
+            self._journal.compact(snapshot.take(run, self._admissions.sessions, self._failures.expected))
         self._publishers.goals(run.world.goal_news())
         run.opened = False
         if run.world.verdict:
@@ -349,6 +354,7 @@ class WorldNode:
                 lives.incarnations,
                 lives.version,
                 self._failures.expected,
+                self._admissions.ended,
             )
             run.world.coordinator.note = self._journal.note
         return run

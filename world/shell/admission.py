@@ -139,9 +139,10 @@ class Admissions:
     def _obstacle(self, join: joining.Join, run: Run) -> str:
         """Why a process has to wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
-        if slot.ended == join.session:
+        life = run.world.coordinator.lives.of[robot]
+        if join.session == slot.ended or (join.session == slot.session and life.ended):
             return f"the scenario has ended this process of robot {robot}"
-        if run.world.coordinator.lives.of[robot].paused:
+        if life.paused:
             return f"robot {robot} is paused by the scenario"
         taken = slot.session not in ("", join.session) and self._clock() < slot.since + RESERVATION
         return f"another process is joining as robot {robot}" if taken else ""
@@ -185,6 +186,21 @@ class Admissions:
         slot = self.slots.get(robot)
         if slot is not None and slot.session:
             slot.ended, slot.session = slot.session, ""
+
+    @property
+    def sessions(self) -> dict[int, str]:
+        """Which process is each robot that has one, by its own name."""
+        return {robot: slot.session for robot, slot in self.slots.items() if slot.session}
+
+    @property
+    def ended(self) -> dict[int, str]:
+        """By robot, the newest of its processes that a scenario which is over has ended."""
+        return {robot: slot.ended for robot, slot in self.slots.items() if slot.ended}
+
+    def bar(self, robot: int, session: str) -> None:
+        """An earlier world saw the scenario end this process; it does not come back, even if it lives yet."""
+        if robot in self.slots:
+            self.slots[robot].ended = session
 
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""
