@@ -9,12 +9,11 @@ from protocol.messages import Clock
 from protocol.scenario.model import Scenario
 
 
-class RunProgress:
+class RunProgress(Progress):
     """Shows simulated time, phi and clearance while a run goes on; a context manager."""
 
     def __init__(self, scenario: Scenario, quiet: bool) -> None:
-        self._scenario = scenario
-        self._progress = Progress(
+        super().__init__(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
@@ -25,18 +24,11 @@ class RunProgress:
             transient=True,
             disable=quiet,
         )
-        self._task = self._progress.add_task(scenario.name, total=scenario.time.limit, figures="starting")
-
-    def __enter__(self) -> RunProgress:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._progress.stop()
+        self._task = self.add_task(scenario.name, total=scenario.time.limit, figures="starting")
 
     def watch(self, clock: Clock) -> None:
         """Take over news from the world."""
         figures = (
             f"t = {clock.time:5.2f} s   phi {clock.phi:.3f}   clearance {1000 * clock.clearance:6.2f} mm"
         )
-        self._progress.update(self._task, completed=clock.time, figures=figures)
+        self.update(self._task, completed=clock.time, figures=figures)

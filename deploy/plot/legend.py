@@ -4,37 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from matplotlib.artist import Artist
-from matplotlib.legend import Legend
 from matplotlib.legend_handler import HandlerPatch
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
-from matplotlib.transforms import Transform
 
 from deploy.plot.style import FAINT, colour, dash
 
 
-class _Disk(HandlerPatch):
-    """Shows a disk as a disk, where legends would show a box."""
-
-    def create_artists(
-        self,
-        legend: Legend,
-        orig_handle: Artist,
-        xdescent: float,
-        ydescent: float,
-        width: float,
-        height: float,
-        fontsize: float,  # noqa: ARG002
-        trans: Transform,
-    ) -> list[Artist]:
-        disk = Circle((width / 2 - xdescent, height / 2 - ydescent), 0.75 * height)
-        self.update_prop(disk, orig_handle, legend)
-        disk.set_transform(trans)
-        return [disk]
+def _disk(*, xdescent: float, ydescent: float, width: float, height: float, **_: object) -> Circle:
+    """A disk as a disk, where legends would show a box."""
+    return Circle((width / 2 - xdescent, height / 2 - ydescent), 0.75 * height)
 
 
-HANDLERS = {Patch: _Disk()}
+HANDLERS = {Patch: HandlerPatch(patch_func=_disk)}
 
 
 def disks() -> list[Patch]:

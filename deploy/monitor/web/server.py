@@ -64,14 +64,9 @@ def serve_in_thread(source: Source, port: int | None = None) -> Server:
 
 
 def _listener(port: int | None) -> socket.socket:
-    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listener.bind((HOST, port or 0))
+        return socket.create_server((HOST, port or 0), backlog=64)
     except (OSError, OverflowError) as error:
-        listener.close()
         raise UsageError(
             f"--port {port}: {error}; name another port, or none and a free one is taken"
         ) from error
-    listener.listen(64)
-    return listener

@@ -10,6 +10,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import islice
 from typing import Protocol
 
@@ -17,7 +18,9 @@ from deploy.run.options import Transport
 from deploy.studies.falsify.archive import Archive, Entry
 from deploy.studies.falsify.runs.violation import Violation
 from deploy.studies.falsify.scenarios.dice import Dice
-from deploy.studies.falsify.trial import Fresh, Mutant, Result, Shrinking, Source, Task, Trial
+from deploy.studies.falsify.scenarios.draw import drawn
+from deploy.studies.falsify.scenarios.mutate import mutated
+from deploy.studies.falsify.trial import Result, Shrinking, Task, Trial
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.worker import Batch
 from deploy.studies.study import Run
@@ -105,12 +108,11 @@ class Campaign:
 
     def _trial(self, number: int) -> tuple[Run, Trial]:
         """Odd numbers are mutants, once there is something to mutate."""
-        plan, source = self.plan, Fresh(self.plan.seed)
+        plan = self.plan
         if number % 2 == 0 or not self.archive:
-            return plan.run(FRESH, number), Trial(source, plan.settings)
-        parents = self.archive.parents(Dice(plan.seed, number, _STREAM))
-        mutant: Source = Mutant(plan.seed, *parents)
-        return plan.run(MUTANT, number), Trial(mutant, plan.settings)
+            return plan.run(FRESH, number), Trial(partial(drawn, plan.seed), plan.settings)
+        one, other = self.archive.parents(Dice(plan.seed, number, _STREAM))
+        return plan.run(MUTANT, number), Trial(partial(mutated, one, other, plan.seed), plan.settings)
 
     def _done(
         self, tasks: Sequence[tuple[Run, Task]], workers: Workers, size: int = _BATCH

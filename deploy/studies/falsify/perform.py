@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -13,7 +14,8 @@ from deploy.software.provenance import code_digest, provenance
 from deploy.studies.falsify.campaign import Campaign, Plan
 from deploy.studies.falsify.files import Files
 from deploy.studies.falsify.rows import done, listed, rows, table
-from deploy.studies.falsify.trial import Fresh, Trial, perform
+from deploy.studies.falsify.scenarios.draw import drawn
+from deploy.studies.falsify.trial import Trial, perform
 from deploy.studies.request import Request
 from deploy.studies.runners.cluster import Cluster
 from deploy.studies.runners.ctrl_c import heeded
@@ -75,7 +77,7 @@ def _execute(campaign: Campaign, request: Request, quiet: bool) -> None:
     with progress, crew as workers, heeded() as heed:
 
         def advance(said: str) -> None:
-            progress.advance(said)
+            progress.count(said)
             heed()
 
         campaign.execute(workers, advance)
@@ -88,4 +90,4 @@ def _check(request: Request, plan: Plan) -> None:
         raise UsageError(
             "study falsify has nothing to plot, and is random anyway: leave out --plot, --random"
         )
-    Trial(Fresh(plan.seed), plan.settings).scenario(0)
+    Trial(partial(drawn, plan.seed), plan.settings).scenario(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from deploy.library.load import resolved
 from deploy.run.options import Transport
@@ -13,8 +13,6 @@ from deploy.studies.falsify.runs.nearness import nearness
 from deploy.studies.falsify.runs.observe import Observation, observe
 from deploy.studies.falsify.runs.on_processes import on_processes
 from deploy.studies.falsify.runs.violation import Violation, other_trajectory
-from deploy.studies.falsify.scenarios.draw import drawn
-from deploy.studies.falsify.scenarios.mutate import mutated
 from deploy.studies.falsify.shrinking.shrink import shrunk
 from deploy.studies.runners.worker import Send
 from deploy.studies.study import Run
@@ -23,38 +21,10 @@ from protocol.scenario.model import Scenario
 
 Result = dict[str, Any]
 Task = Callable[[Run], Result]
+Source = Callable[[int], tuple[Scenario, int]]  # from a number a scenario, and how many draws were refused
 
 REPEATED = 8  # one in so many is run again with the robots joining in another order
 TRIES: dict[Transport, int] = {"local": 600, "routed": 40, "mesh": 40}  # of one shrinking
-
-
-class Source(Protocol):
-    """Where the scenario of a trial comes from."""
-
-    def __call__(self, number: int) -> tuple[Scenario, int]:
-        """The scenario, and how many draws were refused for it."""
-
-
-@dataclass(frozen=True)
-class Fresh:
-    """A scenario that has nothing to do with any other."""
-
-    seed: int
-
-    def __call__(self, number: int) -> tuple[Scenario, int]:
-        return drawn(self.seed, number)
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A scenario a little different from one that came near to touching."""
-
-    seed: int
-    parent: Scenario
-    other: Scenario
-
-    def __call__(self, number: int) -> tuple[Scenario, int]:
-        return mutated(self.parent, self.other, self.seed, number)
 
 
 @dataclass(frozen=True)

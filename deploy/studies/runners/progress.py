@@ -7,11 +7,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.progress import TimeRemainingColumn as TimeLeftColumn
 
 
-class StudyProgress:
+class StudyProgress(Progress):
     """A bar over all runs, those known from before included; a context manager."""
 
     def __init__(self, name: str, total: int, done: int, quiet: bool) -> None:
-        self._progress = Progress(
+        super().__init__(
             TextColumn(name),
             BarColumn(bar_width=24),
             MofNCompleteColumn(),
@@ -24,15 +24,8 @@ class StudyProgress:
             transient=True,
             disable=quiet,
         )
-        self._task = self._progress.add_task("", total=total, completed=done)
+        self._task = self.add_task("", total=total, completed=done)
 
-    def __enter__(self) -> StudyProgress:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._progress.stop()
-
-    def advance(self, said: str) -> None:
+    def count(self, said: str) -> None:
         """One more run is done; `said` stands beside the bar."""
-        self._progress.update(self._task, advance=1, description=said)
+        self.update(self._task, advance=1, description=said)

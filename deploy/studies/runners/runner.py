@@ -75,5 +75,5 @@ def _execute(
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:
                 log.add(run.key, result)
-            progress.advance(study.cells[run.cell].name)
+            progress.count(study.cells[run.cell].name)
             heed()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from deploy.studies.falsify.runs.on_processes import on_processes
 from deploy.studies.falsify.runs.violation import Violation, violations
 from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.draw import drawn
-from deploy.studies.falsify.trial import Fresh, Trial, perform
+from deploy.studies.falsify.trial import Trial, perform
 from deploy.studies.perform import perform as study
 from deploy.studies.request import Request
 from deploy.studies.runners.run_log import RunLog
@@ -87,7 +88,7 @@ def test_other_seeds_and_settings_reuse_nothing() -> None:
 
 
 def test_settings_are_laid_over_every_scenario() -> None:
-    scenario, _ = Trial(Fresh(0), ("control.law=orca", "time.limit=3.0")).scenario(5)
+    scenario, _ = Trial(partial(drawn, 0), ("control.law=orca", "time.limit=3.0")).scenario(5)
     assert (scenario.control.law, scenario.time.limit) == ("orca", 3.0)
 
 
@@ -209,14 +210,14 @@ def test_stopped_in_the_middle_it_keeps_what_it_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plant(not_waiting, monkeypatch)
-    advance = command.StudyProgress.advance
+    advance = command.StudyProgress.count
 
     def stop_after_a_finding(self: Any, said: str) -> None:
         advance(self, said)
         if not said.startswith("0"):
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(command.StudyProgress, "advance", stop_after_a_finding)
+    monkeypatch.setattr(command.StudyProgress, "count", stop_after_a_finding)
     assert study(_request(tmp_path)) == EXIT_OTHERWISE
     assert len(list((tmp_path / "found").iterdir())) >= 1
     assert not json.loads((tmp_path / "rows.json").read_text())["provenance"]["complete"]
@@ -227,7 +228,7 @@ def test_stopped_before_anything_was_found(tmp_path: Path, monkeypatch: pytest.M
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command.StudyProgress, "advance", stop)
+    monkeypatch.setattr(command.StudyProgress, "count", stop)
     assert study(_request(tmp_path)) == EXIT_INTERRUPTED
 
 
