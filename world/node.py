@@ -21,6 +21,7 @@ from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
+from world.shell import snapshot
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.journal import Began
@@ -82,9 +83,9 @@ class WorldNode:
         self._tell, self._note = tell, note
         self._returning = returning(gathering, restarts, lockstep=lockstep)
         current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
-        named = {each.robot for each in current.world.coordinator.lives.roster.members}
-        ids = {*scenarios[0].ids, *current.scenario.ids, *named}  # who is to come and who has gone, too
-        self._admissions = Admissions(run, ids, lockstep, clock, self._journal)
+        lives = current.world.coordinator.lives
+        self._admissions = Admissions(run, lives.of, lockstep, clock, self._journal)
+        ids = {*scenarios[0].ids, *lives.of, *(each.robot for each in lives.roster.members)}
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
         self._operations = Operations(
@@ -125,6 +126,8 @@ class WorldNode:
     def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
+        for robot, session in past.ended.items():
+            self._admissions.bar(robot, session)
         for robot, session in past.sessions.items():
             life = past.run.world.coordinator.lives.incarnations[robot]
             if past.run.world.coordinator.lives.goes_on(robot, life):
@@ -132,7 +135,7 @@ class WorldNode:
 
     def _begin(self, run: Run) -> None:
         self._run = run
-        self._admissions.forget_reports()
+        self._admissions.begin(run.world.coordinator.lives.of)
         self._publishers.published = 0
         self._pacing.wait()
 
@@ -179,14 +182,15 @@ class WorldNode:
         self._advance()
 
     def _robot_of(self, key: str) -> int | None:
-        """Whose token this is; None, and counted, if it is no robot's of this run."""
+        """Whose token this is; None if no robot has it that is there, and counted if none ever had."""
         try:
             robot = parse(key).robot
         except KeyGrammarError:
             self._run.rejected["key"] += 1
             return None
         if robot not in self._admissions.slots:
-            self._run.rejected["identity"] += 1
+            if robot not in self._publishers:
+                self._run.rejected["identity"] += 1
             return None
         return robot
 
@@ -218,8 +222,10 @@ class WorldNode:
         self._failures.supersede(join, self._run)
         self._shutdown.take_report(join, self._run)
         self._conclude_in_time()
-        reply = self._shutdown.reply(join, self._run)
-        return self._admissions.enlist(join, self._run) if reply is None else reply
+        run, admissions = self._run, self._admissions  # perhaps the next one, of other robots
+        return (
+            self._shutdown.reply(join, run) or admissions.refusal(join, run) or admissions.enlist(join, run)
+        )
 
     # -- the clock
 
@@ -289,6 +295,8 @@ class WorldNode:
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
+        if self._journal is not None and snapshot.is_due(run.world):
+            self._journal.compact(snapshot.take(run, self._admissions.sessions, self._failures.expected))
         self._publishers.goals(run.world.goal_news())
         run.opened = False
         if run.world.verdict:
@@ -346,6 +354,7 @@ class WorldNode:
                 lives.incarnations,
                 lives.version,
                 self._failures.expected,
+                self._admissions.ended,
             )
             run.world.coordinator.note = self._journal.note
         return run

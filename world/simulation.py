@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from mypy_extensions import mypyc_attr
+
 from protocol.messages import Report, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.choice import plant_of
@@ -13,6 +15,7 @@ from world.sensing.odometry import Odometer
 from world.sensing.position import Sensor
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Simulation:
     """Every robot's disk, where it really is, and what the robot is told of that.
 

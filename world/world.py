@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import msgspec
+from mypy_extensions import mypyc_attr
 
 from protocol.messages import Command, GoalStatus, Tick, Truth
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -34,6 +35,7 @@ from world.report import report
 from world.simulation import Simulation
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class World:
     """One run of a scenario.
 

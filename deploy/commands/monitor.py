@@ -14,7 +14,6 @@ from deploy.monitor.source import SharedView, Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
-from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 from protocol.process.title import entitle
 
@@ -35,7 +34,7 @@ def monitor(
             "Repeat it for each process of a mesh.",
         ),
     ] = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve the live page; its address is printed.")] = False,
+    web: options.Web = False,
     secure: options.Secure = None,
     foxglove: Annotated[
         bool,
@@ -70,9 +69,7 @@ def monitor(
         options.refuse({"--router": router}, "with --secure there is one router")
     os.nice(_NICENESS)
     membership = Membership(secure)
-    name = membership.run(run)
-    if name is None:
-        raise UsageError("name the run: --run NAME, which the fleet's launcher prints")
+    name = membership.named_run(run)
     entitle("monitor", name)
     role = membership.viewer if web else MONITOR
     connection = _connection(router, membership, role)

@@ -43,6 +43,10 @@ Json = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it, and nothing else."),
 ]
+Web = Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")]
+Record = Annotated[
+    Path | None, typer.Option("--record", help="Record everything that crosses the network (MCAP).")
+]
 Rotate = Annotated[
     list[str] | None,
     typer.Option(

@@ -34,13 +34,11 @@ def run(
     open_to_all: Annotated[
         bool, typer.Option("--open", help="Hosts that others can reach may do without --secure.")
     ] = False,
-    record: Annotated[
-        Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
-    ] = None,
+    record: options.Record = None,
     rotate: options.Rotate = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg, .pdf, .gif or .mp4.")] = None,
     json_file: options.Json = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
+    web: options.Web = False,
     speed: Annotated[
         float | None,
         typer.Option(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -37,12 +36,10 @@ def serve(
     ] = None,
     router: options.RouterThere = None,
     secure: options.Secure = None,
-    record: Annotated[
-        Path | None, typer.Option(help="Record everything that crosses the network (MCAP).")
-    ] = None,
+    record: options.Record = None,
     rotate: options.Rotate = None,
     json_file: options.Json = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")] = False,
+    web: options.Web = False,
     restart: Annotated[
         str,
         typer.Option(

@@ -30,57 +30,52 @@ class Entry(NamedTuple):
 
 
 _Build = Callable[[int], Scenario]
-_FIXED: dict[str, tuple[_Build, Entry]] = {
-    "figure-1": (figure_1, Entry("figure-1", "6", "robot 1 passes between four others that nudge aside")),
-    "figure-2": (figure_2, Entry("figure-2", "3", "goals too close together: they can block each other")),
+# the scenario of a seed, how many robots it has, and what it shows
+_FIXED: dict[str, tuple[_Build, str, str]] = {
+    "figure-1": (figure_1, "6", "robot 1 passes between four others that nudge aside"),
+    "figure-2": (figure_2, "3", "goals too close together: they can block each other"),
     **{
         f"figure-3{letter}": (
             partial(figure_3, letter),
-            Entry(f"figure-3{letter}", "6", f"goal set of tightness {tight:.2f}, random starts"),
+            "6",
+            f"goal set of tightness {tight:.2f}, random starts",
         )
         for letter, tight in TIGHTNESS.items()
     },
-    "head-on": (head_on, Entry("head-on", "2", "two robots change places, exactly on the saddle")),
-    "admissible": (admissible, Entry("admissible", "3", "goals for which the paper's guarantee holds")),
-    "delay-6": (delay_6, Entry("delay-6", "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss")),
-    "sphere-world": (
-        sphere_world,
-        Entry("sphere-world", "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
-    ),
-    "crash": (crash, Entry("crash", "6", "figure-3c; one robot is killed and started again")),
+    "head-on": (head_on, "2", "two robots change places, exactly on the saddle"),
+    "admissible": (admissible, "3", "goals for which the paper's guarantee holds"),
+    "delay-6": (delay_6, "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss"),
+    "sphere-world": (sphere_world, "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
+    "crash": (crash, "6", "figure-3c; one robot is killed and started again"),
 }
-_COUNTED: dict[str, tuple[Callable[[int, int], Scenario], Entry]] = {
+# the same of a number, which stands in the name, and a seed
+_COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
     "swap": (
         lambda count, seed: swap(count, seed=seed),
-        Entry("swap-N", "2 to 1000", "robots on a circle change places, exactly on the saddle"),
+        "2 to 1000",
+        "robots on a circle change places, exactly on the saddle",
     ),
     "circle": (
         lambda count, seed: circle(count, seed=seed),
-        Entry("circle-N", "2 to 250", "robots of 1.5 m change places on a circle of 200 m, as in RVO2"),
+        "2 to 250",
+        "robots of 1.5 m change places on a circle of 200 m, as in RVO2",
     ),
-    "turtlebots": (
-        turtlebots,
-        Entry("turtlebots-N", "2 to 100", "robots on two wheels each change places on a circle"),
-    ),
-    "forest": (forest, Entry("forest-N", "1 to 20", "among 40 boxes, as in LSC-DR's forest10")),
-    "blocks": (blocks, Entry("blocks-N", "4 to 100", "four groups cross between four blocks, as in RVO2")),
-    "boxes": (boxes, Entry("boxes-N", "1 to 100", "random goals among 8 boxes, as in GCBF+")),
-    "beads": (beads, Entry("beads-N", "1 to 100", "in a corridor, where all keep their order")),
-    "in-turn": (in_turn, Entry("in-turn-N", "1 to 100", "only one robot moves at a time")),
-    "parts": (parts, Entry("parts-N", "3", "robots bring N parts to their goals, taking them up and down")),
-    "random": (
-        random_instance,
-        Entry("random-N", "1 to 1000", "random starts and goals at the paper's density"),
-    ),
+    "turtlebots": (turtlebots, "2 to 100", "robots on two wheels each change places on a circle"),
+    "forest": (forest, "1 to 20", "among 40 boxes, as in LSC-DR's forest10"),
+    "blocks": (blocks, "4 to 100", "four groups cross between four blocks, as in RVO2"),
+    "boxes": (boxes, "1 to 100", "random goals among 8 boxes, as in GCBF+"),
+    "beads": (beads, "1 to 100", "in a corridor, where all keep their order"),
+    "in-turn": (in_turn, "1 to 100", "only one robot moves at a time"),
+    "parts": (parts, "3", "robots bring N parts to their goals, taking them up and down"),
+    "random": (random_instance, "1 to 1000", "random starts and goals at the paper's density"),
 }
-_NUMBERED = re.compile(
-    r"(swap|circle|turtlebots|random|blocks|forest|boxes|beads|parts|in-turn)-([1-9][0-9]{0,5})"
-)
+_NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")
 
 
 def catalogue() -> list[Entry]:
     """Every name, in the order in which to show them."""
-    return [entry for _, entry in (*_FIXED.values(), *_COUNTED.values())]
+    fixed = [Entry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
+    return fixed + [Entry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
 
 
 def suggestions(name: str) -> str:

@@ -215,6 +215,8 @@ class Fleet:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
             LOG.info(str(exit_))
+            if exit_.code == 0:  # it was removed; who is added under its id next has its own
+                self._started = {r for r in self._started if table.robot_name(r) != exit_.process.name}
             if exit_.again and not exit_.expected:
                 LOG.warning(f"{exit_}; it is started again")
             if exit_.again:

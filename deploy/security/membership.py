@@ -12,6 +12,7 @@ from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, rout
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import AUTHORITY, Credentials, credentials, key_file
 from protocol.errors import CertificateError, UsageError
+from protocol.keys import checked_run
 from protocol.process.installation import missing_library
 
 DEFAULT_PORT = 7447
@@ -54,6 +55,13 @@ class Membership:
                 f"the certificates in {self.directory} are for the run {roster.run}, not {asked}"
             )
         return roster.run
+
+    def named_run(self, asked: str | None) -> str:
+        """The same where there has to be one; raises UsageError if nobody named it."""
+        run = self.run(asked)
+        if run is None:
+            raise UsageError("name the run: --run NAME, the same for the whole fleet")
+        return checked_run(run)
 
     @property
     def viewer(self) -> str:

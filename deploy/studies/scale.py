@@ -10,7 +10,7 @@ from typing import Any
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance
 from deploy.run.options import Transport
-from deploy.studies.statistics import arrived, mean, power_law
+from deploy.studies.statistics import arrived, growth, mean
 from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Scenario
 
@@ -103,7 +103,7 @@ def _summary(rows: Sequence[Row]) -> list[str]:
                 (row["robots"], row[name]) for row in rows if row["transport"] == transport and row[name]
             ]
             if len({x for x, _ in points}) > 1:
-                _, exponent = power_law([x for x, _ in points], [y for _, y in points])
+                exponent = growth([x for x, _ in points], [y for _, y in points])
                 fits.append(f"{words} p^{exponent:+.2f}")
         lines.append(f"{transport}, p robots: " + ", ".join(fits))
     return lines

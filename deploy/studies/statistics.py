@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from statistics import fmean, stdev
+from collections.abc import Iterable, Mapping, Sequence
+from statistics import fmean, linear_regression, stdev
 from typing import Any
 
 Result = dict[str, Any]
@@ -35,10 +35,23 @@ def collided(results: Iterable[Result]) -> int:
     return sum(1 for result in results if result.get("collisions"))
 
 
-def power_law(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
-    """Factor and exponent of the least-squares fit y = factor x^exponent in logarithms."""
-    u, v = [math.log(each) for each in x], [math.log(each) for each in y]
-    mu, mv = fmean(u), fmean(v)
-    spread = sum((a - mu) ** 2 for a in u)
-    exponent = sum((a - mu) * (b - mv) for a, b in zip(u, v, strict=True)) / spread
-    return math.exp(mv - exponent * mu), exponent
+def figures(results: Sequence[Result]) -> dict[str, Any]:
+    """How many runs, of them those that touched and those that arrived, and mean nrl and time of these."""
+    came = arrived(results)
+    return {
+        "runs": len(results),
+        "collisions": collided(results),
+        "arrived": len(came),
+        "nrl_mean": mean([result["nrl"] for result in came]),
+        "time_mean": mean([result["sim_time"] for result in came]),
+    }
+
+
+def untouched(rows: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether nothing touched in any run of these rows."""
+    return not any(row["collisions"] for row in rows)
+
+
+def growth(x: Sequence[float], y: Sequence[float]) -> float:
+    """Exponent of the least-squares fit y = factor x^exponent in logarithms."""
+    return linear_regression([math.log(each) for each in x], [math.log(each) for each in y]).slope

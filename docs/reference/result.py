@@ -38,7 +38,8 @@ FIELDS = {
     "`measurements` (`delayed`, `missing`, `dropped`), and the scenario's `sensing`, `link` and `actuation`",
     "phi": "navigation function: `first`, `last`, and in how many ticks it rose (`increases`)",
     "positions": "m, by robot, at the end",
-    "trajectory_sha256": "over all true positions: little-endian doubles in the order tick, robot, x, y",
+    "trajectory_sha256": "over all true positions: little-endian doubles in the order tick, robot, x, y; "
+    "after every 8192 ticks it begins anew with the 32 bytes so far",
     "messages": "`published`, `received` by all processes together, `rejected` by reason",
     "processes": "one object a process: `name`, `pid`, `exit_code`, `restarts`, `cpu_s`, `max_rss_mb`; "
     "on several hosts `host`",

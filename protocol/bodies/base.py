@@ -40,6 +40,9 @@ class Motion:
     def __init__(self, heading: float, ahead: float = 0.0, aside: float = 0.0, hold: float = 0.0) -> None:
         self.heading, self.ahead, self.aside, self.hold = heading, ahead, aside, hold
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Motion, (self.heading, self.ahead, self.aside, self.hold)
+
     @property
     def velocity(self) -> Vector:
         """Of the control point in the world's frame, m/s."""
@@ -61,6 +64,9 @@ class Arc:
     def __init__(self, ahead: float, aside: float, duration: float) -> None:
         self.ahead, self.aside, self.duration = ahead, aside, duration
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Arc, (self.ahead, self.aside, self.duration)
+
 
 @final
 @mypyc_attr(acyclic=True)
@@ -72,15 +78,18 @@ class Base:
         period: of one tick, s.
     """
 
-    __slots__ = ("_acceleration", "_half_track", "_hold", "_instant", "_offset", "_speed", "period")
+    __slots__ = ("_acceleration", "_body", "_half_track", "_hold", "_instant", "_offset", "_speed", "period")
 
     def __init__(self, body: Body, period: float) -> None:
         wheeled = body.kind == "differential-drive"
-        self.period = period
+        self._body, self.period = body, period
         self._instant = body.kind == "point"
         self._offset = body.offset if wheeled else 0.0
         self._half_track = 0.5 * body.track
         self._speed, self._acceleration, self._hold = body.speed, body.acceleration, body.hold
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Base, (self._body, self.period)
 
     def turn(self, arc: Arc) -> float:
         """Angle by which an arc turns the body, rad."""

@@ -30,6 +30,9 @@ class Disk:
     def __hash__(self) -> int:
         return hash(self._numbers)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return Disk, self._numbers
+
     @property
     def _numbers(self) -> tuple[float, float, float]:
         return self.x, self.y, self.radius

@@ -47,6 +47,9 @@ class ConvexPolygon:
     def __hash__(self) -> int:
         return hash(self.points)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return ConvexPolygon, (self.points,)
+
     @property
     def area(self) -> float:
         """m^2."""

@@ -18,12 +18,15 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
+from unittest.mock import patch
 
 from deploy.run.local import LocalFleet
 from protocol.messages import Command
 from tests.benchmarks.fleets import measure, scenario
+from world.judge import trajectory
 from world.shell.journal import Journal
 from world.shell.replay import resume
+from world.shell.snapshot import frozen, thawed
 from world.world import World
 
 _TICKS = 64
@@ -81,11 +84,12 @@ def _drive(world: World, robots: Sequence[int]) -> float:
 
 
 class Replay(NamedTuple):
-    """Bytes a tick, ticks a second, and simulated seconds a second."""
+    """Bytes a tick, ticks a second, simulated seconds a second, and s for all that can follow a snapshot."""
 
     size: float
     speed: float
     times_real: float
+    longest: float
 
 
 def replay(robots: int) -> Replay:
@@ -101,7 +105,29 @@ def replay(robots: int) -> Replay:
         began = time.perf_counter()
         world = resume(Journal(path, "local", [setting]), [setting]).run.world
         speed = world.tick / (time.perf_counter() - began)
-        return Replay(path.stat().st_size / world.tick, speed, speed * setting.time.step)
+        size = path.stat().st_size / world.tick
+    return Replay(size, speed, speed * setting.time.step, trajectory.LINK / speed)
+
+
+class Written(NamedTuple):
+    """Bytes of a snapshot, and how long it takes to take one and to read it, s."""
+
+    size: int
+    taken: float
+    read: float
+
+
+def written(robots: int) -> Written:
+    """Of a run that is under way."""
+    with patch.object(trajectory, "LINK", _TICKS):
+        fleet = LocalFleet([scenario(robots)])
+        while fleet.world.world.tick < _TICKS:
+            fleet.step()
+        began = time.perf_counter()
+        state = frozen(fleet.world.world)
+        taken = time.perf_counter()
+        thawed(state)
+        return Written(len(state), taken - began, time.perf_counter() - taken)
 
 
 def main() -> None:
@@ -111,10 +137,17 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=2.0, help="how long each fleet is measured")
     parser.add_argument("--rounds", type=int, default=9)
     options = parser.parse_args()
-    print(f"{'robots':>6}{'bytes/tick':>12}{'replayed/s':>12}{'x real':>8}")
+    print(
+        f"{'robots':>6}{'bytes/tick':>12}{'replayed/s':>12}{'x real':>8}{'most s':>8}"
+        f"{'snapshot':>10}{'taken ms':>10}{'read ms':>9}"
+    )
     for robots in options.robots:
-        again = replay(robots)
-        print(f"{robots:6d}{again.size:12.0f}{again.speed:12.0f}{again.times_real:8.0f}", flush=True)
+        again, kept = replay(robots), written(robots)
+        print(
+            f"{robots:6d}{again.size:12.0f}{again.speed:12.0f}{again.times_real:8.0f}{again.longest:8.1f}"
+            f"{kept.size:10d}{1e3 * kept.taken:10.2f}{1e3 * kept.read:9.2f}",
+            flush=True,
+        )
     print(f"{'robots':>6}{'ticks/s':>12}{'with it':>12}{'ratio':>8}{'added us':>11}{'share':>8}")
     for robots in options.robots:
         own, more = cost(robots, options.seconds, options.rounds), added(robots)

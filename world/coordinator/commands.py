@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
+from mypy_extensions import mypyc_attr
+
 from protocol.messages import Command, Handling, Vector
 from world.coordinator.lives import Lives
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Commands:
     """A command counts for the open tick only, from an active life, once.
 

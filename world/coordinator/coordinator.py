@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import msgspec
+from mypy_extensions import mypyc_attr
 
 from protocol.messages import (
     Command,
@@ -33,6 +34,7 @@ from world.coordinator.patience import blamed
 from world.coordinator.schedule import Operated, Schedule
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Coordinator:
     """Lives, commands, missions and membership of one run.
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from mypy_extensions import mypyc_attr
+
 
 class Status(Enum):
     """What the world takes the process of a robot to be."""
@@ -15,6 +17,7 @@ class Status(Enum):
     LOST = auto()  # given up on or fenced; may still listen
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 @dataclass(slots=True)
 class Life:
     """The newest life of one robot id."""
@@ -26,6 +29,7 @@ class Life:
     heard: int = -1  # tick of its newest command; the tick before it joined until there is one
     before: int = -1  # the tick before it joined
     fenced: bool = False  # it never moves again
+    ended: bool = False  # the scenario has ended its process, and no other has joined since
 
     @property
     def is_new(self) -> bool:
@@ -49,7 +53,7 @@ class Life:
 
     def kill(self) -> None:
         """The scenario ends its process."""
-        self.status, self.awaited, self.joined = Status.GONE, False, False
+        self._end(awaited=False)
 
     def pause(self) -> None:
         """The scenario holds its process still."""
@@ -63,4 +67,7 @@ class Life:
 
     def restart(self) -> None:
         """The scenario ends its process, and wants another in its place."""
-        self.status, self.awaited, self.joined = Status.GONE, True, False
+        self._end(awaited=True)
+
+    def _end(self, awaited: bool) -> None:
+        self.status, self.awaited, self.joined, self.ended = Status.GONE, awaited, False, True

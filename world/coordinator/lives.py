@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Shape
@@ -21,6 +23,7 @@ from world.coordinator.surroundings import Surroundings
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Lives:
     """The lives of all robots of a scenario.
 
@@ -148,7 +151,7 @@ class Lives:
         if life.paused:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
-        life.joined, life.awaited, life.fenced = True, False, False
+        life.joined, life.awaited, life.fenced, life.ended = True, False, False, False
         life.heard = life.before = heard
         if self.founded:
             self._roster.admit(robot, life.incarnation)

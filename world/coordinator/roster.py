@@ -16,12 +16,14 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 
 from msgspec.structs import replace
+from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import RosterError
 from protocol.messages import Member, PartPlace, Thing, Vector
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Roster:
     """The coordinator's roster.
 

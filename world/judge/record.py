@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from mypy_extensions import mypyc_attr
 
 from protocol.geometry import Shape
 from protocol.messages import Truth, Vector
@@ -27,6 +28,7 @@ _BATCH = 32  # ticks put aside at most
 _LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Record:
     """Clearance, contacts, phi and digest of a trajectory.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from mypy_extensions import mypyc_attr
+
 from protocol.geometry import Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
@@ -13,6 +15,7 @@ from world.judge.touches import Touches
 from world.judge.verdict import Judge
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Referee:
     """What is measured of a run, and its verdict.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mypy_extensions import mypyc_attr
+
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from world.judge.goals import Goals
@@ -11,6 +13,7 @@ from world.judge.goals import Goals
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Judge:
     """Decides tick by tick whether the run is over.
 

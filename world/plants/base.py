@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import final
+
+from mypy_extensions import mypyc_attr
 
 from protocol.bodies.base import STEPS, Arc, Base, Motion, chord, turned
 from protocol.draws import Purpose
@@ -16,7 +17,7 @@ from world.plants.disturbance import Uniforms
 _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 
 
-@final
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SimulatedBase:
     """One robot's base.
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from mypy_extensions import mypyc_attr
+
 from protocol.bodies.base import STEPS
 from protocol.draws import Purpose
 from protocol.messages import Vector
@@ -35,6 +37,7 @@ def limited(velocity: Vector, speed: float) -> Vector:
     return (x * scale, y * scale)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Actuation:
     """Turns the velocity that a robot asks for into what its disk really does during a tick."""
 
@@ -66,6 +69,7 @@ class Actuation:
         return (x * self._step, y * self._step)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Integrator:
     """Where every disk really is, by formulas; see `world.plants.plant.Plant`.
 

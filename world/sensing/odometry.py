@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import final
+
+from mypy_extensions import mypyc_attr
 
 from protocol.bodies.base import turned
 from protocol.draws import Purpose
@@ -15,7 +16,7 @@ from world.plants.plant import Report
 _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 
 
-@final
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Odometer:
     """What one robot's base reports, with errors up to those that the scenario states.
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from heapq import heappop, heappush
 
+from mypy_extensions import mypyc_attr
+
 from protocol.draws import Purpose
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario, Sensing
 from world.plants.disturbance import Uniforms, truncated_normal
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Sensor:
     """One robot's position sensor.
 

@@ -47,7 +47,7 @@ class Slot:
 
 
 class Admissions:
-    """All slots of a fleet, and who is given one.
+    """All slots of a fleet, and who is given one: only ids that have a life in the run have a slot.
 
     Args:
         run: its name.
@@ -66,29 +66,50 @@ class Admissions:
         journal: Journal | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
+        self._former: set[int] = set()  # of earlier runs
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
 
-    def add(self, robot: int) -> None:
-        """Another robot may join."""
-        self.slots[robot] = Slot()
+    def begin(self, ids: Iterable[int]) -> None:
+        """A run of these robots begins; whose process was there in the one before has its slot."""
+        self._former.update(self.slots)
+        self.slots = {robot: self.slots.get(robot) or Slot() for robot in ids}
+        for slot in self.slots.values():
+            slot.health = None
+
+    def renew(self, robot: int) -> None:
+        """A robot is to be added; one that had its id before is no concern any more."""
+        if robot in self.slots:
+            self.slots[robot] = Slot()
 
     def expect(self, robot: int) -> None:
-        """A robot is there that was added; it may join."""
+        """The disk of a robot that was added is there; it may join."""
         if robot not in self.slots:
-            self.add(robot)
+            self.slots[robot] = Slot()
 
     # -- who asks
 
-    def refusal(self, join: joining.Join, run: Run) -> joining.Refusal | None:
-        """Why this process cannot take part at all; None if it can."""
-        robot, name = join.robot, self._name
+    def refusal(self, join: joining.Join, run: Run) -> joining.Reply | None:
+        """Why this process cannot take part, or not yet; None if it can."""
+        robot = join.robot
         slot = self.slots.get(robot)
         if slot is None:
-            return joining.Refusal(f"robot {robot} is not in scenario {run.scenario.name!r} of run {name!r}")
+            return self._nobody(robot, run)
         if slot.present and slot.session not in ("", join.session):
-            return joining.Refusal(f"robot {robot} is already running in run {name!r}; use another id or run")
+            return joining.Refusal(
+                f"robot {robot} is already running in run {self._name!r}; use another id or run"
+            )
         return None
+
+    def _nobody(self, robot: int, run: Run) -> joining.Reply:
+        """What the process of a robot is told whose disk is not there."""
+        status = run.world.coordinator.lives.status_of(robot)
+        if status == "appearing":
+            return joining.Wait(_RETRY, f"the disk of robot {robot} has not appeared yet")
+        if status == "gone" or robot in self._former:
+            return joining.Finished("removed")
+        name, scenario = self._name, run.scenario.name
+        return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
 
     def enlist(self, join: joining.Join, run: Run) -> joining.Reply:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
@@ -118,9 +139,10 @@ class Admissions:
     def _obstacle(self, join: joining.Join, run: Run) -> str:
         """Why a process has to wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
-        if slot.ended == join.session:
+        life = run.world.coordinator.lives.of[robot]
+        if join.session == slot.ended or (join.session == slot.session and life.ended):
             return f"the scenario has ended this process of robot {robot}"
-        if run.world.coordinator.lives.of[robot].paused:
+        if life.paused:
             return f"robot {robot} is paused by the scenario"
         taken = slot.session not in ("", join.session) and self._clock() < slot.since + RESERVATION
         return f"another process is joining as robot {robot}" if taken else ""
@@ -165,6 +187,21 @@ class Admissions:
         if slot is not None and slot.session:
             slot.ended, slot.session = slot.session, ""
 
+    @property
+    def sessions(self) -> dict[int, str]:
+        """Which process is each robot that has one, by its own name."""
+        return {robot: slot.session for robot, slot in self.slots.items() if slot.session}
+
+    @property
+    def ended(self) -> dict[int, str]:
+        """By robot, the newest of its processes that a scenario which is over has ended."""
+        return {robot: slot.ended for robot, slot in self.slots.items() if slot.ended}
+
+    def bar(self, robot: int, session: str) -> None:
+        """An earlier world saw the scenario end this process; it does not come back, even if it lives yet."""
+        if robot in self.slots:
+            self.slots[robot].ended = session
+
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""
         since = self._clock() - at_least
@@ -188,11 +225,6 @@ class Admissions:
     def unnotified(self) -> list[int]:
         """Robots that do not know yet that it is over, and can be told."""
         return [robot for robot, slot in self.slots.items() if slot.occupied and not slot.notified]
-
-    def forget_reports(self) -> None:
-        """Begin a new run with the same processes."""
-        for slot in self.slots.values():
-            slot.health = None
 
 
 def _lived(join: joining.Join) -> int:

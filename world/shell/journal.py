@@ -6,7 +6,8 @@ the system, which keeps it when this process is killed. It is not forced to the 
 the machine was last started is refused.
 
 The first record (`world.shell.records`) is a `Head`, all others are lists of entries; msgpack. A torn last
-one is cut off. A new run begins a new file, in the place of the old one.
+one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot of a run that
+goes on: its first entry.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from protocol.scenario.model import Scenario
 from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
 from world.shell import records
+from world.shell.snapshot import Snapshot
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
@@ -38,6 +40,7 @@ class Head(msgspec.Struct, frozen=True):
     incarnations: dict[Id, Count] = {}  # newest of every robot when the run began
     version: Count = 0  # newest of the roster then
     expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier runs waited
+    ended: dict[Id, str] = {}  # processes that the scenarios of earlier runs have ended, by their own names
 
 
 class Seated(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="seat"):
@@ -53,7 +56,7 @@ class Began(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="began")
     at: float  # s, wall clock
 
 
-Entry = Input | Seated | Began
+Entry = Input | Seated | Began | Snapshot
 _WAITING = (Command, Opened, Seated)  # for what follows: nothing is announced until it does
 
 _encoder = msgspec.msgpack.Encoder()
@@ -128,7 +131,12 @@ class Journal:
                 self._abandon(error)
 
     def begin(
-        self, number: int, incarnations: Mapping[int, int], version: int, expected: Mapping[int, int]
+        self,
+        number: int,
+        incarnations: Mapping[int, int],
+        version: int,
+        expected: Mapping[int, int],
+        ended: Mapping[int, str],
     ) -> None:
         """Begin the next run: what was noted so far has come to its end.
 
@@ -137,16 +145,30 @@ class Journal:
         """
         if not self.kept:
             return
-        head = msgspec.structs.replace(
-            self.head,
-            number=number,
-            incarnations=dict(incarnations),
-            version=version,
-            expected=dict(expected),
+        self._renew(
+            msgspec.structs.replace(
+                self.head,
+                number=number,
+                incarnations=dict(incarnations),
+                version=version,
+                expected=dict(expected),
+                ended=dict(ended),
+            )
         )
+
+    def compact(self, snapshot: Snapshot) -> None:
+        """Begin anew with a snapshot of the run, in place of all that led to it.
+
+        Raises:
+            JournalError: as `note`.
+        """
+        if self.kept:
+            self._renew(self.head, snapshot)
+
+    def _renew(self, head: Head, *entries: Entry) -> None:
         following = self.path.with_name(f"{self.path.name}.next")
         try:
-            following.write_bytes(_beginning(head))
+            following.write_bytes(_beginning(head, *entries))
             file = records.opened(following)
             following.replace(self.path)
         except OSError as error:
@@ -191,8 +213,9 @@ def _boot() -> str:
     return _BOOT.read_text().strip() if _BOOT.exists() else ""
 
 
-def _beginning(head: Head) -> bytes:
-    return records.MAGIC + records.record(_encoder.encode(head))
+def _beginning(head: Head, *entries: Entry) -> bytes:
+    payloads = [_encoder.encode(head), *(_encoder.encode([entry]) for entry in entries)]
+    return records.MAGIC + b"".join(map(records.record, payloads))
 
 
 def _decoded(path: Path, place: int, payload: bytes) -> list[Entry]:

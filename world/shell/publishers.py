@@ -40,9 +40,13 @@ class Publishers:
 
     def add(self, robot: int) -> None:
         """Have another robot to tell."""
-        if robot not in self._tick:
+        if robot not in self:
             for name, publishers in (("tick", self._tick), ("goalstatus", self._goal)):
                 publishers[robot] = self._bus.publisher(STREAMS[name], robot_key(self._run, robot, name))
+
+    def __contains__(self, robot: object) -> bool:
+        """Whether a robot can be told anything."""
+        return robot in self._tick
 
     def goals(self, news: Iterable[GoalStatus]) -> None:
         """Tell what came of orders."""

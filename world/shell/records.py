@@ -17,7 +17,7 @@ from typing import NoReturn
 
 from protocol.errors import JournalError
 
-MAGIC = b"disknav journal 1\n"
+MAGIC = b"disknav journal 2\n"
 _HEADER = struct.Struct("<III")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -28,18 +29,21 @@ from world.coordinator.inputs import (
 )
 from world.shell.journal import Began, Journal, Seated
 from world.shell.run import Run
+from world.shell.snapshot import Snapshot, restored
 from world.world import World
 
 _TOLD = 256  # ticks after which the truths of a replay, which nobody is told again, are thrown away
 
 
 class Resumed(NamedTuple):
-    """Where a journal ends: the present run, and by robot the session of its newest life in it, and for
-    how many next lives the world has waited so far. What follows is noted in the journal."""
+    """Where a journal ends: the present run, and by robot the session of its newest life in it, that of the
+    process which the scenario has ended, and for how many next lives the world has waited so far. What
+    follows is noted in the journal."""
 
     journal: Journal
     run: Run
     sessions: Mapping[int, str]
+    ended: Mapping[int, str]
     expected: Mapping[int, int]
 
 
@@ -57,10 +61,13 @@ def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0
     sessions: dict[int, str] = {}
     expected = Counter(head.expected)
     for number, entry in enumerate(journal.past):
-        if isinstance(entry, Seated):
+        if isinstance(entry, Snapshot):
+            run.world = _restored(journal, entry)
+            run.began, sessions, expected = _since(entry.began), dict(entry.sessions), Counter(entry.expected)
+        elif isinstance(entry, Seated):
             seated[entry.robot] = entry.session
         elif isinstance(entry, Began):
-            run.began = time.monotonic() - max(0.0, time.time() - entry.at)
+            run.began = _since(entry.at)
         elif not _follow(run.world, entry):
             raise JournalError(
                 f"the journal {journal.path} leads elsewhere: entry {number}, {entry}, in tick "
@@ -72,7 +79,21 @@ def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0
             sessions[entry.robot] = seated.get(entry.robot, "")
     run.world.news()
     run.world.coordinator.note = journal.note
-    return Resumed(journal, run, sessions, expected)
+    of = run.world.coordinator.lives.of
+    ended = {**head.ended, **{robot: name for robot, name in sessions.items() if of[robot].ended}}
+    return Resumed(journal, run, sessions, ended, expected)
+
+
+def _since(began: float) -> float:
+    """The monotonic clock's reading when the wall clock's was this, s."""
+    return time.monotonic() - max(0.0, time.time() - began)
+
+
+def _restored(journal: Journal, snapshot: Snapshot) -> World:
+    try:
+        return restored(snapshot)
+    except pickle.UnpicklingError as error:
+        raise JournalError(f"the journal {journal.path} cannot be gone on from: {error}") from error
 
 
 def _follow(world: World, entry: Input) -> bool:

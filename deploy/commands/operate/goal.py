@@ -8,10 +8,9 @@ import msgspec
 import typer
 
 from deploy.commands import options
+from deploy.commands.operate.operating import Run, operating, pairs
 from deploy.output import json_output
 from deploy.output.exit_status import EXIT_OTHERWISE
-from deploy.security.membership import Membership
-from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
 from protocol.messages import GoalStatus
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -20,7 +19,7 @@ _PATIENCE = 1e6  # s to wait for an end without --within
 
 
 def goal(
-    run: Annotated[str, typer.Argument(help="Name of the run.")],
+    run: Run,
     robot: Annotated[int, typer.Argument(help="Id of the robot.")],
     points: Annotated[
         list[float] | None,
@@ -44,17 +43,13 @@ def goal(
     Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 nobody
     answers.
     """
-    from deploy.run.operator import operating
-
     json_output.check(json_file)
     if not points:
         options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
     order = _order(points or [], queue, patrol, within, cancel)
     if patrol and wait:
         raise UsageError("--wait: a patrol has no end; leave out --patrol or --wait")
-    membership = Membership(secure)
-    name = membership.run(run) or run
-    with operating(membership.client(OPERATOR, (router or membership.default_router,)), name) as operator:
+    with operating(run, router, secure) as operator:
         reply = operator.status(robot) if order is None else operator.order(robot, order)
         ended = reply.status
         if wait and order is not None and reply.accepted:
@@ -75,18 +70,16 @@ def _order(
     points: list[float], queue: bool, patrol: bool, within: float | None, cancel: bool
 ) -> GoalOrder | None:
     """The order that the command line stands for; None for a question."""
-    if len(points) % 2:
-        raise UsageError("points are pairs of x and y: one number is missing, or one is too many")
+    places = pairs(points)
     if cancel and (points or queue or patrol or within is not None):
         raise UsageError("--cancel goes alone: leave out the points and other options")
     if not points and (queue or patrol or within is not None):
         raise UsageError("--queue, --patrol and --within need points: disknav goal RUN ROBOT X Y")
     if not points and not cancel:
         return None
-    pairs = tuple(zip(points[::2], points[1::2], strict=True))
     try:
         return msgspec.convert(
-            {"points": pairs, "queue": queue, "patrol": patrol, "within": within}, GoalOrder
+            {"points": places, "queue": queue, "patrol": patrol, "within": within}, GoalOrder
         )
     except msgspec.ValidationError as error:
         raise MessageError("shape", f"that is no order: {error}") from None

@@ -7,11 +7,7 @@ from typing import Annotated
 import typer
 
 from deploy.commands import options
-from deploy.commands.operate.stop import Run
-from deploy.output.exit_status import EXIT_OTHERWISE
-from deploy.security.membership import Membership
-from deploy.security.roster import OPERATOR
-from protocol.requests.fleet import FleetReply
+from deploy.commands.operate.operating import Run, end_if_refused, operating
 from protocol.scenario.model import RobotSpec
 
 
@@ -37,15 +33,11 @@ def add(
 
     Exit status: 0 it has appeared, 1 refused, 2 invalid, 3 nobody answers, or somebody stays in its place.
     """
-    from deploy.run.operator import operating
-
     spec = RobotSpec(robot, radius, (x, y), goal or (x, y))
-    membership = Membership(secure)
-    name = membership.run(run) or run
-    with operating(membership.client(OPERATOR, (router or membership.default_router,)), name) as operator:
-        _refused(operator.add(spec))
+    with operating(run, router, secure) as operator:
+        end_if_refused(operator.add(spec))
         member = operator.appeared(robot, within)
-    print(f"run {name}: robot {robot} {'takes part' if member.status == 'live' else 'stands in its place'}")
+    print(f"run {run}: robot {robot} {'takes part' if member.status == 'live' else 'stands in its place'}")
 
 
 def remove(
@@ -60,17 +52,6 @@ def remove(
 
     Exit status: 0 it is gone, 1 refused, 2 invalid, 3 nobody answers.
     """
-    from deploy.run.operator import operating
-
-    membership = Membership(secure)
-    name = membership.run(run) or run
-    with operating(membership.client(OPERATOR, (router or membership.default_router,)), name) as operator:
-        _refused(operator.remove(robot))
-    print(f"run {name}: robot {robot} is gone")
-
-
-def _refused(reply: FleetReply) -> None:
-    """End the command if a change was refused."""
-    if not reply.accepted:
-        print(f"refused: {reply.text}")
-        raise typer.Exit(EXIT_OTHERWISE)
+    with operating(run, router, secure) as operator:
+        end_if_refused(operator.remove(robot))
+    print(f"run {run}: robot {robot} is gone")

@@ -8,7 +8,6 @@ import typer
 
 from deploy.commands import options
 from deploy.security.membership import Membership
-from protocol.errors import UsageError
 
 
 def probe(
@@ -25,8 +24,5 @@ def probe(
     from deploy.processes.probe import probe as listen
 
     membership = Membership(secure)
-    name = membership.run(run)
-    if name is None:
-        raise UsageError("name the run: --run NAME")
-    endpoint = router or membership.default_router
+    name, endpoint = membership.named_run(run), router or membership.default_router
     listen(membership.client(role, (endpoint,), timeout=within), name, role, within)

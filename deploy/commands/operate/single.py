@@ -16,7 +16,6 @@ from deploy.output.exit_status import EXIT_INTERRUPTED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
-from protocol.keys import checked_run
 from protocol.process.log import LOG, begin
 from protocol.process.title import entitle
 
@@ -56,7 +55,7 @@ def robot(
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
-    name = _run(membership, run)
+    name = membership.named_run(run)
     membership.client(role, (endpoint,))  # whatever is wrong with its files is said here,
     begin(f"robot-{robot_id}", name, log)  # or with its log
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
@@ -103,7 +102,7 @@ def world(
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
     loaded = load(scenario, settings, seed)
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
-    run_name = _run(membership, run)
+    run_name = membership.named_run(run)
     entitle("world", run_name)
     begin("world", run_name, log)
     if journal is not None and not journal.exists():
@@ -171,10 +170,3 @@ def _say(endpoint: str) -> None:
     LOG.warning(f"listening on {endpoint}")
     if (beat := heartbeat(None)) is not None:
         beat(0.0)
-
-
-def _run(membership: Membership, asked: str | None) -> str:
-    run = membership.run(asked)
-    if run is None:
-        raise UsageError("name the run: --run NAME, the same for the whole fleet")
-    return checked_run(run)

@@ -3,15 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from deploy.commands import options
-from deploy.security.membership import Membership
-from deploy.security.roster import OPERATOR
-
-Run = Annotated[str, typer.Argument(help="Name of the run.")]
+from deploy.commands.operate.operating import Run, operating
 
 
 def stop(run: Run, router: options.Router = None, secure: options.Secure = None) -> None:
@@ -35,10 +29,6 @@ def release(run: Run, router: options.Router = None, secure: options.Secure = No
 
 
 def _say(run: str, router: str | None, secure: Path | None, *, halt: bool) -> None:
-    from deploy.run.operator import operating
-
-    membership = Membership(secure)
-    name = membership.run(run) or run
-    with operating(membership.client(OPERATOR, (router or membership.default_router,)), name) as operator:
+    with operating(run, router, secure) as operator:
         told = operator.halt(halt)
-    print(f"run {name}: {'everybody stands' if told.halted else 'released'} from tick {told.tick} on")
+    print(f"run {run}: {'everybody stands' if told.halted else 'released'} from tick {told.tick} on")

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import msgspec
 import typer
 
 from deploy.commands import options
-from deploy.commands.operate.stop import Run
+from deploy.commands.operate.operating import Run, end_if_refused, operating, pairs
 from deploy.output import json_output
-from deploy.output.exit_status import EXIT_OTHERWISE
-from deploy.security.membership import Membership
-from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
 from protocol.messages import Thing
-from protocol.requests.things import ThingOrder, ThingReply
+from protocol.requests.things import ThingOrder
 
 if TYPE_CHECKING:
-    from deploy.run.operator import Operator
+    pass
 
 
 def place(
@@ -43,8 +37,9 @@ def place(
     Exit status: 0 it stands, 1 refused, 2 invalid, 3 nobody answers, or somebody stays in its place.
     """
     thing = _thing(points, radius)
-    with _operating(run, router, secure) as operator:
-        reply = _accepted(operator.place(thing))
+    with operating(run, router, secure) as operator:
+        reply = operator.place(thing)
+        end_if_refused(reply)
         if reply.text:
             print(f"beware: it {reply.text}")
         operator.stands(reply.number, within)
@@ -63,8 +58,8 @@ def take(
 
     Exit status: 0 done, 1 refused, 2 invalid, 3 nobody answers.
     """
-    with _operating(run, router, secure) as operator:
-        _accepted(operator.take(number))
+    with operating(run, router, secure) as operator:
+        end_if_refused(operator.take(number))
     print(f"thing {number} is gone")
 
 
@@ -81,7 +76,7 @@ def things(
     Exit status: 0 listed, 2 invalid, 3 nobody answers.
     """
     json_output.check(json_file)
-    with _operating(run, router, secure) as operator:
+    with operating(run, router, secure) as operator:
         there = operator.things().things
     json_output.write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
     if not json_output.is_standard_output(json_file):
@@ -90,9 +85,7 @@ def things(
 
 def _thing(numbers: list[float], radius: float | None) -> ThingOrder:
     """The thing that a command line stands for."""
-    if len(numbers) % 2:
-        raise UsageError("points are pairs of x and y: one number is missing, or one is too many")
-    points = tuple(zip(numbers[::2], numbers[1::2], strict=True))
+    points = pairs(numbers)
     if radius is None:
         thing = ThingOrder(points=points)
     elif len(points) == 1:
@@ -102,24 +95,6 @@ def _thing(numbers: list[float], radius: float | None) -> ThingOrder:
     if problem := thing.defect():
         raise UsageError(f"that is no thing: it {problem}")
     return thing
-
-
-@contextmanager
-def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Operator]:
-    from deploy.run.operator import operating
-
-    membership = Membership(secure)
-    connection = membership.client(OPERATOR, (router or membership.default_router,))
-    with operating(connection, membership.run(run) or run) as operator:
-        yield operator
-
-
-def _accepted(reply: ThingReply) -> ThingReply:
-    """What was accepted; ends the command if it was refused."""
-    if not reply.accepted:
-        print(f"refused: {reply.text}")
-        raise typer.Exit(EXIT_OTHERWISE)
-    return reply
 
 
 def _line(thing: Thing) -> str:

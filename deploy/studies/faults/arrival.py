@@ -19,7 +19,7 @@ import numpy as np
 
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_starts
-from deploy.studies.statistics import arrived, collided, mean
+from deploy.studies.statistics import arrived, collided, mean, untouched
 from deploy.studies.study import Cell, Result, Row, Study
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Link, RobotSpec, Scenario, Sensing, Time, Workspace
@@ -55,7 +55,7 @@ def arrival(runs: int = RUNS, seed: int = 0) -> Study:
         for noise in NOISES
         for density in DENSITIES
     ]
-    return Study("arrival", cells, _row, COLUMNS, _summary, _sound)
+    return Study("arrival", cells, _row, COLUMNS, _summary, untouched)
 
 
 def crowd(density: float, noise: float, seed: int) -> Scenario:
@@ -130,7 +130,3 @@ def _summary(rows: Sequence[Row]) -> list[str]:
             for seed in row["missing"]
         ]
     return lines
-
-
-def _sound(rows: Sequence[Row]) -> bool:
-    return not any(row["collisions"] for row in rows)

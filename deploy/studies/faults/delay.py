@@ -6,7 +6,6 @@ same for all states, and nothing else is wrong.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,7 +14,7 @@ from typing import Any, Literal
 from deploy.library.goal_sets import figure_3
 from deploy.library.load import resolved
 from deploy.library.swaps import swap
-from deploy.studies.statistics import arrived, collided, deviation, mean
+from deploy.studies.statistics import arrived, error, figures, mean, untouched
 from deploy.studies.study import Build, Cell, Result, Row, Study
 from protocol.scenario.model import Link, Scenario
 
@@ -63,7 +62,7 @@ def delay(runs: int = RUNS, seed: int = 0, delays: Sequence[float] = DELAYS) -> 
         for pace in PACES
         for late in delays
     ]
-    return Delays("delay", cells, row, COLUMNS, summary, sound)
+    return Delays("delay", cells, row, COLUMNS, summary, untouched)
 
 
 def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
@@ -81,17 +80,8 @@ def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
 
 def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     """nrl and time are over the runs in which all arrived and nothing touched; times by seed, s."""
-    came = arrived(results)
-    times = {str(result["seed"]): result["sim_time"] for result in came}
-    return {
-        **labels,
-        "runs": len(results),
-        "collisions": collided(results),
-        "arrived": len(came),
-        "nrl_mean": mean([result["nrl"] for result in came]),
-        "time_mean": mean(list(times.values())),
-        "times": times,
-    }
+    times = {str(result["seed"]): result["sim_time"] for result in arrived(results)}
+    return {**labels, **figures(results), "times": times}
 
 
 def against(late: Mapping[str, float], prompt: Mapping[str, float]) -> dict[str, float | None]:
@@ -102,8 +92,8 @@ def against(late: Mapping[str, float], prompt: Mapping[str, float]) -> dict[str,
     if base is None or whole is None:
         return {"ratio": None, "ratio_error": None}
     ratio = whole / base
-    spread = deviation([late[seed] - ratio * prompt[seed] for seed in seeds])
-    return {"ratio": ratio, "ratio_error": None if spread is None else spread / math.sqrt(len(seeds)) / base}
+    spread = error([late[seed] - ratio * prompt[seed] for seed in seeds])
+    return {"ratio": ratio, "ratio_error": None if spread is None else spread / base}
 
 
 def summary(rows: Sequence[Row]) -> list[str]:
@@ -117,8 +107,3 @@ def summary(rows: Sequence[Row]) -> list[str]:
                 f"{name}, {1e3 * late:g} ms: own pace takes {own / common:.2f} of the common pace's time"
             )
     return lines
-
-
-def sound(rows: Sequence[Row]) -> bool:
-    """Whether separating lines kept what they promise."""
-    return not any(row["collisions"] for row in rows)

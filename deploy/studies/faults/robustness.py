@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, Literal
 
 from deploy.library.goal_sets import figure_3
-from deploy.studies.statistics import arrived, collided, mean
+from deploy.studies.statistics import figures, untouched
 from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Link, Scenario, Sensing
 
@@ -93,14 +93,9 @@ def _cell(point: Conditions, filter_: Filter, runs: int, seed: int) -> Cell:
 
 def _row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     """nrl and time are over the runs in which all arrived and nothing touched."""
-    came = arrived(results)
     return {
         **labels,
-        "runs": len(results),
-        "collisions": collided(results),
-        "arrived": len(came),
-        "nrl_mean": mean([result["nrl"] for result in came]),
-        "time_mean": mean([result["sim_time"] for result in came]),
+        **figures(results),
         "min_clearance": min(result["min_clearance"] for result in results),
     }
 
@@ -117,4 +112,4 @@ def _summary(rows: Sequence[Row]) -> list[str]:
 
 def _sound(rows: Sequence[Row]) -> bool:
     """Whether separating lines kept what they promise."""
-    return not any(row["collisions"] for row in rows if row["filter"] == "separating-lines")
+    return untouched([row for row in rows if row["filter"] == "separating-lines"])

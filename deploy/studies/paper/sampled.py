@@ -8,7 +8,6 @@ every robot is within the scenario's tolerance of its goal.
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -20,7 +19,7 @@ from deploy.library.goal_sets import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.output.bar import bar
 from deploy.run.local import LocalFleet
-from deploy.studies.statistics import deviation, mean
+from deploy.studies.statistics import error, mean
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Problem
 from protocol.scenario.model import Scenario
@@ -109,7 +108,6 @@ def row(letter: str, pace: Pace, pairs: Sequence[Pair]) -> Row:
     """What the runs of one cell come to."""
     both = [(one.sampled, one.exact) for one in pairs if one.sampled is not None and one.exact is not None]
     ratios = [sampled / exact for sampled, exact in both]
-    spread = deviation(ratios)
     return Row(
         goal_set=letter,
         tight=TIGHTNESS[letter],
@@ -119,7 +117,7 @@ def row(letter: str, pace: Pace, pairs: Sequence[Pair]) -> Row:
         sampled=mean([sampled for sampled, _ in both]),
         exact=mean([exact for _, exact in both]),
         ratio=mean(ratios),
-        ratio_error=None if spread is None else spread / math.sqrt(len(ratios)),
+        ratio_error=error(ratios),
         largest=max(ratios, default=None),
     )
 

@@ -86,15 +86,16 @@ class CheckReport:
 
 def to_json(found: CheckReport) -> dict[str, Any]:
     """Plain data; an infinite number becomes None, since JSON has none."""
-    plain = _finite(asdict(found)) | {"guaranteed": found.guaranteed}
+    plain = finite(asdict(found)) | {"guaranteed": found.guaranteed}
     if found.bounds is not None:
         plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
     return dict(plain)
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Plain data with None for every number that is not finite."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,6 +13,7 @@ from rich.text import Text
 from agents.movers.places import Floor
 from agents.movers.plan import Planner
 from agents.navigation.route import Route, way_points
+from deploy.theory.check.report import finite
 from deploy.theory.check.scope import Theorem, theorem_for
 from deploy.theory.gain.tuning import automatic_k, crowd
 from protocol.scenario.model import Scenario
@@ -66,10 +66,7 @@ class Surrounded:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data; an infinite number becomes None, since JSON has none."""
-        return {
-            key: None if isinstance(value, float) and not math.isfinite(value) else value
-            for key, value in asdict(self).items()
-        }
+        return dict(finite(asdict(self)))
 
     def render(self) -> RenderableType:
         """Tables and sentences for the terminal."""

@@ -26,6 +26,8 @@ from world.shell.journal import Journal
 
 SWAP = load("swap-4")
 GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass
+COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
+AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS))
 
 
 def status(fleet: LocalFleet, robot: int) -> str:
@@ -63,12 +65,39 @@ def test_a_guest_appears_joins_and_arrives() -> None:
 
 def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
     """Also if the ticks between are so few, or so quick, that no Clock says that nobody is to come."""
-    orders = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
-    scenario = replace(SWAP, orders=tuple(Order(at, **order) for at, order in orders))
     began = time.monotonic()
-    report = LocalFleet([scenario]).execute()[0]
+    report = LocalFleet([AT_ONCE]).execute()[0]
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert time.monotonic() - began < GATHERING  # nobody was waited for in vain
+
+
+def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
+    fleet = LocalFleet([SWAP])
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    process = fleet.start(7)
+    process.wake(math.inf)  # asks to join
+    assert status(fleet, 7) == "appearing"
+    to_be(fleet, 7, "standing")
+    process.wake(math.inf)
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["leaves with the run", "comes in each"])
+def test_a_guest_of_one_run_is_none_of_the_next(again: bool) -> None:
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),))
+    reports = LocalFleet([guested, guested if again else SWAP]).execute()
+    assert [report["verdict"] for report in reports] == ["arrived", "arrived"]
+    assert [len(report["robots"]) for report in reports] == [5, 5 if again else 4]
+
+
+@pytest.mark.slow
+def test_so_it_has_among_real_processes() -> None:
+    for _ in range(4):
+        with Fleet([AT_ONCE], RunOptions("routed")) as fleet:
+            (report,) = fleet.execute()
+        assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
 
 
 def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:

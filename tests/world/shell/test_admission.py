@@ -87,6 +87,24 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     assert desk.admitted("second") == 2
 
 
+def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> None:
+    """It may ask before its launcher gets to it, when the world was away."""
+    desk = Desk()
+    assert desk.admitted("first") == 1
+    desk.admissions.arrive(1)
+    desk.run.world.coordinator.lives.of[1].restart()
+    assert isinstance(desk.ask("first"), Wait)
+    desk.admissions.miss(1)
+    desk.admissions.leave(1)
+    assert desk.admitted("next") == 2
+    desk.run.world.coordinator.lives.of[1].kill()
+    assert isinstance(desk.ask("next"), Wait)
+    desk.admissions.bar(1, "next")  # as the next world does
+    desk.admissions.leave(1)
+    assert isinstance(desk.ask("next"), Wait)
+    assert desk.admitted("last") == 3
+
+
 def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:
     reply = Desk().ask("a", robot=3)
     assert isinstance(reply, Refusal)

@@ -24,10 +24,12 @@ from protocol.scenario.model import ProcessFault, Scenario
 from protocol.streams import Stream
 from tests.world.driving import advance, two
 from world.coordinator.inputs import Closed
+from world.judge import trajectory
 from world.node import WorldNode
 from world.shell import records
 from world.shell.journal import Journal
 from world.shell.replay import resume
+from world.shell.snapshot import Snapshot
 
 QUICK = load("swap-4", ["control.speed=0.3"])
 FAULTS = ((2, 0.2, "pause"), (2, 0.9, "resume"), (4, 0.3, "restart"), (3, 0.25, "pause"), (3, 0.5, "resume"))
@@ -43,6 +45,14 @@ FAULTY = replace(
 COURSES: list[list[Scenario]] = [[QUICK], [FAULTY], [replace(QUICK, seed=seed) for seed in (1, 2, 3)]]
 
 
+_compact = Journal.compact
+
+
+@pytest.fixture(autouse=True)
+def _frequent_snapshots(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trajectory, "LINK", 40)
+
+
 class Death(BaseException):
     """kill -9, at this very operation."""
 
@@ -50,13 +60,14 @@ class Death(BaseException):
 class Doom:
     """Counts the operations by which anybody outside can tell what a world did, and dies at some of them.
 
-    Each write to the journal is three: before it, in the middle of it, after it; each publication is one.
+    Each write to the journal is three: before it, in the middle of it, after it; to begin it anew with a
+    snapshot is two; each publication is one.
     """
 
     def __init__(self, at: list[int]) -> None:
         self.at = set(at)
         self.count = itertools.count()
-        self.deaths = 0
+        self.deaths = self.snapshots = 0
 
     def pass_by(self) -> None:
         if next(self.count) in self.at:
@@ -69,6 +80,12 @@ class Doom:
         os.write(file, record[:half])
         self.pass_by()
         os.write(file, record[half:])
+        self.pass_by()
+
+    def compact(self, journal: Journal, snapshot: Snapshot) -> None:
+        self.pass_by()
+        _compact(journal, snapshot)
+        self.snapshots += 1
         self.pass_by()
 
 
@@ -153,8 +170,13 @@ def disturbed(
 ) -> tuple[Doom, list[dict[str, Any]]]:
     """The reports of a course whose world dies at these operations, without what was told twice."""
     doom = Doom(deaths)
+
+    def compact(journal: Journal, snapshot: Snapshot) -> None:
+        doom.compact(journal, snapshot)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(records, "write", doom.write)
+        patch.setattr(Journal, "compact", compact)
         fleet = MortalFleet(COURSES[number], folder / "journal", doom, lockstep=lockstep)
         told = fleet.execute()
     return doom, [next(r for r in told if r["run_number"] == each) for each in range(len(COURSES[number]))]
@@ -166,6 +188,7 @@ def operations(number: int) -> int:
     with TemporaryDirectory() as folder:
         doom, reports = disturbed(number, Path(folder), [])
     assert [report["trajectory_sha256"] for report in reports] == undisturbed(number)
+    assert doom.snapshots
     return next(doom.count)
 
 

@@ -23,8 +23,9 @@ from deploy.studies.falsify.scenarios.errands import Fleet, orders
 from deploy.studies.falsify.scenarios.lives import moment, sensible, stories
 from deploy.studies.falsify.scenarios.loads import by_points, loads
 from deploy.studies.falsify.scenarios.places import drawn_together, fits
+from deploy.studies.falsify.shrinking.simpler import forget
 from protocol.errors import ScenarioError
-from protocol.scenario.file import validated
+from protocol.scenario.file import document_of, parse_document, validated
 from protocol.scenario.model import Point, Scenario
 
 Change = Callable[[Dice, Scenario, Scenario], Scenario]
@@ -43,9 +44,9 @@ def mutated(parent: Scenario, other: Scenario, seed: int, number: int) -> tuple[
     dice = Dice(seed, number, _STREAM)
     for refused in range(_ATTEMPTS):
         child = parent
-        for _ in range(dice.whole(1, 3)):
-            child = dice.pick(CHANGES)(dice, child, other)
         try:
+            for _ in range(dice.whole(1, 3)):
+                child = dice.pick(CHANGES)(dice, child, other)
             return validated(by_points(replace(child, name=f"falsify-{seed}-{number}"))), refused
         except ScenarioError:
             continue
@@ -236,27 +237,10 @@ def _without_one(dice: Dice, scenario: Scenario, _: Scenario) -> Scenario:
 
 
 def without(scenario: Scenario, robot: int) -> Scenario:
-    """The same without one robot and all that is said of it."""
-    parts = [
-        replace(part, groups=tuple(tuple(i for i in group if i != robot) for group in part.groups))
-        for part in scenario.link.partition
-    ]
-    named = [
-        sensing if sensing.robots is None else replace(sensing, robots=tuple(set(sensing.robots) - {robot}))
-        for sensing in scenario.sensing
-    ]
-    return replace(
-        scenario,
-        robots=tuple(spec for spec in scenario.robots if spec.id != robot),
-        process=tuple(fault for fault in scenario.process if fault.robot != robot),
-        orders=tuple(
-            order
-            for order in scenario.orders
-            if order.remove != robot and (order.goal is None or order.goal.robot != robot)
-        ),
-        link=replace(scenario.link, partition=tuple(parts)),
-        sensing=tuple(sensing for sensing in named if sensing.robots is None or sensing.robots),
-    )
+    """The same without one robot and all that is said of it; raises ScenarioError if it cannot be."""
+    document = document_of(scenario)
+    forget(robot, document)
+    return parse_document(document, scenario.name)
 
 
 # -- time, law, chance

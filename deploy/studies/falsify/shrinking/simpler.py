@@ -24,7 +24,7 @@ _FREE = {"name", "description", "robots", "seed"}  # tables and values that are 
 
 def fewer_robots(document: Document) -> list[Edit]:
     """Without one robot and all that is said of it."""
-    return [partial(_forget, robot["id"]) for robot in document["robots"]]
+    return [partial(forget, robot["id"]) for robot in document["robots"]]
 
 
 def fewer_entries(document: Document) -> list[Edit]:
@@ -212,7 +212,8 @@ def _round_all(digits: int, document: Document) -> None:
             _set(steps, _rounded(value, digits), document)
 
 
-def _forget(robot: int, document: Document) -> None:
+def forget(robot: int, document: Document) -> None:
+    """Leave out one robot and all that is said of it."""
     document["robots"] = [spec for spec in document["robots"] if spec["id"] != robot]
     if "orders" in document:
         document["orders"] = [order for order in document["orders"] if robot not in _names(order)]
