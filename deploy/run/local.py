@@ -217,6 +217,7 @@ class FaultInjector:
             self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
         elif bus is None or bus.node is None:
             self._started.add(robot)
+            self._schedule.added(robot)
             self._fleet.start(robot).wake(time.monotonic())
 
     def _let_go(self) -> None:
@@ -224,6 +225,7 @@ class FaultInjector:
         for robot, bus in self._fleet.robots.items():
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self._fleet.kill(robot)
+                self._schedule.removed(robot)
                 self._started.discard(robot)  # whoever is added under its id next has a node of its own
 
     def _carry_out(self, fault: ProcessFault) -> None:
