@@ -17,6 +17,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agents.bases.choice import base_of
+from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.contact import PATIENCE, RETRY, Contact
@@ -45,6 +46,7 @@ class RobotNode:
         namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
+        read: takes an answer to a request to join to pieces; nobody changes what it returns.
 
     Raises:
         JoinError: the world refuses this id.
@@ -62,6 +64,7 @@ class RobotNode:
         namespace: str | None = None,
         say: Callable[[str], None] = lambda _: None,
         note: Callable[[str], None] = lambda _: None,
+        read: Callable[[bytes], joining.Reply] = joining.decode_reply,
     ) -> None:
         self.finished = False
         self.verdict = ""
@@ -69,8 +72,9 @@ class RobotNode:
         self._bus, self._run, self._robot = bus, run, robot
         self._patience, self._say, self._note = patience, say, note
         self._namespace = namespace
-        self._world = Contact(bus, run, robot, patience, wait, say)
+        self._world = Contact(bus, run, robot, patience, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
+        self._summary, self._health_key = world_key(run, "summary"), robot_key(run, robot, "health")
         self._base: AttachedBase | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
@@ -137,10 +141,10 @@ class RobotNode:
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_key(run, "alive"))
         bus.subscribe(robot_key(run, robot, "tick"))
-        bus.subscribe(world_key(run, "summary"))
+        bus.subscribe(self._summary)
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
-        self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
+        self._tell_health = bus.publisher(STREAMS["health"], self._health_key)
         base = base_of(core.scenario, robot, self._namespace)
         if base is None:
             self._announce()
@@ -177,7 +181,7 @@ class RobotNode:
         try:
             peer = self._peers.readers.get(key)
             heard = None if peer is None else peer.read(payload)
-            message = decode(key, payload) if peer is None else None
+            message = None if peer is not None else self._decode(key, payload)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -190,6 +194,9 @@ class RobotNode:
         elif heard.incarnation >= peer.oldest:  # else it is of an earlier run
             core.on_state(heard)
             self._command_if_complete(core)
+
+    def _decode(self, key: str, payload: bytes) -> AnyMessage:
+        return read_summary(key, payload) if key == self._summary else decode(key, payload)
 
     def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
         """Anything but the State of a peer that is heard."""
@@ -302,7 +309,8 @@ class RobotNode:
 
     def _report(self) -> None:
         self._reported = time.monotonic()
-        self._tell_health(encode(self._health()))
+        if self._bus.is_heard(self._health_key):  # what a report costs grows with the pairs
+            self._tell_health(encode(self._health()))
 
     def _health(self) -> Health:
         core = self.core

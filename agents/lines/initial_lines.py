@@ -89,12 +89,7 @@ class InitialLines:
 
     def leave(self, peer: int) -> None:
         """More is known of this peer: look at its line no more."""
-        kept = self._peers != peer
-        if kept.all():
-            return
-        self._peers, self._gaps = self._peers[kept], self._gaps[kept]
-        self._normals, self._limits, self._theirs = (
-            self._normals[kept],
-            self._limits[kept],
-            self._theirs[kept],
-        )
+        index = int(np.searchsorted(self._peers, peer))
+        if index < len(self._peers) and self._peers[index] == peer:
+            self._gaps[index] = self._limits[index] = np.inf  # farther than any reach
+            self._theirs[index] = -np.inf

@@ -1,25 +1,83 @@
-"""Where everybody was, by the world's last summary: what a robot knows of those whom it does not hear."""
+"""Where everybody was, by the world's last summary: what a robot knows of those whom it does not hear.
+
+Robots of one process are sent the same bytes, which are read once for all of them. What is shared follows
+from the bytes alone and is read-only; what depends on the robot, radii and its own place, is in its picture.
+A process with one robot reads each summary once, too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from functools import lru_cache
 from typing import final
 
 import numpy as np
+from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
 from agents.navigation.far_field import FarField, far_field
 from protocol.errors import MessageError
-from protocol.messages import Summary
-from protocol.wire.codec import LARGEST
+from protocol.messages import AnyMessage, Summary
+from protocol.wire.codec import LARGEST, decode
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
 
 
+@lru_cache(maxsize=1)
+def read_summary(key: str, payload: bytes) -> AnyMessage:
+    """`decode` a summary: once, if one payload comes to several robots of a process.
+
+    Raises:
+        MessageError: as `decode` does.
+    """
+    return decode(key, payload)
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Places:
+    """What one summary says, for whoever reads it; nobody changes it.
+
+    Args:
+        summary: that has arrived.
+
+    Attributes:
+        robots: who is in it, ascending.
+        index: of each in the arrays.
+        places: m; shape (n, 2).
+        gammas, slices: as in the summary, m^2 and m.
+
+    Raises:
+        MessageError: it is not made as a summary is.
+    """
+
+    __slots__ = ("gammas", "index", "places", "robots", "slices")
+
+    def __init__(self, summary: Summary) -> None:
+        count = len(summary.gammas) // 4
+        sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
+        if not sizes_fit or len(summary.positions) != 8 * count:
+            raise MessageError(
+                "shape", "summary: as many positions as squared distances and slices are needed"
+            )
+        self.places: Array = _numbers(summary.positions).reshape(-1, 2)
+        self.gammas: Array = _numbers(summary.gammas)
+        self.slices: Array = _numbers(summary.slices)
+        sound = (self.gammas >= 0.0).all() and (self.slices >= 0.0).all()
+        if not (sound and (np.abs(self.places) <= LARGEST).all()):
+            raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
+        robots, index = _ids(summary.robots, count)
+        self.robots: NDArray[np.int64] = robots
+        self.index: Mapping[int, int] = index
+
+
+_read = lru_cache(maxsize=1)(Places)
+
+
 @final
 class FarPicture:
-    """One summary.
+    """One summary, as one robot sees it.
 
     Args:
         summary: that has arrived.
@@ -38,34 +96,20 @@ class FarPicture:
     def __init__(
         self, summary: Summary, radii: Mapping[int, float], before: FarPicture | None = None
     ) -> None:
+        said = _read(summary)
         self.tick = summary.tick
-        count = len(summary.gammas) // 4
-        sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
-        if not sizes_fit or len(summary.positions) != 8 * count:
-            raise MessageError(
-                "shape", "summary: as many positions as squared distances and slices are needed"
-            )
-        self.places: Array = np.frombuffer(summary.positions, dtype="<f4").astype(np.float64).reshape(-1, 2)
-        self._gammas: Array = np.frombuffer(summary.gammas, dtype="<f4").astype(np.float64)
-        self._slices: Array = np.frombuffer(summary.slices, dtype="<f4").astype(np.float64)
-        sound = (self._gammas >= 0.0).all() and (self._slices >= 0.0).all()
-        if not (sound and (np.abs(self.places) <= LARGEST).all()):
-            raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
-        self._runs = summary.robots
-        self.robots: NDArray[np.int64]
-        if before is not None and before._runs == summary.robots and len(before.robots) == count:
-            self.robots, index, sizes = before.robots, before._index, before._radii
+        self.robots: NDArray[np.int64] = said.robots
+        self.places: Array = said.places
+        self._said, self._runs = said, summary.robots
+        if before is not None and before._runs == self._runs and len(before.robots) == len(self.robots):
+            sizes = before._radii
         else:
-            self.robots = _ids(summary.robots, count)
-            known: list[int] = self.robots.tolist()
-            index = {robot: place for place, robot in enumerate(known)}
-            sizes = np.array([radii.get(robot, 0.0) for robot in known], dtype=np.float64)
-        self._index: dict[int, int] = index
+            sizes = np.array([radii.get(robot, 0.0) for robot in said.index], dtype=np.float64)
         self._radii: Array = sizes
 
     def place(self, robot: int) -> Vector | None:
         """Where a robot was, m; None if nobody knows."""
-        index = self._index.get(robot)
+        index = self._said.index.get(robot)
         return None if index is None else (self.places.item(2 * index), self.places.item(2 * index + 1))
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
@@ -76,13 +120,22 @@ class FarPicture:
             radius: own, m.
             known: robots that are known better, own id included, each once.
         """
-        index = [self._index[robot] for robot in known if robot in self._index]
-        terms = (self.places, radius + self._radii, self._gammas, self._slices)
+        index = [self._said.index[robot] for robot in known if robot in self._said.index]
+        terms = (self.places, radius + self._radii, self._said.gammas, self._said.slices)
         return far_field(self.tick, position, *terms, index)
 
 
-def _ids(runs: bytes, count: int) -> NDArray[np.int64]:
-    """The ids that `runs` stand for (`protocol.messages.Summary`); there have to be `count`."""
+def _numbers(payload: bytes) -> Array:
+    """Of single precision, to be read only."""
+    numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
+    numbers.setflags(write=False)
+    return numbers
+
+
+@lru_cache(maxsize=1)  # they seldom change
+def _ids(runs: bytes, count: int) -> tuple[NDArray[np.int64], Mapping[int, int]]:
+    """The ids that `runs` stand for (`protocol.messages.Summary`), of which there have to be `count`, and
+    where each is among them."""
     if len(runs) % 8:
         raise MessageError("shape", "summary: a run of ids is two numbers")
     pairs = np.frombuffer(runs, dtype="<u4").astype(np.int64).reshape(-1, 2)
@@ -92,4 +145,6 @@ def _ids(runs: bytes, count: int) -> NDArray[np.int64]:
     ids: NDArray[np.int64] = np.repeat(first - np.cumsum(many) + many, many) + np.arange(count)
     if (np.diff(ids) <= 0).any():
         raise MessageError("shape", "summary: ids have to ascend")
-    return ids
+    ids.setflags(write=False)
+    known: list[int] = ids.tolist()
+    return ids, {robot: place for place, robot in enumerate(known)}

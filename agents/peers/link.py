@@ -32,8 +32,9 @@ class Link:
         self._scenario = scenario
         self._faults = scenario.link
         self._robot = robot
-        self._column = {peer: column for column, peer in enumerate(scenario.ids)}
         self.ideal = scenario.link == LinkFaults()
+        drawn = () if self.ideal else scenario.ids
+        self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
         self._early: list[PeerState] = []  # without faults: those that this robot's own tick is behind
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due

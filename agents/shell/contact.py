@@ -32,6 +32,7 @@ class Contact:
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
         say: takes what a person should know.
+        read: takes an answer to pieces.
 
     Attributes:
         heard: when the world was heard last, s, monotonic.
@@ -40,11 +41,18 @@ class Contact:
     """
 
     def __init__(
-        self, bus: Bus, run: str, robot: int, patience: float, wait: float, say: Callable[[str], None]
+        self,
+        bus: Bus,
+        run: str,
+        robot: int,
+        patience: float,
+        wait: float,
+        say: Callable[[str], None],
+        read: Callable[[bytes], joining.Reply] = joining.decode_reply,
     ) -> None:
         self.heard = time.monotonic()
         self.back = False
-        self._bus, self._run, self._robot, self._say = bus, run, robot, say
+        self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
         self._session = os.urandom(8).hex()
         self._patience = patience
         self._bearable, self._timeout = wait, _TIMEOUT  # s that nobody may answer, and one question may take
@@ -64,7 +72,7 @@ class Contact:
         """
         request = joining.encode_request(joining.Join(self._robot, self._session, health))
         try:
-            reply = joining.decode_reply(self._ask(request))
+            reply = self._read(self._ask(request))
         except (BusError, MessageError) as error:
             if time.monotonic() <= self.heard + self._bearable:
                 return None  # not there yet, cut off for a moment, or the reply was lost

@@ -22,7 +22,7 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     newest = dict.fromkeys(ids, -1)
     for told in recording.said(Tick):
         robot, sense = told.robot, told.sense
-        if sense is None and recording.scenario.hears_near:  # not told, for it is measured exactly
+        if told.as_commanded:  # its place is measured, and without error
             newest[robot] = told.tick
         elif sense is not None and sense.position is not None:
             newest[robot] = max(newest[robot], sense.stamp)

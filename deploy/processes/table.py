@@ -108,3 +108,9 @@ def outlasts(name: str) -> bool:
 def robot_name(identity: int) -> str:
     """Name of a robot's row, `robot-3`."""
     return f"robot-{identity}"
+
+
+def robot_of(name: str) -> int | None:
+    """The reverse; None for the row of anything else."""
+    kind, _, identity = name.rpartition("-")
+    return int(identity) if kind == "robot" and identity.isdecimal() else None

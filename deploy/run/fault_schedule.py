@@ -11,14 +11,14 @@ from protocol.scenario.model import ProcessFault, Scenario
 class FaultSchedule:
     """Process faults of one or more runs that follow each other on the same processes.
 
-    Whoever a run leaves killed or paused is restarted for the next one.
+    Whoever a run leaves killed, paused or removed is restarted for the next one that has it.
     """
 
     def __init__(self, scenarios: Sequence[Scenario]) -> None:
         self._scenarios = scenarios
         self._run = -1
         self._due: list[tuple[int, int, ProcessFault]] = []
-        self._out: set[int] = set()  # robots that are killed or paused
+        self._out: set[int] = set()  # robots that are killed, paused or removed
 
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their ticks; each is returned once.
@@ -35,8 +35,16 @@ class FaultSchedule:
             (self._out.add if fault.event in ("kill", "pause") else self._out.discard)(fault.robot)
         return faults
 
+    def removed(self, robot: int) -> None:
+        """The process of a robot that was removed has ended."""
+        self._out.add(robot)
+
+    def added(self, robot: int) -> None:
+        """A process was started for a robot that was added."""
+        self._out.discard(robot)
+
     def _begin(self, run: int) -> list[ProcessFault]:
         scenario = self._scenarios[run]
         self._run = run
         self._due = sorted((scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process))
-        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out)]
+        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out) if robot in scenario.ids]

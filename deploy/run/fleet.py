@@ -195,6 +195,7 @@ class Fleet:
             if leaves and robot not in self._started:
                 self._frozen.discard(robot)
                 self._started.add(robot)
+                self._schedule.added(robot)
                 self._assembly.start_newcomer(robot)
         self._started &= set(newcomers)
 
@@ -215,8 +216,10 @@ class Fleet:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
         for exit_ in exits:
             LOG.info(str(exit_))
-            if exit_.code == 0:  # it was removed; who is added under its id next has its own
-                self._started = {r for r in self._started if table.robot_name(r) != exit_.process.name}
+            robot = table.robot_of(exit_.process.name)
+            if exit_.code == 0 and robot is not None:  # it was removed
+                self._started.discard(robot)
+                self._schedule.removed(robot)
             if exit_.again and not exit_.expected:
                 LOG.warning(f"{exit_}; it is started again")
             if exit_.again:

@@ -25,6 +25,9 @@ class Bus(Protocol):
     def foreign(self, key: str) -> Publish:
         """The same for a key of somebody who is not of this fleet; what cannot be sent at once is dropped."""
 
+    def is_heard(self, key: str) -> bool:
+        """Whether anybody may hear what is published under `key`; True where that is not known."""
+
     def subscribe(self, *key_expressions: str) -> None:
         """Ask for samples under key expressions; under plain keys they cost least."""
 

@@ -24,6 +24,7 @@ class LocalNetwork:
 
     def __init__(self) -> None:
         self._buses: list[LocalBus] = []
+        self.listeners: list[LocalBus] = []  # who subscribed to patterns
         self._ready: deque[LocalBus] = deque()
         self.routes: dict[str, list[LocalBus]] = {}  # who subscribed to each plain key
         self.generation = 0  # grows whenever a subscription to a pattern changes
@@ -65,7 +66,7 @@ class LocalNetwork:
 
     def watchers(self, key: str) -> list[LocalBus]:
         """Who subscribed to a pattern that `key` matches."""
-        return [bus for bus in self._buses if bus.hears(key)]
+        return [bus for bus in self.listeners if bus.hears(key)]
 
     def notify(self, bus: LocalBus) -> None:
         """`bus` has something in its inbox."""
@@ -89,7 +90,9 @@ class LocalNetwork:
         """`bus` is closed: its tokens go, its subscriptions end."""
         if bus in self._buses:
             self._buses.remove(bus)
-            self.generation += 1
+            if bus in self.listeners:
+                self.listeners.remove(bus)
+                self.generation += 1
             for key in bus.keys:
                 self.routes[key].remove(bus)
             for key in bus.tokens:
@@ -131,9 +134,14 @@ class LocalBus:
 
         return publish
 
+    def is_heard(self, key: str) -> bool:
+        return bool(self._network.route(key) or self._network.watchers(key))
+
     def subscribe(self, *key_expressions: str) -> None:
         for each in key_expressions:
             if "*" in each:
+                if not self._patterns:
+                    self._network.listeners.append(self)
                 self._patterns.append(_pattern(each))
                 self._network.generation += 1
             elif self not in (route := self._network.route(each)):

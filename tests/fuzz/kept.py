@@ -11,6 +11,7 @@ from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any
+from unittest.mock import patch
 
 import msgspec
 
@@ -23,6 +24,7 @@ from tests.deploy.recording.recorded import record
 from tests.fuzz.mutation import damaged_bytes, damaged_tree
 from tests.fuzz.target import Target
 from tests.world.driving import two
+from world.judge import trajectory
 from world.shell import records
 from world.shell.journal import Journal
 from world.shell.replay import resume
@@ -44,11 +46,12 @@ def folder() -> Path:
 
 @cache
 def _journal() -> bytes:
-    """That of a run in its first ticks."""
+    """That of a run in its first ticks, which begins with a snapshot."""
     path = folder() / "valid"
     Journal.create(path, "local", _SCENARIOS)
-    fleet = LocalFleet(_SCENARIOS, journal=path)
-    fleet.network.run(lambda: fleet.world.world.tick >= _TICKS)
+    with patch.object(trajectory, "LINK", _TICKS // 2):
+        fleet = LocalFleet(_SCENARIOS, journal=path)
+        fleet.network.run(lambda: fleet.world.world.tick >= _TICKS)
     fleet.kill_world()
     return path.read_bytes()
 

@@ -29,7 +29,7 @@ from world.coordinator.inputs import (
 )
 from world.shell.journal import Began, Journal, Seated
 from world.shell.run import Run
-from world.shell.snapshot import Snapshot, thawed
+from world.shell.snapshot import Snapshot, restored
 from world.world import World
 
 _TOLD = 256  # ticks after which the truths of a replay, which nobody is told again, are thrown away
@@ -91,7 +91,7 @@ def _since(began: float) -> float:
 
 def _restored(journal: Journal, snapshot: Snapshot) -> World:
     try:
-        return thawed(snapshot.world)
+        return restored(snapshot)
     except pickle.UnpicklingError as error:
         raise JournalError(f"the journal {journal.path} cannot be gone on from: {error}") from error
 

@@ -11,6 +11,7 @@ import io
 import pickle
 import time
 from collections.abc import Mapping
+from hashlib import sha256
 from types import MappingProxyType
 from typing import Any
 
@@ -35,6 +36,7 @@ class Snapshot(msgspec.Struct, frozen=True, array_like=True, tag="snapshot"):
     """A run between two ticks."""
 
     world: bytes
+    sha256: bytes  # of the world: what it holds is not checked further
     began: float  # s, wall clock: when its first tick began
     sessions: dict[Id, str]  # of the process that is each robot's newest life
     expected: dict[Id, Count]  # for how many next lives of each robot the world has waited so far
@@ -48,7 +50,15 @@ def is_due(world: World) -> bool:
 def take(run: Run, sessions: Mapping[int, str], expected: Mapping[int, int]) -> Snapshot:
     """Of a run whose tick was just closed."""
     began = time.time() - (time.monotonic() - run.began)
-    return Snapshot(frozen(run.world), began, dict(sessions), dict(expected))
+    state = frozen(run.world)
+    return Snapshot(state, sha256(state).digest(), began, dict(sessions), dict(expected))
+
+
+def restored(snapshot: Snapshot) -> World:
+    """The world of a snapshot; raises `pickle.UnpicklingError` if it is not one."""
+    if sha256(snapshot.world).digest() != snapshot.sha256:
+        raise pickle.UnpicklingError("the snapshot is damaged")
+    return thawed(snapshot.world)
 
 
 def frozen(world: World) -> bytes:

@@ -75,6 +75,23 @@ def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count
         assert (peer in found) == (slack < reach) or abs(slack - reach) < 1e-5
 
 
+@given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 3.0))
+def test_who_has_left_is_found_no_more_and_all_others_are(seed: int, count: int, reach: float) -> None:
+    starts, radii = fleet(seed, count)
+    robot, random = 1 + seed % count, Random(seed)
+    x, y = random.uniform(-2, 2), random.uniform(-2, 2)
+    flat = np.array([random.uniform(-2, 2) for _ in range(2 * count)], dtype="<f4")
+    nothing = np.zeros(count, dtype="<f4").tobytes()
+    picture = FarPicture(Summary(3, runs(sorted(starts)), flat.tobytes(), nothing, nothing), radii)
+    lines = InitialLines(robot, starts, radii)
+    before = lines.within(x, y, reach), lines.reached(picture, reach)
+    left = {peer for peer in starts if random.random() < 0.5}
+    for peer in [*left, count + 1]:  # of whom there never was a line, too
+        lines.leave(peer)
+    after = lines.within(x, y, reach), lines.reached(picture, reach)
+    assert after == tuple([peer for peer in found if peer not in left] for found in before)
+
+
 @given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 0.01))
 def test_who_skips_lines_drives_as_who_looks_at_all(seed: int, count: int, bound: float) -> None:
     """Bit for bit, wherever the robot goes: the same half-planes in the same order."""

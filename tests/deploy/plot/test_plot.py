@@ -3,20 +3,25 @@
 import shutil
 import subprocess
 import sys
+from dataclasses import replace as replace_field
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib import image
+from msgspec.structs import replace
 from PIL import Image
 
+from deploy.library.load import load
 from deploy.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
 from deploy.plot.draw import check, draw
 from deploy.plot.excerpt import until
 from deploy.plot.style import COLOURS, colour, dash
 from deploy.recording.reader import Recording, read
 from protocol.errors import UsageError
-from protocol.scenario.model import Link, Partition, Sensing
+from protocol.messages import Sense, Tick
+from protocol.scenario.model import Link, Network, Partition, Sensing
 from tests.deploy.recording.recorded import record
 
 pytestmark = pytest.mark.slow
@@ -121,6 +126,18 @@ def test_age_of_measurements_is_the_injected_delay(faulty):
     ticks, ages = measurement_ages(faulty)
     assert np.isnan(ages[:2]).all()
     assert np.allclose(ages[2 : ticks[-1]], 0.1)
+
+
+def test_a_measurement_is_as_old_as_its_tick_where_all_went_as_commanded_and_not_where_nothing_was_said():
+    told = Tick(1, 1, 0, (1,), Sense((0.0, 0.0), 0, 0.0, (0.0, 0.0)))
+    ticks = [told, replace(told, tick=1, sense=None, as_commanded=True), replace(told, tick=2, sense=None)]
+    recording = SimpleNamespace(
+        scenario=replace_field(load("swap-4"), network=Network("near")),
+        truths=SimpleNamespace(ticks=np.arange(3)),
+        said=lambda _: ticks,
+    )
+    _, ages = measurement_ages(recording)
+    assert ages[:, 0].tolist() == pytest.approx([0.0, 0.0, STEP])
 
 
 def test_age_of_states_is_the_injected_delay_at_least_and_grows_with_loss(faulty):

@@ -92,6 +92,17 @@ def test_a_guest_of_one_run_is_none_of_the_next(again: bool) -> None:
     assert [len(report["robots"]) for report in reports] == [5, 5 if again else 4]
 
 
+def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
+    without = replace(SWAP, orders=(Order(0.3, remove=2),))
+    reports = LocalFleet([without, SWAP]).execute()
+    assert [report["robots"] for report in reports] == [[1, 3, 4], [1, 2, 3, 4]]
+    with Fleet([without, SWAP], RunOptions("routed")) as fleet:
+        found = fleet.execute()
+    for report, same in zip(reports, found, strict=True):
+        assert report["verdict"] == same["verdict"] == "arrived"
+        assert report["trajectory_sha256"] == same["trajectory_sha256"]
+
+
 @pytest.mark.slow
 def test_so_it_has_among_real_processes() -> None:
     for _ in range(4):

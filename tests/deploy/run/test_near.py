@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from agents.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
@@ -57,6 +58,33 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
         faults = tuple(ProcessFault(robot, 1.05, "restart") for robot in order)
         hashes.add(in_process(replace(scenario, process=faults))["trajectory_sha256"])
     assert len(hashes) == 1
+
+
+def test_robots_that_share_a_process_share_what_they_were_told_and_drive_as_if_they_did_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scenario = crowd(Network("near", 0.1), process=(ProcessFault(3, 1.05, "restart"),))
+    scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
+
+    def run() -> tuple[str, dict[int, Scenario]]:
+        fleet = LocalFleet([scenario])
+        fleet.step()
+        nodes = {robot: bus.node for robot, bus in fleet.robots.items()}
+        told = {
+            robot: node.core.scenario
+            for robot, node in nodes.items()
+            if isinstance(node, RobotNode) and node.core is not None
+        }
+        return str(fleet.execute()[0]["trajectory_sha256"]), told
+
+    together, shared = run()
+    assert len(shared) == 14
+    assert len({id(each) for each in shared.values()}) == 1
+    hash(shared[1])  # it is made of what nobody can change
+    monkeypatch.setattr("deploy.run.local.lru_cache", lambda maxsize: lambda read: read)  # noqa: ARG005
+    alone, own = run()
+    assert len({id(each) for each in own.values()}) == 14
+    assert together == alone
 
 
 @pytest.mark.parametrize("fenced", [False, True])

@@ -94,3 +94,24 @@ def test_the_network_runs_nodes_until_told() -> None:
         publish(b"")
     network.run(lambda: len(listener.events) == 3)
     assert len(listener.events) == 3
+
+
+def test_it_is_known_whether_anybody_hears_a_key() -> None:
+    network = LocalNetwork()
+    one, two, three = network.connect(), network.connect(), network.connect()
+    key = "disknav/r/robot/1/health"
+    publish = one.publisher(STREAMS["health"], key)
+    publish(b"unheard")
+    assert not one.is_heard(key)
+    two.subscribe(key)
+    assert one.is_heard(key)
+    two.unsubscribe(key)
+    assert not one.is_heard(key)
+    three.subscribe("disknav/r/**")
+    assert one.is_heard(key)
+    publish(b"heard")
+    assert everything(three) == [Sample(key, b"heard")]
+    three.close()
+    assert not one.is_heard(key)
+    publish(b"unheard")
+    assert everything(two) == everything(three) == []

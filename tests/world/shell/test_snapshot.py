@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import time
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from tests.world.driving import two
 from world.judge import trajectory
 from world.shell.journal import Journal
 from world.shell.replay import resume
-from world.shell.snapshot import Snapshot, frozen, is_due, thawed
+from world.shell.snapshot import Snapshot, frozen, is_due, restored, thawed
 
 NOISY = [
     "link.delay=[0.0, 0.2]", "link.loss=0.3", "sensing.noise=0.001", "sensing.delay=[0.0,0.1]",
@@ -109,12 +110,17 @@ def test_a_function_is_not_called() -> None:
         thawed(pickle.dumps(Elsewhere()))
 
 
+def test_a_damaged_one_is_refused() -> None:
+    with pytest.raises(pickle.UnpicklingError, match="damaged"):
+        restored(Snapshot(b"any", sha256(b"other").digest(), 0.0, {}, {}))
+
+
 @pytest.mark.parametrize("state", [b"", b"no pickle", pickle.dumps({1, 2})])
 def test_what_is_no_world_is_refused_with_its_file(tmp_path: Path, state: bytes) -> None:
     path, scenarios = tmp_path / "journal", [two()]
     Journal.create(path, "yard", scenarios)
     journal = Journal(path, "yard", scenarios)
-    journal.compact(Snapshot(state, 0.0, {}, {}))
+    journal.compact(Snapshot(state, sha256(state).digest(), 0.0, {}, {}))
     journal.close()
     with pytest.raises(JournalError, match=f"{path}.*no snapshot"):
         resume(Journal(path, "yard", scenarios), scenarios)

@@ -144,3 +144,17 @@ def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() ->
 def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
     with pytest.raises(MessageError):
         FarPicture(Summary(0, runs([1]), bytes(8), bytes(4), slices), {1: RADIUS})
+
+
+def test_what_several_robots_read_is_read_once_and_nobody_can_change_it() -> None:
+    flat = np.arange(3, dtype="<f4").tobytes()
+    summary = Summary(4, runs([1, 2, 7]), flat + flat, flat, flat)
+    mine, theirs = FarPicture(summary, {1: 0.1, 2: 0.2}), FarPicture(summary, {2: 0.3, 7: 0.4})
+    assert mine.places is theirs.places
+    assert mine.robots is theirs.robots
+    for array in (mine.places, mine.robots):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 5
+    fields = [picture.field((9.0, 9.0), 0.1, ()) for picture in (mine, theirs)]
+    assert fields[0].log_x != fields[1].log_x  # the radii are each robot's own
+    assert [picture.place(7) for picture in (mine, theirs)] == [(1.0, 2.0)] * 2
