@@ -26,17 +26,22 @@ def main(
     connection: Connection,
     run: str,
     robot: int,
+    core: int | None = None,
+    *,
     wait: float = PATIENCE,
     beat: Heartbeat | None = None,
     namespace: str | None = None,
 ) -> int:
     """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
 
-    `wait` is how long there may be no world yet, s; `namespace` as of `RobotNode`.
+    `core` is that of the processor to stay on; `wait` how long there may be no world yet, s; `namespace` as
+    of `RobotNode`.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
     """
+    if core is not None:
+        _stay_on(core)
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
@@ -61,14 +66,12 @@ def main(
     return SUCCESS
 
 
-def main_on_core(core: int, connection: Connection, run: str, robot: int) -> int:
-    """`main`, with this process and its threads to come on one core of the processor, where the system lets
-    it; Linux only."""
+def _stay_on(core: int) -> None:
+    """Have this process and its threads to come on one core, where the system lets it; Linux only."""
     try:
         os.sched_setaffinity(0, {core})
     except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
         LOG.info(f"does not stay on core {core}: {error}")
-    return main(connection, run, robot)
 
 
 if __name__ == "__main__":
@@ -78,4 +81,5 @@ if __name__ == "__main__":
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)
-    sys.exit(main(router, run_name, int(identity), float(waits), sign, topics if base else None))
+    namespace = topics if base else None
+    sys.exit(main(router, run_name, int(identity), wait=float(waits), beat=sign, namespace=namespace))

@@ -24,26 +24,24 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
-_LINKING = 8.0  # s
 
 
 def main(
     connection: Connection,
-    ready: Callable[[str], None] | None = None,
-    *,
     record: tuple[str, Path] | None = None,
     links: float = 0.0,
+    ready: Callable[[str], None] | None = None,
 ) -> int:
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
     Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
     name and where its recording is written; nothing published by whoever connects is missed. `links` is for
-    how long (s) links to other routers are waited for; they come up in the background else.
+    how long (s) links to other routers are waited for before that; they come up in the background else.
 
     Raises:
         EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
         CertificateError: another router does not accept this one's certificate, or the reverse.
-        BusError: the endpoint cannot be listened on for another reason.
+        BusError: the endpoint cannot be listened on for another reason, or a link is waited for in vain.
     """
     try:
         with stop_on_signal():
@@ -63,26 +61,10 @@ def main(
         return 0
 
 
-def recording(
-    connection: Connection, run: str, address: Path, ready: Callable[[str], None] | None = None
-) -> int:
-    """Route and record; see `main`."""
-    return main(connection, ready, record=(run, address))
-
-
 def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
     from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
 
     return Aboard(bus, run, address)
-
-
-def linked(connection: Connection, ready: Callable[[str], None]) -> int:
-    """As `main`, but `ready` is told once this router has a link to every router that it connects to.
-
-    Raises:
-        BusError: one cannot be reached; else as `main`.
-    """
-    return main(connection, ready, links=_LINKING)
 
 
 def listening(connection: Connection) -> tuple[ZenohBus, str]:

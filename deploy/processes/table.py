@@ -16,6 +16,8 @@ RECORDER = "recorder"
 ROUTER = "router"
 WORLD = "world"
 WRITER = "writer"
+_ROUTING = "deploy.processes.router:main"
+_LINKING = 8.0  # s for the routers of all hosts to find each other
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +34,7 @@ class Process:
 
 def router(connection: Connection, record: tuple[str, Path] | None = None, restarts: int = 0) -> Process:
     """The router; it reports the endpoint that it listens on. `record`: a run, and its writer's address."""
-    entry, arguments = ("main", ()) if record is None else ("recording", record)
-    return Process(
-        ROUTER, f"deploy.processes.router:{entry}", (connection, *arguments), True, restarts, reports=True
-    )
+    return Process(ROUTER, _ROUTING, (connection, record, 0.0), True, restarts, reports=True)
 
 
 def linked_router(connection: Connection, host: str, restarts: int = 0, *, vital: bool = True) -> Process:
@@ -43,9 +42,7 @@ def linked_router(connection: Connection, host: str, restarts: int = 0, *, vital
 
     Only that of the world's host is `vital`: with another one the robots behind it are lost, and no more.
     """
-    return Process(
-        router_name(host), "deploy.processes.router:linked", (connection,), vital, restarts, reports=True
-    )
+    return Process(router_name(host), _ROUTING, (connection, None, _LINKING), vital, restarts, reports=True)
 
 
 def world(
@@ -72,10 +69,8 @@ def robot(
     connection: Connection, run: str, identity: int, restarts: int = 0, core: int | None = None
 ) -> Process:
     """One robot, on one `core` if that is given; the fleet goes on without it."""
-    name, arguments = robot_name(identity), (connection, run, identity)
-    if core is None:
-        return Process(name, "agents.process:main", arguments, restarts=restarts)
-    return Process(name, "agents.process:main_on_core", (core, *arguments), restarts=restarts)
+    arguments = (connection, run, identity, core)
+    return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
 
 
 def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:

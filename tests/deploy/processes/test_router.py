@@ -31,8 +31,8 @@ pytestmark = pytest.mark.timeout(60)
 def test_routers_that_start_at_once_take_different_ports() -> None:
     names = [f"router-{n}" for n in range(4)]
     with Supervisor(children.spawner()) as supervisor:
-        entry, arguments = router(Connection("router")).entry, (Connection("router"),)
-        supervisor.start(Process(name, entry, arguments, reports=True) for name in names)
+        row = router(Connection("router"))
+        supervisor.start(Process(name, row.entry, row.arguments, reports=True) for name in names)
         endpoints = {supervisor.report(name, 30.0) for name in names}
         assert len(endpoints) == len(names)
         for endpoint in endpoints:
@@ -109,4 +109,4 @@ def test_a_signal_ends_the_router_which_worked_till_then() -> None:
                 assert other.receive(10.0) == Presence("disknav/t/world/alive", True)
         os.kill(os.getpid(), signal.SIGTERM)
 
-    assert main(Connection("router"), ready) == 0
+    assert main(Connection("router"), ready=ready) == 0

@@ -45,7 +45,7 @@ class FleetWithOne(Fleet):
 
     def _made_sick(self, row: table.Process) -> table.Process:
         entry = f"tests.deploy.run.sick:{self._entry}"
-        connection, run, robot = row.arguments[-3:]  # on whatever core
+        connection, run, robot = row.arguments[:3]  # on whatever core
         arguments = (connection, run, robot, *self._arguments)
         return table.Process(row.name, entry, arguments, restarts=row.restarts)
 

@@ -150,7 +150,7 @@ def test_an_expired_certificate_says_so(tmp_path: Path) -> None:
                 failures.append(str(error))
         os.kill(os.getpid(), 15)
 
-    assert main(listener, ready) == 0
+    assert main(listener, ready=ready) == 0
     assert "expired" in failures[0]
 
 
@@ -162,7 +162,7 @@ def test_a_robots_key_cannot_pose_as_the_router(keys: Path) -> None:
             member(keys, "robot-2", endpoint)
         os.kill(os.getpid(), 15)
 
-    assert main(impostor, ready) == 0
+    assert main(impostor, ready=ready) == 0
 
 
 def test_a_router_with_certificates_of_another_run_is_told(endpoint: str, tmp_path: Path) -> None:
@@ -177,7 +177,7 @@ def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
             stranger(endpoint.replace("tcp/", "tls/"), credentials(keys, "robot-1"))
         os.kill(os.getpid(), 15)
 
-    assert main(Connection("router"), ready) == 0
+    assert main(Connection("router"), ready=ready) == 0
 
 
 def test_a_run_under_attack_is_the_run_without(keys: Path) -> None:
@@ -226,4 +226,4 @@ def test_the_same_attack_tells_where_there_are_no_rules(keys: Path) -> None:
             assert (robot_key("guarded", 3, "command"), ROGUE) in heard(spy, b"last")
         os.kill(os.getpid(), 15)
 
-    assert main(open_to_all, ready) == 0
+    assert main(open_to_all, ready=ready) == 0
