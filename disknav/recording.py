@@ -25,7 +25,7 @@ class Recording:
     """A run as it was recorded.
 
     Attributes:
-        entries: everything that was said, in order, read anew by every loop: each with
+        entries: everything that was recorded, in order, read anew by every loop: each with
             `time` (s, simulated), `key` and `message`.
         result: as of `disknav.Run`; None when the recording ended before that.
         cut: whether the file was cut short or is damaged; what is before the cut is here.

@@ -63,7 +63,7 @@ def run(
         scenario: one that `load` or `build` gave, or what `load` takes, with `settings` and `seed`.
         transport: "local" for all robots in this process; "routed" or "mesh" for one process each.
         mode: "lockstep", or "realtime" for a tick per control period of the wall clock.
-        record: file to record everything to (MCAP).
+        record: file to record to (MCAP).
         name: of the run; a fresh one unless given.
         progress: whether to show a bar on standard error.
 

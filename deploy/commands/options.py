@@ -45,7 +45,7 @@ Json = Annotated[
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")]
 Record = Annotated[
-    Path | None, typer.Option("--record", help="Record everything that crosses the network (MCAP).")
+    Path | None, typer.Option("--record", help="Record the run (MCAP): every stream but summaries.")
 ]
 Rotate = Annotated[
     list[str] | None,
