@@ -5,7 +5,7 @@ Grammar::
     key    = "disknav/" run "/robot/" id "/" robot-stream
            | "disknav/" run "/world/" world-stream
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
-    id     = decimal integer >= 1, no leading zero    a robot writes under its own id only
+    id     = decimal integer from 1 to 999999999, no leading zero
     robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
     world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "halt"
                    | "fleet" | "things" | "alive"

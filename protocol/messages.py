@@ -1,5 +1,5 @@
 """Messages: what travels under each key. On the wire each is one msgpack array: a tag
-that names type and version (`"state/2"`), then the fields in the order in which they stand here.
+that names type and version (`"state/3"`), then the fields in the order in which they stand here.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
@@ -68,7 +68,7 @@ class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     robot: Id  # who stands there
     incarnation: Count  # the life that ended
-    position: Vector  # m, centre of the disk, exact
+    position: Vector  # m, centre of the disk; of a base outside as last reported
 
 
 Status = Literal["live", "appearing", "standing", "gone"]
@@ -253,7 +253,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
     """World to everybody who watches: where every disk really is at the start of `tick`."""
 
     tick: Count  # the tick that begins
-    robots: tuple[Id, ...]  # all of the scenario, ascending
+    robots: tuple[Id, ...]  # all whose disks are there, ascending
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: float  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: float  # navigation function, 0 at the goal, 1 on the boundary

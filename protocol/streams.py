@@ -46,7 +46,7 @@ _STREAMS = (
         Summary,
         "world",
         ("robots",),
-        "every 0.5 s of simulated time, where some robots are far from each other",
+        "every 0.5 s of simulated time, or 3 ticks if longer, where some robots are far from each other",
         True,
         False,
         64 * 1024,
@@ -56,13 +56,14 @@ _STREAMS = (
         Clock,
         "world",
         ("world",),
-        "at most every 0.05 s, at ticks with a process fault, every 0.1 s while the world waits",
+        "once a tick, in lock-step at full speed every 0.05 s and at ticks with a process fault; "
+        "every 0.1 s while the world waits",
         False,
         True,
         256 * 1024,
     ),
     Stream(
-        "truth", Truth, "world", (), "once a tick, up to 0.05 s of ticks together", False, True, 64 * 1024
+        "truth", Truth, "world", (), "once a tick, as many together as a Clock is for", False, True, 64 * 1024
     ),
     Stream("health", Health, "robot", ("itself",), "every 0.5 s, and at the end", False, True, 128 * 1024),
     Stream(
@@ -70,7 +71,7 @@ _STREAMS = (
         GoalStatus,
         "world",
         (),
-        "when an order is accepted, and at every point",
+        "when an order is accepted, at every point, and at its end",
         False,
         True,
         1024,

@@ -57,11 +57,11 @@ A complete subscriber, with nothing but `pip install eclipse-zenoh msgpack`:
 _RECORDED = """\
 ## In a recording
 
-`disknav run --record` writes the same messages to an MCAP file: one channel a key, with the time of the
-tick as log time. There a message is a JSON object under the field names above, without its type; `[x, y]`
-is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has its JSON schema. Topics that
-begin with `/` draw the run, for [Foxglove](foxglove.md), and say nothing that the others do not. The
-metadata records `scenario` and `result` hold JSON objects.
+`disknav run --record` writes the messages that the table marks to an MCAP file: one channel a key, with the
+time of the tick as log time. There a message is a JSON object under the field names above, without its
+type; `[x, y]` is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has its JSON
+schema. Topics that begin with `/` draw the run, for [Foxglove](foxglove.md), and say nothing that the others
+do not. The metadata records `scenario` and `result` hold JSON objects.
 """
 
 _UNIT = re.compile(r"(m/s|m\^2|m|s|rad)[,;] (.*)")
@@ -82,6 +82,7 @@ _INNER = (
     messages.Member,
     messages.Thing,
     messages.PartPlace,
+    messages.Report,
     messages.Claim,
     messages.Handling,
     messages.Standing,
@@ -126,13 +127,14 @@ def _conventions() -> str:
 
 def _overview() -> str:
     rows = [
-        "| key | published by | how often | when the network is full | recorded |",
-        "|---|---|---|---|---|",
+        "| key | published by | how often | bytes at most | when the network is full | recorded |",
+        "|---|---|---|---|---|---|",
     ]
     for stream in STREAMS.values():
         full = "publisher waits" if stream.reliable else "sample is dropped"
-        recorded = "yes" if stream.recorded else "as metadata"
-        rows.append(f"| `{_key(stream)}` | {stream.publisher} | {stream.rate} | {full} | {recorded} |")
+        recorded = "yes" if stream.recorded else "as metadata" if stream.name == "result" else "no"
+        cells = (f"`{_key(stream)}`", stream.publisher, stream.rate, f"{stream.limit:,}", full, recorded)
+        rows.append(f"| {' | '.join(cells)} |")
     return "\n".join([*rows, ""])
 
 

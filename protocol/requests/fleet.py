@@ -2,7 +2,8 @@
 
 `{"add": {"id": 7, "radius": 0.04, "start": [x, y], "goal": [x, y]}}` has a disk appear once every robot keeps
 clear of its place; then it stands, and its process may join. `{"remove": 7}` ends a robot and takes its disk
-away. An empty request asks who is there. Maps in msgpack, or JSON text; the reply comes in the form of the
+away. `add` takes the keys of `[[robots]]` in a scenario. An empty request asks who is there. The reply has
+`accepted`, `roster` and `text`, why not. Maps in msgpack, or JSON text; the reply comes in the form of the
 request.
 """
 

@@ -2,8 +2,11 @@
 
 Requests and replies are maps, in msgpack or, for people and stock tools, in JSON; the reply comes in the form
 of the request. `{"points": [[x, y], ...]}` sends the robot to these points one after another,
-`{"points": []}` cancels what it is doing: it stays where it is. An empty request asks how things stand.
-What comes of an order is published as `GoalStatus`.
+`{"points": []}` cancels what it is doing: it stays where it is. Besides `points` there may be `queue` (true:
+go there after what is ahead already), `patrol` (true: begin anew after the last) and `within` (s of simulated
+time, after which the robot gives up). An empty request asks how things stand. The reply has `accepted`,
+`number` of the order, `text` (why not, or what to beware of) and `status`, a `GoalStatus` as on the wire or
+nil. What comes of an order is published as `GoalStatus`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,12 @@
 """How a robot joins a run: a request under its own `join` key, and the world's reply.
 
-Both are msgpack maps: request `{"session": text, "health": Health | nil}`, reply one of `Admission`,
-`Refusal`, `Wait`, `Finished`, told apart by `"reply"`. Which robot asks is said by the key alone, so that a
-router's rules decide who may. Who only watches asks under `world/scenario`, and is told an `Overview`:
-scenario, lockstep, and goals, the `GoalStatus` of every robot that was ordered elsewhere.
+Both are msgpack maps: the request `{"session": text, "health": Health or nil}`, the reply one of four, told
+apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
+file), `oldest` (by robot, the incarnation below which a State is of an earlier run), `away` (s that the world
+may be gone and still come back) and `founded` (whether the run has begun); `"refused"` has `text`; `"wait"`
+has `after`, s, and `text`; `"finished"` has `verdict`. Which robot asks is said by the key alone, so that a
+router's rules decide who may. Who only watches asks under `world/scenario` and is told `"scenario"`, with
+`scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot that was ordered elsewhere.
 
 `session` is a text of the process's own choosing, the same for all its requests. Who asks again is
 admitted as the same life, for a reply may be lost, until `health` says that this life is over.

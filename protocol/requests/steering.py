@@ -1,8 +1,9 @@
-"""Steering a lock-step run from outside: a request under `world/steering`, as msgpack or JSON-like map.
+"""Steering a lock-step run from outside: a request under `world/steering`, which the world answers.
 
 `{"pause": true}` holds the clock, `{"pause": false}` lets it go on, `{"step": n}` allows n ticks while
-held, `{"speed": x}` limits simulated seconds per second (0: as fast as the machine allows). The reply
-is the steering now in force. It changes when ticks happen, never what happens in them.
+held, `{"speed": x}` limits simulated seconds per second (0: as fast as the machine allows). Maps in
+msgpack, or JSON text; the reply, in msgpack, is what is in force: `paused`, `steps` still allowed, and
+`speed`. It changes when ticks happen, never what happens in them; in real time nothing.
 """
 
 from __future__ import annotations

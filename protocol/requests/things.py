@@ -2,7 +2,9 @@
 
 `{"place": {"center": [x, y], "radius": r}}` or `{"place": {"points": [[x, y], ...]}}` has a disk or a convex
 polygon appear once every robot keeps clear of its place; `{"take": 3}` says that thing 3 was taken away. An
-empty request asks what is there. Maps in msgpack, or JSON text; the reply comes in the form of the request.
+empty request asks what is there. The reply has `accepted`, `number` of the thing, `text` (why not, or what
+to beware of) and `things`, all that stand or are to appear. Maps in msgpack, or JSON text; the reply comes
+in the form of the request.
 """
 
 from __future__ import annotations

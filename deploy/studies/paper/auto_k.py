@@ -1,6 +1,6 @@
 """The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
 
-Run `python -m deploy.studies.paper.auto_k` to measure again and rewrite docs/auto-k.md.
+Run `python -m deploy.studies.paper.auto_k --write` to measure again and rewrite docs/auto-k.md.
 """
 
 from __future__ import annotations
