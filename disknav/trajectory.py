@@ -28,8 +28,8 @@ class Trajectory:
         ticks: shape (n,); a recording may lack some, see `disknav.read`.
         times: s, shape (n,).
         positions: m, shape (n, p, 2), robots in the order of `robots`.
-        clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary, during the
-            tick before, over continuous time; negative is overlap.
+        clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary or a thing,
+            during the tick before, over continuous time; negative is overlap.
         phi: shape (n,), the navigation function, 0 at the goal.
     """
 

@@ -63,7 +63,7 @@ def _row(parameter: inspect.Parameter, hint: Any) -> str:
         takes = "" if kind is bool else f" {info.metavar or _type(kind)}"
         names = ", ".join(f"`{name}{takes if name.startswith('--') else ''}`" for name in declared)
     default = parameter.default
-    given = "" if default in (None, False, parameter.empty) else f"`{default}`"
+    given = "" if default in (None, False, "", parameter.empty) else f"`{default}`"
     return f"| {names} | {given} | {_cell(info.help or '')}{_choices(kind)} |"
 
 
@@ -91,4 +91,4 @@ def _example(found: re.Match[str]) -> str:
 
 
 def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
+    return re.sub(r"\[/?b\]", "**", text).replace("|", "\\|")

@@ -48,6 +48,6 @@ def _default(parameter: inspect.Parameter) -> str:
 def _text(thing: Any) -> str:
     """A docstring, its sections of arguments and errors as lists."""
     text = inspect.getdoc(thing) or ""
-    text = re.sub(r"^(Args|Attributes|Raises):$", r"**\1**\n", text, flags=re.MULTILINE)
+    text = re.sub(r"^(Args|Attributes|Returns|Raises):$", r"**\1**\n", text, flags=re.MULTILINE)
     text = re.sub(r"^    (\w[\w, ]*): ", r"- `\1`: ", text, flags=re.MULTILINE)
     return re.sub(r"^ {4,8}(?=\S)", "  ", text, flags=re.MULTILINE)

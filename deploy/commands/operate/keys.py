@@ -38,7 +38,7 @@ def new(
     days: Annotated[float, typer.Option(min=0.0, help="For how long they are valid.")] = 30.0,
     force: Annotated[bool, typer.Option("--force", help="Replace keys that are there already.")] = False,
 ) -> None:
-    """Make an authority and one certificate each for router, world, monitor and every robot.
+    """Make an authority and one certificate each for router, world, monitor, operator and every robot.
 
     With [b]--hosts[/b], one for the router of each host, which speaks for the robots there and no others.
 

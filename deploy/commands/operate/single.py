@@ -48,8 +48,8 @@ def robot(
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
-    Example: disknav robot 3 --run demo --router tcp/10.0.0.1:7447
-    Example: disknav robot 1 --run yard --base ros2 --namespace /bot1
+    Examples: disknav robot 3 --run demo --router tcp/10.0.0.1:7447;
+    disknav robot 1 --run yard --base ros2 --namespace /bot1
     """
     if namespace is not None and base is None:
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")

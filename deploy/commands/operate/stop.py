@@ -9,7 +9,7 @@ from deploy.commands.operate.operating import Run, operating
 
 
 def stop(run: Run, router: options.Router = None, secure: options.Secure = None) -> None:
-    """Emergency stop: every robot stands within one tick, and stays until [b]disknav release[/b].
+    """Emergency stop: every robot brakes from the next tick on, and stands until [b]disknav release[/b].
 
     Example: disknav stop yard
 
