@@ -38,7 +38,7 @@ _HEAD = """\
 What crosses the network, for programs that share no code with this project. Generated from the
 declarations in `protocol/` by `python -m deploy.software.stream_page`; do not edit.
 
-Every payload is one [msgpack](https://msgpack.org) array: first a text that names type and protocol
+Every published payload is one [msgpack](https://msgpack.org) array: first a text that names type and protocol
 version, such as `"state/{version}"`, then the fields in the order of the tables below. A reader should
 ignore what has another version, and may ignore fields after those it knows.
 
