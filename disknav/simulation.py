@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from deploy.recording.reader import Truths
+from deploy.recording.reader import Said, Truths
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from disknav.orders import Orders
@@ -49,20 +49,13 @@ class Simulation:
 
     @property
     def positions(self) -> Floats:
-        """Where all disks are, m, shape (p, 2), in the order of ids."""
+        """Where all disks that are there are, m, shape (p, 2), in the order of ids."""
         return np.array(self._truths[-1].positions)
 
     @property
     def trajectory(self) -> Trajectory:
         """From tick 0 to now."""
-        told = self._truths
-        truths = Truths(
-            np.array([truth.tick for truth in told]),
-            np.array([truth.positions for truth in told]),
-            np.array([truth.clearance for truth in told]),
-            np.array([truth.phi for truth in told]),
-        )
-        return Trajectory.of(self.scenario, truths)
+        return Trajectory.of(self.scenario, Truths.of(map(Said.of, self._truths)))
 
     def step(self) -> bool:
         """Go on by one tick; False, and nothing happens, once the run has its verdict."""

@@ -24,10 +24,10 @@ class Trajectory:
     """Where every disk was at the start of every tick, from the world's truth.
 
     Attributes:
-        robots: ids, ascending, shape (p,).
+        robots: ids of all that ever were there, ascending, shape (p,).
         ticks: shape (n,); a recording may lack some, see `disknav.read`.
         times: s, shape (n,).
-        positions: m, shape (n, p, 2), robots in the order of `robots`.
+        positions: m, shape (n, p, 2), robots in the order of `robots`; NaN where one was not there.
         clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary or a thing,
             during the tick before, over continuous time; negative is overlap.
         phi: shape (n,), the navigation function, 0 at the goal.
@@ -44,14 +44,13 @@ class Trajectory:
     def of(cls, scenario: Scenario, truths: Truths) -> Trajectory:
         """As arrays, with the times that the scenario's ticks mean."""
         times = truths.ticks * scenario.time.step
-        robots = np.array(scenario.ids)
-        return cls(robots, truths.ticks, times, truths.positions, truths.clearance, truths.phi)
+        return cls(truths.robots, truths.ticks, times, truths.positions, truths.clearance, truths.phi)
 
     def of_robot(self, robot: int) -> Floats:
         """Positions of one robot, m, shape (n, 2).
 
         Raises:
-            UsageError: the scenario has no such robot.
+            UsageError: there never was such a robot.
         """
         if robot not in self.robots:
             raise UsageError(f"there is no robot {robot}; there are {', '.join(map(str, self.robots))}")

@@ -15,13 +15,16 @@ from protocol.scenario.model import Link as LinkFaults
 
 
 def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position; NaN without any."""
+    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position, of the scenario's
+    robots; NaN without any."""
     ids, ticks = recording.scenario.ids, recording.truths.ticks
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
     newest = dict.fromkeys(ids, -1)
     for told in recording.said(Tick):
         robot, sense = told.robot, told.sense
+        if robot not in newest:
+            continue
         if told.as_commanded:  # its place is measured, and without error
             newest[robot] = told.tick
         elif sense is not None and sense.position is not None:
@@ -34,7 +37,8 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 class Heard:
     """What the injected link faults let each robot hear, from the recorded States and the same draws.
 
-    Exact for a lock-step run; in real time the network's own delay comes on top.
+    Of the scenario's robots only. Exact for a lock-step run; in real time the network's own delay comes on
+    top.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -53,7 +57,7 @@ class Heard:
         newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
         rows = []
         for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
-            said = list(states)
+            said = [state for state in states if state.robot in newest]
             for robot, link in self._links.items():
                 for state in said:
                     if state.robot != robot:

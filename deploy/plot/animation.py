@@ -15,6 +15,7 @@ from matplotlib.text import Text
 
 from deploy.plot.style import INK, colour, dash
 from deploy.plot.workspace import MANY, frame
+from deploy.recording.participants import Participant, participants
 from deploy.recording.reader import Recording
 from protocol.errors import UsageError
 
@@ -72,33 +73,36 @@ class _Film:
         for patch, _ in self._things:
             patch.set(fill=True, linestyle="-")
         self._title = self._axes.set_title("", loc="left", family="monospace")
-        self._parts = [self._robot(index, robot) for index, robot in enumerate(recording.scenario.ids)]
+        self._robots = participants(recording)
+        self._parts = [self._robot(index, robot) for index, robot in enumerate(self._robots)]
         self.show(0)
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # lay out once, not again for every picture
 
-    def _robot(self, index: int, robot: int) -> tuple[Circle, Line2D, Text]:
-        spec = self._recording.scenario.spec(robot)
-        look = colour(index)
-        goal = Circle(spec.goal, spec.radius, fill=False, edgecolor=look, linewidth=1.2, zorder=3)
-        disk = Circle(spec.start, spec.radius, facecolor=look, alpha=0.6, linewidth=0, zorder=4)
-        self._axes.add_patch(goal)
+    def _robot(self, index: int, robot: Participant) -> tuple[Circle, Line2D, Text]:
+        (x, y), look = robot.known[0].tolist(), colour(index)
+        disk = Circle((x, y), robot.radius, facecolor=look, alpha=0.6, linewidth=0, zorder=4)
+        if robot.goal is not None:
+            goal = Circle(robot.goal, robot.radius, fill=False, edgecolor=look, linewidth=1.2, zorder=3)
+            self._axes.add_patch(goal)
         self._axes.add_patch(disk)
         (trail,) = self._axes.plot([], [], color=look, linestyle=dash(index), zorder=3)
-        name = str(robot) if len(self._recording.scenario.ids) <= MANY else ""
-        label = self._axes.text(
-            *spec.start, name, ha="center", va="center", color=INK, weight="bold", zorder=5
-        )
+        name = str(robot.robot) if len(self._robots) <= MANY else ""
+        label = self._axes.text(x, y, name, ha="center", va="center", color=INK, weight="bold", zorder=5)
         return disk, trail, label
 
     def show(self, step: int) -> None:
         """Move everything to one recorded tick."""
         truths, scenario = self._recording.truths, self._recording.scenario
-        for index, (disk, trail, label) in enumerate(self._parts):
-            path = truths.positions[: step + 1, index]
-            disk.set_center(path[-1])
+        for robot, (disk, trail, label) in zip(self._robots, self._parts, strict=True):
+            path = robot.path[: step + 1]
             trail.set_data(*path.T)
-            label.set_position(path[-1])
+            is_there = not np.isnan(path[-1, 0])
+            disk.set_visible(is_there)
+            label.set_visible(is_there)
+            if is_there:
+                disk.set_center(path[-1])
+                label.set_position(path[-1])
         seconds = float(truths.ticks[step]) * scenario.time.step
         for patch, stay in self._things:
             patch.set_visible(stay.since <= seconds < stay.until)

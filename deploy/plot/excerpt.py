@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from deploy.recording.reader import Recording, Truths
 
 
@@ -13,7 +15,11 @@ def until(recording: Recording, seconds: float) -> Recording:
     kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step
     if kept.all():
         return recording
-    part = Truths(truths.ticks[kept], truths.positions[kept], truths.clearance[kept], truths.phi[kept])
+    there = ~np.isnan(truths.positions[kept, :, 0]).all(axis=0)
+    positions = truths.positions[kept][:, there]
+    part = Truths(
+        truths.robots[there], truths.ticks[kept], positions, truths.clearance[kept], truths.phi[kept]
+    )
     last = float(part.ticks[-1]) * step
     entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
     return replace(recording, truths=part, entries=entries, result=None)

@@ -9,6 +9,7 @@ from matplotlib.patheffects import withStroke
 
 from deploy.plot.style import FAINT, INK, colour, dash
 from deploy.plot.things import Stay, draw_things, patch_of
+from deploy.recording.participants import participants
 from deploy.recording.reader import Recording
 
 _MOMENTS = 5  # disks drawn between start and end, at most
@@ -18,19 +19,21 @@ MANY = 20  # robots from which on ids would hide the disks
 def draw_workspace(axes: Axes, recording: Recording) -> None:
     """Draw one run: dotted disks where robots began, outlined goals, filled disks where they ended."""
     frame(axes, recording)
-    positions = recording.truths.positions
-    for index, robot in enumerate(recording.scenario.ids):
-        spec, path = recording.scenario.spec(robot), positions[:, index]
-        axes.plot(*path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=5)
-        for moment in _moments(path, spec.radius):
-            _disk(axes, moment, spec.radius, facecolor=colour(index), alpha=0.13, linewidth=0)
-        _disk(axes, path[0], spec.radius, fill=False, edgecolor=colour(index), linestyle=":", linewidth=1.0)
-        _disk(axes, path[-1], spec.radius, facecolor=colour(index), alpha=0.45, linewidth=0)
-        _disk(axes, spec.goal, spec.radius, fill=False, edgecolor=colour(index), linewidth=1.2)
-        if len(recording.scenario.ids) <= MANY:
-            _label(axes, path[-1], str(robot))
-            if _free(path[0], spec.radius, positions[-1]):
-                _label(axes, path[0], str(robot), faint=True)
+    robots = participants(recording)
+    ends = np.array([each.known[-1] for each in robots])
+    for index, each in enumerate(robots):
+        radius, path = each.radius, each.known
+        axes.plot(*each.path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=5)
+        for moment in _moments(path, radius):
+            _disk(axes, moment, radius, facecolor=colour(index), alpha=0.13, linewidth=0)
+        _disk(axes, path[0], radius, fill=False, edgecolor=colour(index), linestyle=":", linewidth=1.0)
+        _disk(axes, path[-1], radius, facecolor=colour(index), alpha=0.45, linewidth=0)
+        if each.goal is not None:
+            _disk(axes, each.goal, radius, fill=False, edgecolor=colour(index), linewidth=1.2)
+        if len(robots) <= MANY:
+            _label(axes, path[-1], str(each.robot))
+            if _free(path[0], radius, ends):
+                _label(axes, path[0], str(each.robot), faint=True)
 
 
 def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:

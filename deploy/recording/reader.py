@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
@@ -77,14 +77,41 @@ class Entries:
         return Entries(self._found, lambda entry: self._keep(entry) and keep(entry))
 
 
+class Said(NamedTuple):
+    """A `Truth` in few bytes: clearance, phi, x, y, x, y, ..."""
+
+    tick: int
+    robots: tuple[int, ...]
+    numbers: np.ndarray
+
+    @classmethod
+    def of(cls, truth: Truth) -> Said:
+        """The same."""
+        places = chain.from_iterable(truth.positions)
+        return cls(truth.tick, truth.robots, np.array([truth.clearance, truth.phi, *places]))
+
+
 @dataclass(frozen=True)
 class Truths:
-    """What was true at the start of `ticks`: positions (tick, robot, 2), m, robots in the order of ids."""
+    """What was true at the start of `ticks`: positions (tick, robot, 2), m, of all `robots` that ever were
+    there, in the order of ids; NaN where the disk of one was not."""
 
+    robots: np.ndarray
     ticks: np.ndarray
     positions: np.ndarray
     clearance: np.ndarray  # m, smallest gap during the tick before
     phi: np.ndarray
+
+    @classmethod
+    def of(cls, said: Iterable[Said]) -> Truths:
+        """What the world said, in the order of ticks."""
+        rows = list(said)
+        robots = np.array(sorted(set(chain.from_iterable({row.robots for row in rows}))), dtype=np.int64)
+        positions = np.full((len(rows), len(robots), 2), np.nan)
+        for places, row in zip(positions, rows, strict=True):
+            places[np.searchsorted(robots, row.robots)] = row.numbers[2:].reshape(-1, 2)
+        clearance, phi = np.array([row.numbers[:2] for row in rows]).reshape(-1, 2).T
+        return cls(robots, np.array([row.tick for row in rows]), positions, clearance, phi)
 
     @property
     def missing(self) -> int:
@@ -167,21 +194,16 @@ def _looked_through(
     found: Contents | Series, scenario: Scenario, whole: bool, progress: Progress | None
 ) -> tuple[Counter[str], Truths]:
     counts: Counter[int] = Counter()
-    said: dict[int, np.ndarray] = {}
+    said: dict[int, Said] = {}
+    robots: tuple[int, ...] = ()
     for recorded in found.messages(progress):
         counts[recorded.channel_id] += 1
         if parse(found.topics[recorded.channel_id]).stream == "truth":
             truth = from_object(Truth, msgspec.json.decode(recorded.data))
             assert isinstance(truth, Truth)
-            said[truth.tick] = _row(truth)
+            robots = robots if truth.robots == robots else truth.robots  # one tuple for all the same
+            said[truth.tick] = Said.of(truth)._replace(robots=robots)
     if whole or not said:
-        said.setdefault(0, _row(World(scenario).truth))  # what the scenario says before anybody moved
-    ticks = sorted(said)
-    rows = np.array([said[tick] for tick in ticks])
-    positions = rows[:, 2:].reshape(len(ticks), -1, 2)
+        said.setdefault(0, Said.of(World(scenario).truth))  # what the scenario says before anybody moved
     by_key = Counter({found.topics[number]: count for number, count in counts.items()})
-    return by_key, Truths(np.array(ticks), positions, rows[:, 0], rows[:, 1])
-
-
-def _row(truth: Truth) -> np.ndarray:
-    return np.array([truth.clearance, truth.phi, *chain.from_iterable(truth.positions)])
+    return by_key, Truths.of(said[tick] for tick in sorted(said))

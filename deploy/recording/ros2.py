@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from deploy.recording.mcap.file import McapFile
 from deploy.recording.reader import Recording
 from deploy.recording.writer import LIBRARY
@@ -19,13 +21,16 @@ def export(recording: Recording, path: Path) -> None:
         UsageError: it cannot be written.
     """
     step, truths = recording.scenario.time.step, recording.truths
-    frames = ros.Frames(WORLD, [frame(robot) for robot in recording.scenario.ids])
+    frames: dict[tuple[int, ...], ros.Frames] = {}
     try:
         file = McapFile(path, LIBRARY, "ros2")
         number = file.channel("/tf", file.schema(ros.NAME, ros.DEFINITION.encode(), "ros2msg"), {}, "cdr")
-        for tick, positions in zip(truths.ticks.tolist(), truths.positions.tolist(), strict=True):
-            time = round(tick * step * 1e9)
-            file.message(number, time, frames.message(time, positions))
+        for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+            time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
+            robots = tuple(truths.robots[there].tolist())
+            if robots not in frames:
+                frames[robots] = ros.Frames(WORLD, [frame(robot) for robot in robots])
+            file.message(number, time, frames[robots].message(time, positions[there].tolist()))
         file.finish({})
     except OSError as error:
         raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error

@@ -19,7 +19,12 @@ from protocol.errors import RecordingError
 from protocol.messages import Command, Tick, Vector
 from world.judge.trajectory import TrajectoryDigest
 
-_Plane = Sequence[Vector] | NDArray[np.float64]  # where each robot is, m, in the order of ids
+
+class _Plane(NamedTuple):
+    """Where each disk is that is there, m."""
+
+    robots: tuple[int, ...]
+    places: Sequence[Vector] | NDArray[np.float64]
 
 
 class Trajectory(NamedTuple):
@@ -38,7 +43,7 @@ def trajectory(recording: Recording) -> Trajectory:
     """Recompute the trajectory up to the last tick known.
 
     Raises:
-        RecordingError: a tick is missing that cannot be worked out either.
+        RecordingError: a tick is missing that cannot be worked out either, or in which robots came or went.
     """
     if recording.preceding:
         raise RecordingError(
@@ -47,21 +52,33 @@ def trajectory(recording: Recording) -> Trajectory:
     known = _known(recording)
     missing = set(range(max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
-    digest = TrajectoryDigest(recording.scenario.ids)
-    here: _Plane = []
+    digest = TrajectoryDigest(())
+    here = _Plane((), [])
     for tick in range(max(known) + 1):
-        here = moves.follow(here, tick) if moves and tick in missing else known[tick]
-        digest.add([tick], np.array([here]))
+        there = moves.follow(here, tick) if moves and tick in missing else known[tick]
+        if there.robots != here.robots:
+            if tick - 1 in missing:
+                raise RecordingError(
+                    f"{recording.path}: robots came or went before tick {tick}, and the truth of the tick "
+                    f"before was not recorded, so the trajectory cannot be checked; record it with less load"
+                )
+            digest.recast(there.robots)
+        digest.add([tick], np.array([there.places]))
+        here = there
     return Trajectory(digest.hexdigest(), len(missing))
 
 
 def _known(recording: Recording) -> dict[int, _Plane]:
     """Positions by tick; those of the last are in the result, too."""
     truths, result = recording.truths, recording.result or {}
-    known: dict[int, _Plane] = dict(zip(truths.ticks.tolist(), truths.positions, strict=True))
-    final = result.get("positions", {})
+    known: dict[int, _Plane] = {}
+    for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+        there = ~np.isnan(positions[:, 0])
+        known[tick] = _Plane(tuple(truths.robots[there].tolist()), positions[there])
+    final = {int(robot): tuple(place) for robot, place in result.get("positions", {}).items()}
     if final and "ticks" in result:
-        known.setdefault(result["ticks"], [tuple(final[str(robot)]) for robot in recording.scenario.ids])
+        robots = tuple(sorted(final))
+        known.setdefault(result["ticks"], _Plane(robots, [final[robot] for robot in robots]))
     return known
 
 
@@ -69,7 +86,7 @@ class _Moves:
     """What each robot did during the tick before each of some ticks."""
 
     def __init__(self, recording: Recording, ticks: Set[int]) -> None:
-        self._path, self._ids = recording.path, recording.scenario.ids
+        self._path = recording.path
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
         self._as_commanded: set[tuple[int, int]] = set()
@@ -86,7 +103,7 @@ class _Moves:
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
         after = []
-        for robot, (x, y) in zip(self._ids, before, strict=True):
+        for robot, (x, y) in zip(before.robots, before.places, strict=True):
             move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
             if (robot, tick) in self._as_commanded and velocity is not None:
                 move = velocity[0] * self._step, velocity[1] * self._step
@@ -97,4 +114,4 @@ class _Moves:
                 )
             dx, dy = move or (0.0, 0.0)
             after.append((x + dx, y + dy))
-        return after
+        return _Plane(before.robots, after)

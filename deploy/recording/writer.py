@@ -19,7 +19,7 @@ from deploy.recording.mcap.file import McapFile
 from deploy.recording.pictures import Pictures
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import parse
-from protocol.messages import VERSION
+from protocol.messages import VERSION, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import check_finite
@@ -66,7 +66,8 @@ class RecordingFile:
         """
         if self._run:
             return
-        self._robots, self._run, self._step = frozenset(scenario.ids), run, scenario.time.step
+        self._robots = frozenset((*scenario.ids, *(spec.id for spec in scenario.newcomers)))
+        self._run, self._step = run, scenario.time.step
         with self._writing():
             before = {"preceding": preceding} if preceding else {}
             self._file.metadata("run", {"name": run, "protocol": str(VERSION), **before})
@@ -111,6 +112,9 @@ class RecordingFile:
         times = np.rint(ticks * self._step * 1e9).clip(max=_LATEST).astype(np.uint64)
         self._file.messages([channel.number for channel in channels], times, lines)
         self._count += len(messages)
+        for message in messages:
+            if type(message) is Truth and not self._robots.issuperset(message.robots):
+                self._robots = self._robots.union(message.robots)  # an operator added some
         if self._pictures is not None:
             self._pictures.hear(messages)
 

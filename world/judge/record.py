@@ -77,13 +77,12 @@ class Record:
         self._gaps = NearestGaps(disks)
         self._phi = NavigationFunction(disks, self.goals, scenario.k)
         self._contacts.recast()
-        self._digest.recast(disks.ids)
+        self._digest.recast(disks.ids)  # from the next tick on
         self._deviation.recast()
         self._plane = as_plane([positions])
         clearance = float(gaps(disks, self._plane, self._plane).min())
         self._clearance = min(self._clearance, clearance)
         self._truth = Truth(self._tick, disks.ids, tuple(positions), clearance, self._phi(self._plane)[0])
-        self._digest.add([self._tick], [positions])
 
     def redirect(self, robot: int, goal: Vector) -> None:
         """From the newest configuration on a robot is to go to `goal`, m; all before is measured by the old

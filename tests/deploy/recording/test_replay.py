@@ -77,7 +77,7 @@ def _without_truths(recording: Recording, lost: set[int]) -> Recording:
     truths = recording.truths
     keep = ~np.isin(truths.ticks, list(lost))
     columns = (truths.ticks, truths.positions, truths.clearance, truths.phi)
-    return replace(recording, truths=Truths(*(column[keep] for column in columns)))
+    return replace(recording, truths=Truths(truths.robots, *(column[keep] for column in columns)))
 
 
 def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording):
