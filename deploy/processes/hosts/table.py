@@ -10,7 +10,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Le, MinLen
 
-from protocol.errors import HostsError, Problem
+from protocol.errors import HostsError, Problem, UsageError
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.file import read_toml
 from protocol.scenario.model import RobotId
@@ -50,11 +50,18 @@ class HostsTable:
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
     def host_of(self, robot: int) -> Host:
-        """Where a robot runs; raises KeyError for one that is on none."""
+        """Where a robot runs.
+
+        Raises:
+            UsageError: on no host, as one that was added to the fleet.
+        """
         for host in self.hosts:
             if robot in host.robots:
                 return host
-        raise KeyError(robot)
+        raise UsageError(
+            f"no host of the table ({', '.join(host.name for host in self.hosts)}) has robot {robot}: "
+            f"`disknav robot {robot} --run NAME --router ENDPOINT` on one of them starts it there"
+        )
 
 
 def read_hosts(path: Path, robots: Sequence[int]) -> HostsTable:
