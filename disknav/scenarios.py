@@ -47,7 +47,7 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
 
     Raises:
         ScenarioError: as in `load`.
-        UsageError: a library that its law needs is missing.
+        UsageError: a library that its law needs is missing, or `control.k` is "certified".
     """
     plain = json.loads(json.dumps(document, default=_plain))
     scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))

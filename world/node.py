@@ -19,6 +19,7 @@ from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import Address, every_robot, parse, robot_key, world_key
 from protocol.messages import Command, Tick
 from protocol.requests import joining
+from protocol.requests.form import encode_reply
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 from world.shell import snapshot
@@ -206,7 +207,7 @@ class WorldNode:
         except MessageError as error:
             reason, text = error.reason, str(error)
         self._run.rejected[reason] += 1
-        return joining.encode_reply(joining.Refusal(text))
+        return encode_reply(joining.Refusal(text), request.payload)
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":

@@ -190,8 +190,7 @@ class World:
             self._redirect(robot)
         if not self.verdict and not self.scenario.time.endless:
             up = coordinator.lives.up
-            pending = coordinator.pending or coordinator.parts.pending
-            referee.decide(self.tick, plant.positions, up, coordinator.is_alone(), pending)
+            referee.decide(self.tick, plant.positions, up, coordinator.is_alone(), coordinator.pending)
 
     def finish(self, verdict: str, reason: str) -> None:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""

@@ -81,9 +81,12 @@ def flood(
         bool, typer.Option("--open", help="Without certificates and access rules; its rate is not judged.")
     ] = False,
     role: Annotated[
-        Literal["monitor", "operator", "robot"],
-        typer.Option("--as", help="Whose certificate the flooder has; a robot's rate is not judged."),
-    ] = "monitor",
+        Literal["monitor", "operator", "robot"] | None,
+        typer.Option(
+            "--as",
+            help="Whose certificate the flooder has; monitor unless given. A robot's rate is not judged.",
+        ),
+    ] = None,
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
@@ -101,10 +104,12 @@ def flood(
     from deploy.studies.endurance.flood import Plan, table
     from deploy.studies.endurance.flood import flood as perform
 
+    if unprotected:
+        options.refuse({"--as": role}, "nobody has a certificate; leave out --open")
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)
     with bar("flood", silent=silent) as tell:
-        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected, role), tell)
+        outcome = perform(Plan(rate, robots, rounds, seconds, not unprotected, role or "monitor"), tell)
     _finish(outcome, table, json_file, silent)
 
 

@@ -75,7 +75,8 @@ def run(
     loaded = load(scenario, setting or [], seed)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
-    hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids)
+    newcomers = [spec.id for spec in loaded.newcomers]
+    hosts_table = None if hosts is None else read_hosts(hosts, loaded.ids, newcomers)
     how = RunOptions(
         transport,
         mode,

@@ -7,10 +7,9 @@ from typing import Annotated
 import typer
 
 from deploy.commands import options
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RunOptions, restarts
-from deploy.run.result import table
+from deploy.run.result import served_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -53,7 +52,7 @@ def serve(
 
     Example: disknav serve swap-6 --run yard; in another terminal: disknav goal yard 3 0.1 -0.05
 
-    Exit status: 0 stopped and nothing touched, 1 something touched, 2 invalid, 3 fault.
+    Exit status: 0 stopped and nothing touched, 1 something touched, 2 invalid, 3 fault, or the fleet died.
     """
     from deploy.library.load import load
     from deploy.recording.rotation import rotation
@@ -94,4 +93,4 @@ def serve(
         from rich.console import Console
 
         Console(soft_wrap=True).print(table(result))
-    raise typer.Exit(EXIT_OTHERWISE if result["collisions"] else EXIT_ARRIVED)
+    raise typer.Exit(served_status(result))

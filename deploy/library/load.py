@@ -43,7 +43,16 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
 
 def resolved(scenario: Scenario) -> Scenario:
-    """The same with a number for k where it is "auto"."""
+    """The same with a number for k where it is "auto".
+
+    Raises:
+        UsageError: it is "certified": who proved it is known of files and library names only.
+    """
+    if scenario.control.k == "certified":
+        raise UsageError(
+            'control.k = "certified" is for scenario files and names of the library, which '
+            "`disknav certify` knows: give the number that it proves"
+        )
     if scenario.control.k != "auto":
         return scenario
     return replace(scenario, control=replace(scenario.control, k=automatic_k(*crowd(scenario))))

@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
 
@@ -45,6 +45,13 @@ def exit_status(result: Mapping[str, Any]) -> int:
     if verdict == "arrived":
         return EXIT_ARRIVED
     return EXIT_INTERRUPTED if verdict == "interrupted" else EXIT_OTHERWISE
+
+
+def served_status(result: Mapping[str, Any]) -> int:
+    """Of a fleet without end: 0 it was stopped, 1 something touched, 3 it ended by itself."""
+    if result["collisions"]:
+        return EXIT_OTHERWISE
+    return EXIT_ARRIVED if result["verdict"] == "interrupted" else EXIT_FAULT
 
 
 def table(result: Mapping[str, Any]) -> RenderableType:

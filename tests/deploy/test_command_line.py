@@ -97,6 +97,8 @@ CANNOT_APPLY = [
     ("serve figure-1 --speed 2", "--speed"),
     ("serve figure-1 --router tcp/127.0.0.1:7447 --listen tcp/127.0.0.1:7448", "--listen"),
     ("goal yard 3 --wait", "--wait"),
+    ("router --host left --print-config", "--host"),
+    ("flood --open --as robot", "--as"),
     ("monitor --run x --port 8000", "--port"),
     ("study tuning --out here", "--out"),
     ("study tuning --fresh", "--fresh"),
@@ -127,6 +129,18 @@ def test_an_option_that_cannot_apply_is_refused(
     with pytest.raises(UsageError, match=name):
         CliRunner().invoke(app, line.split(), catch_exceptions=False)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("calibrate figure-1 99", "has no robot 99; there are 1, 2"),
+        ("goal yard 1 0.1 0.2 --within -1", "within"),
+    ],
+)
+def test_what_does_not_exist_is_refused(line: str, text: str) -> None:
+    with pytest.raises(UsageError, match=text):
+        CliRunner().invoke(app, line.split(), catch_exceptions=False)
 
 
 @pytest.mark.parametrize("words", [["--json"], ["--json", "-"], ["--json", "--seed", "3"]])

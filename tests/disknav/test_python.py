@@ -46,6 +46,11 @@ def test_every_problem_is_named() -> None:
     }
 
 
+def test_certificates_are_of_files_and_names() -> None:
+    with pytest.raises(UsageError, match="for scenario files and names of the library"):
+        disknav.build({"robots": ROBOTS, "control": {"k": "certified"}})
+
+
 def test_what_a_file_cannot_say_is_refused() -> None:
     with pytest.raises(TypeError, match="not complex"):
         disknav.build({"robots": ROBOTS, "seed": 1j})

@@ -235,9 +235,15 @@ class Coordinator:
         self.tick += 1
 
     @property
-    def pending(self) -> bool:
-        """Whether anybody is still to go, or to come, on orders that are given or to be given."""
-        return self.missions.pending or self.membership.pending or self.schedule.pending
+    def pending(self) -> str:
+        """What is still to come of orders, given or to be given, and of parts, in words; "" for nothing."""
+        kinds = (
+            (self.missions.pending, "orders are under way"),
+            (self.membership.pending, "robots are still to appear"),
+            (self.schedule.pending, "orders are still to come"),
+            (self.parts.pending, "parts are not at their goals"),
+        )
+        return ", ".join(text for pending, text in kinds if pending)
 
     def is_alone(self) -> bool:
         """Whether robots are missing that will not come back; of an external fleet nobody can tell."""

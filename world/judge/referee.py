@@ -64,10 +64,10 @@ class Referee:
         self._judge.recast(scenario, tick)
 
     def decide(
-        self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], alone: bool, pending: bool
+        self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], alone: bool, pending: str
     ) -> None:
         """Find out whether the run is over at the start of `tick`; arguments as of `Judge.judge`."""
-        waiting = self._parts and pending  # robots that are left may do what another cannot any more
+        waiting = self._parts and bool(pending)  # robots that are left may do what another cannot any more
         verdict, reason = self._judge.judge(tick, positions, up, alone and not waiting, pending)
         if self._parts and not pending:
             verdict, reason = "arrived", "all parts are at their goals"

@@ -51,7 +51,7 @@ class Judge:
         positions: Sequence[Vector],
         up: tuple[int, ...],
         gone_for_good: bool,
-        pending: bool = False,
+        pending: str = "",
     ) -> tuple[str, str]:
         """Verdict and reason at the start of `tick`, `("", "")` while the run goes on.
 
@@ -59,7 +59,7 @@ class Judge:
             positions: in the order of ids, m.
             up: ids of robots that take part.
             gone_for_good: whether those that are not up will not come back.
-            pending: whether somebody has another goal after the present one, or is still to come.
+            pending: what is still to come although robots are at their goals, in words; "" for nothing.
         """
         arrived = self.arrived(positions)
         if len(arrived) == len(self._ids) and not pending:
@@ -68,9 +68,12 @@ class Judge:
             return "aborted", _aborted(self._ids, up)
         self._follow(tick, positions)
         if tick - self._moved >= self._patience:
-            return "deadlock", f"nobody moved for {self._texts[0]}; {_not_there(self._ids, arrived)}"
+            return (
+                "deadlock",
+                f"nobody moved for {self._texts[0]}; {_unfinished(self._ids, arrived, pending)}",
+            )
         if tick >= self._limit:
-            return "timeout", f"{self._texts[1]} are over; {_not_there(self._ids, arrived)}"
+            return "timeout", f"{self._texts[1]} are over; {_unfinished(self._ids, arrived, pending)}"
         return "", ""
 
     def recast(self, scenario: Scenario, tick: int) -> None:
@@ -98,8 +101,9 @@ def _aborted(ids: tuple[int, ...], up: tuple[int, ...]) -> str:
     return f"{down} down for good; the others are at their goals" if up else f"{down} down for good"
 
 
-def _not_there(ids: tuple[int, ...], arrived: list[int]) -> str:
-    return f"{_names([robot for robot in ids if robot not in arrived])} not at the goal"
+def _unfinished(ids: tuple[int, ...], arrived: list[int], pending: str) -> str:
+    away = [robot for robot in ids if robot not in arrived]
+    return ", ".join(text for text in (f"{_names(away)} not at the goal" if away else "", pending) if text)
 
 
 def _names(robots: list[int]) -> str:

@@ -9,6 +9,7 @@ import typer
 from deploy.commands import options
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
+from protocol.errors import UsageError
 from protocol.scenario.base import Base
 
 
@@ -41,7 +42,10 @@ def calibrate(
     from protocol.bus.drive import drive
     from protocol.bus.zenoh import ZenohBus
 
-    table = load(scenario, setting or [], None).base_of(robot) or Base()
+    loaded = load(scenario, setting or [], None)
+    if robot not in loaded.ids:
+        raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
+    table = loaded.base_of(robot) or Base()
     membership = Membership(secure)
     connection = membership.client(OPERATOR, (router or membership.default_router,))
     driver = Driver(table, robot, square(side, speed, rate))

@@ -11,7 +11,7 @@ from deploy.commands import options
 from deploy.commands.operate.operating import Run, operating, pairs
 from deploy.output import json_output
 from deploy.output.exit_status import EXIT_OTHERWISE
-from protocol.errors import MessageError, UsageError
+from protocol.errors import UsageError
 from protocol.messages import GoalStatus
 from protocol.requests.goals import GoalOrder, GoalReply
 
@@ -82,7 +82,7 @@ def _order(
             {"points": places, "queue": queue, "patrol": patrol, "within": within}, GoalOrder
         )
     except msgspec.ValidationError as error:
-        raise MessageError("shape", f"that is no order: {error}") from None
+        raise UsageError(f"that is no order: {error}") from None
 
 
 def _say(reply: GoalReply, status: GoalStatus | None) -> None:

@@ -24,7 +24,12 @@ def keys() -> None:
 def new(
     directory: Annotated[Path, typer.Argument(help="Directory to make.")],
     scenario: Annotated[
-        str, typer.Option("--scenario", "-s", help="A scenario file or library name: its robots take part.")
+        str,
+        typer.Option(
+            "--scenario",
+            "-s",
+            help="A scenario file or library name: its robots take part, also those that orders add.",
+        ),
     ],
     run: options.FreshRun = None,
     host: Annotated[
@@ -59,10 +64,14 @@ def new(
     except ModuleNotFoundError as error:
         raise missing_library("a certificate", "cryptography", "secure") from error
     name = fresh_run_name() if run is None else checked_run(run)
-    ids = read(scenario).ids
+    found = read(scenario)
+    ids, newcomers = found.ids, [spec.id for spec in found.newcomers]
     if hosts is not None and host:
         raise UsageError("the table says where each router is: leave out --host, or --hosts")
-    roster = Roster(name, ids) if hosts is None else roster_of(name, ids, read_hosts(hosts, ids))
+    if hosts is None:
+        roster = Roster(name, tuple(sorted({*ids, *newcomers})))
+    else:
+        roster = roster_of(name, read_hosts(hosts, ids, newcomers))
     end = create(directory, roster, hosts=host or (), days=days, force=force)
     print(
         f"{directory}: {len(roster.roles)} certificates for the run {name}, "

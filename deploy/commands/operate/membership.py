@@ -26,8 +26,9 @@ def add(
 ) -> None:
     """Add a robot to a running fleet: the others clear its place, then its disk is put there.
 
-    Where [b]disknav serve[/b] or [b]disknav run[/b] started the fleet its process is started, too, but with
-    keys, which are for the robots of the scenario; elsewhere start it with [b]disknav robot[/b].
+    Where [b]disknav serve[/b] or [b]disknav run[/b] started the fleet its process is started, too, on the
+    host that a table names for it, if there is one; elsewhere start it with [b]disknav robot[/b]. With keys
+    it needs its own: [b]disknav keys new[/b] makes them for robots of the scenario and of its orders.
 
     Example: disknav add yard 7 0.1 -0.2 --radius 0.03 --goal -0.1 0.2
 

@@ -152,6 +152,8 @@ def router(
     from deploy.processes.router import main
     from deploy.processes.router_config import router_config
 
+    if secure is None:
+        options.refuse({"--host": host or None}, "without keys every router is alike: add --secure DIR")
     membership = Membership(secure)
     plain = membership.router(() if listen is None else (listen,), connect or (), host)
     connection = replace(plain, admin=admin)

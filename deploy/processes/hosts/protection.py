@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from ipaddress import ip_address
 
 from deploy.processes.hosts.table import HostsTable
@@ -10,8 +9,9 @@ from deploy.security.roster import Home, Roster
 from protocol.errors import CertificateError
 
 
-def roster_of(run: str, robots: Sequence[int], table: HostsTable) -> Roster:
+def roster_of(run: str, table: HostsTable) -> Roster:
     """The roster of a run whose every host has a router, and a key, of its own."""
+    robots = sorted(robot for host in table.hosts for robot in host.robots)
     return Roster(run, tuple(robots), _homes(table), table.world_host.name)
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Le, MinLen
 
-from protocol.errors import HostsError, Problem
+from protocol.errors import HostsError, Problem, UsageError
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.file import read_toml
 from protocol.scenario.model import RobotId
@@ -50,20 +50,27 @@ class HostsTable:
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
     def host_of(self, robot: int) -> Host:
-        """Where a robot runs; raises KeyError for one that is on none."""
+        """Where a robot runs.
+
+        Raises:
+            UsageError: on no host, as one that was added to the fleet.
+        """
         for host in self.hosts:
             if robot in host.robots:
                 return host
-        raise KeyError(robot)
+        raise UsageError(
+            f"no host of the table ({', '.join(host.name for host in self.hosts)}) has robot {robot}: "
+            f"`disknav robot {robot} --run NAME --router ENDPOINT` on one of them starts it there"
+        )
 
 
-def read_hosts(path: Path, robots: Sequence[int]) -> HostsTable:
-    """Read the hosts table for a scenario with these robots.
+def read_hosts(path: Path, robots: Sequence[int], newcomers: Sequence[int] = ()) -> HostsTable:
+    """Read the hosts table for a scenario with these robots; others that orders add may be in it, too.
 
     Raises:
         HostsError: with every problem, in the order of the file.
     """
-    return parse_hosts(read_toml(path, HostsError), robots, str(path))
+    return parse_hosts(read_toml(path, HostsError), robots, str(path), newcomers)
 
 
 def read_any_hosts(path: Path) -> HostsTable:
@@ -83,10 +90,12 @@ def read_any_hosts(path: Path) -> HostsTable:
     return parse_hosts(document, sorted(robots), str(path))
 
 
-def parse_hosts(document: Document, robots: Sequence[int], source: str = "hosts") -> HostsTable:
+def parse_hosts(
+    document: Document, robots: Sequence[int], source: str = "hosts", newcomers: Sequence[int] = ()
+) -> HostsTable:
     """The same from plain tables, as tomllib makes them."""
     table, findings = typed(document, HostsTable)
-    findings += _checked(Sound(document, [steps for steps, _ in findings]), robots)
+    findings += _checked(Sound(document, [steps for steps, _ in findings]), robots, newcomers)
     if table is not None and not findings:
         return table
     findings.sort(key=_file_order)
@@ -101,14 +110,14 @@ def _file_order(finding: Finding) -> tuple[tuple[int, str], ...]:
     return ((rank, ""), *((step, "") if isinstance(step, int) else (-1, step) for step in rest))
 
 
-def _checked(sound: Sound, robots: Sequence[int]) -> Iterator[Finding]:
+def _checked(sound: Sound, robots: Sequence[int], newcomers: Sequence[int]) -> Iterator[Finding]:
     """Names and endpoints that are unique, options that are what they seem, every robot on one host."""
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
     homes: dict[int, int] = {}
     for n in range(sound.size("hosts")):
         yield from _host(sound, n, names, endpoints)
-        yield from _robots(sound, n, robots, homes)
+        yield from _robots(sound, n, (*robots, *newcomers), homes)
     missing = [robot for robot in robots if robot not in homes]
     if missing and _all_robots_known(sound):
         plural = "" if len(missing) == 1 else "s"

@@ -44,7 +44,7 @@ class MultiHost:
         return self._moved(self.membership.client(WORLD, (self._router_of(host),)), host)
 
     def robot(self, robot: int) -> Connection:
-        """A robot's connection."""
+        """A robot's connection; raises UsageError for one that is on no host of the table."""
         host = self.hosts.host_of(robot)
         return self._moved(self.membership.client(robot_role(robot), (self._router_of(host),)), host)
 

@@ -1,6 +1,6 @@
 import pytest
 
-from protocol.scenario.model import Link, Partition, ProcessFault, Time
+from protocol.scenario.model import Journey, Link, Order, Partition, ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.shell.failure_detector import returning
 from world.world import World
@@ -39,6 +39,15 @@ def test_timeout_at_the_limit():
     assert world.verdict == "timeout"
     assert world.reason == "1.02 s are over; robots 1, 2 are not at the goal"
     assert world.report()["sim_time"] == pytest.approx(1.05)
+
+
+def test_a_timeout_says_what_is_still_to_come():
+    there = ((0.1, 0.0), (0.1, 0.0))
+    orders = (Order(5.0, goal=Journey(1, ((0.2, 0.0),))),)
+    world = joined(scenario(there, orders=orders, time=Time(step=STEP, limit=0.5, deadlock=5.0)))
+    while not world.verdict:
+        advance(world)
+    assert (world.verdict, world.reason) == ("timeout", "0.5 s are over; orders are still to come")
 
 
 def test_deadlock_when_nobody_gets_away_from_where_it_was():

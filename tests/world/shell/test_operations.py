@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from deploy.library.load import load
 from protocol.bus.events import Request
 from protocol.bus.local import LocalNetwork
@@ -37,3 +39,16 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     assert noted[2].startswith("tick 0: robot 1 goes")
     assert noted[3].startswith("tick 0: a thing comes")
     assert len(noted) == 4
+
+
+@pytest.mark.parametrize(
+    ("stream", "payload"),
+    [("things", b'{"tak": 99}'), ("fleet", b'{"ad": 1}'), ("halt", b'{"halt": 1}'), ("fleet", b"{")],
+)
+def test_what_is_no_request_is_answered_in_its_form(stream: str, payload: bytes) -> None:
+    world = WorldNode(LocalNetwork().connect(), "r", [load("swap-2")])
+    replies: list[bytes] = []
+    world.handle(Request(f"disknav/r/world/{stream}", payload, replies.append))
+    reply = json.loads(replies[0])
+    assert reply["reply"] == "refused"
+    assert stream in reply["text"]

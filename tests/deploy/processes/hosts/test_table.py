@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import cast
 
 import pytest
 
+from deploy.processes.hosts.protection import roster_of
+from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import parse_hosts, read_hosts
-from deploy.processes.hosts.topology import places
+from deploy.processes.hosts.topology import MultiHost, places
 from deploy.run.options import RunOptions
+from deploy.security.membership import Membership
 from protocol.errors import HostsError, UsageError
 
 GOOD = """
@@ -49,6 +53,18 @@ def test_what_runs_where() -> None:
         "robot-3": "base",
         "robot-2": "left",
     }
+
+
+def test_a_robot_that_was_added_is_on_no_host() -> None:
+    hosts = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
+    with pytest.raises(UsageError, match=r"\(base, left\) has robot 7: `disknav robot 7 --run"):
+        MultiHost(hosts, Membership(None), cast(HostSpawners, None)).robot(7)
+
+
+def test_robots_that_orders_add_may_be_on_a_host() -> None:
+    hosts = parse_hosts(tomllib.loads(GOOD), (1, 2), newcomers=(3, 4))
+    assert places(hosts)["robot-3"] == "base"
+    assert roster_of("yard", hosts).robots == (1, 2, 3)
 
 
 def test_the_world_is_on_the_first_host_unless_told() -> None:

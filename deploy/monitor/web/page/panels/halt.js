@@ -21,7 +21,7 @@ export class Halt {
     this.open = !DONE.includes(frame.phase);
     this.button.disabled = !this.open;
     this.button.textContent = this.halted ? "Release all" : "Stop all";
-    this.button.title = this.halted ? "The robots may move again" : "Emergency stop: every robot stands within one tick (key S)";
+    this.button.title = this.halted ? "The robots may move again" : "Emergency stop: every robot brakes from the next tick on (key S)";
     this.button.toggleAttribute("data-halted", this.halted);
   }
 
