@@ -54,6 +54,11 @@ A complete subscriber, with nothing but `pip install eclipse-zenoh msgpack`:
 ```
 """
 
+_REFUSED = """\
+What is none of the requests below is answered with `{"reply": "refused", "text": why}` in the form that it
+came in; under `robot/<id>/goal`, as an order that is not accepted.
+"""
+
 _RECORDED = """\
 ## In a recording
 
@@ -212,7 +217,7 @@ def _comments() -> dict[tuple[str, str], str]:
 
 def _requests() -> str:
     """What can be asked, in the words of the modules that answer."""
-    parts = ["## Requests", ""]
+    parts = ["## Requests", "", _REFUSED]
     asked = {
         "robot/<id>/join": joining,
         "robot/<id>/goal": goals,
