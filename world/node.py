@@ -130,6 +130,8 @@ class WorldNode:
         for robot, session in past.ended.items():
             self._admissions.bar(robot, session)
         for robot, session in past.sessions.items():
+            if robot in past.run.world.coordinator.newcomers:
+                self._admissions.slots[robot].removed = session
             life = past.run.world.coordinator.lives.incarnations[robot]
             if past.run.world.coordinator.lives.goes_on(robot, life):
                 self._admissions.resume(robot, session, life)

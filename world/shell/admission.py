@@ -39,6 +39,7 @@ class Slot:
     notified: bool = False  # it knows that there is nothing more to do
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
     ended: str = ""  # the process that the scenario of an earlier run has ended, or stopped
+    removed: str = ""  # that of a robot which had this id before it was removed
 
     @property
     def occupied(self) -> bool:
@@ -79,13 +80,15 @@ class Admissions:
 
     def renew(self, robot: int) -> None:
         """A robot is to be added; one that had its id before is no concern any more."""
-        if robot in self.slots:
-            self.slots[robot] = Slot()
+        slot = self.slots.get(robot)
+        if slot is not None:
+            self.slots[robot] = Slot(removed=slot.session or slot.removed)
 
     def expect(self, robot: int) -> None:
-        """The disk of a robot that was added is there; it may join."""
-        if robot not in self.slots:
-            self.slots[robot] = Slot()
+        """The disk of a robot that was added is there; a process may join, but for that of an earlier one
+        with its id, which may not know yet that its robot was removed."""
+        slot = self.slots.setdefault(robot, Slot())
+        slot.removed = slot.session or slot.removed
 
     # -- who asks
 
@@ -95,6 +98,8 @@ class Admissions:
         slot = self.slots.get(robot)
         if slot is None:
             return self._nobody(robot, run)
+        if join.session == slot.removed:
+            return joining.Finished("removed")
         if slot.present and slot.session not in ("", join.session):
             return joining.Refusal(
                 f"robot {robot} is already running in run {self._name!r}; use another id or run"

@@ -12,7 +12,7 @@ from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
 from protocol.errors import BusError, JoinError
 from protocol.messages import Health
-from protocol.requests.joining import Admission, Join, Refusal, Reply, Wait
+from protocol.requests.joining import Admission, Finished, Join, Refusal, Reply, Wait
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import RESERVATION, Admissions
@@ -103,6 +103,23 @@ def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> Non
     desk.admissions.leave(1)
     assert isinstance(desk.ask("next"), Wait)
     assert desk.admitted("last") == 3
+
+
+def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id() -> None:
+    """It may ask before it heard that it was removed, when its robot's id is taken again already."""
+    desk = Desk()
+    assert desk.admitted("first") == 1
+    desk.admissions.arrive(1)
+    desk.run.world.coordinator.lives.of[1].kill()
+    desk.admissions.expect(1)
+    assert desk.ask("first") == Finished("removed")
+    desk.admissions.leave(1)
+    assert desk.ask("first") == Finished("removed")
+    assert desk.admitted("next") == 2
+    desk.admissions.arrive(1)
+    assert desk.ask("first") == Finished("removed")
+    desk.admissions.renew(1)  # an operator's robot
+    assert desk.ask("next") == Finished("removed")
 
 
 def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:
