@@ -234,7 +234,7 @@ class RobotNode:
         """A tick begins: say where this robot is."""
         if tick.roster is not None:
             self._peers.on_roster(tick.roster, everybody=core.hears_everybody)
-        if tick.near is not None:
+        if tick.near is not None and core.scenario.hears_near:
             self._peers.attend(tick.near)
         sense = None if self._base is None else self._base.begin(core, tick, self._world.heard)
         self._said_state = encode(core.begin(tick, sense))

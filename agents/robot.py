@@ -167,8 +167,8 @@ class Robot:
         )
 
     def _attend(self, tick: Tick) -> None:
-        """Hear those who are near, as the world says ahead of time."""
-        if tick.near is not None:
+        """Hear those who are near, as the world says ahead of time; where all hear all it has no say."""
+        if tick.near is not None and self._scenario.hears_near:
             summed_up = tick.tick % period(self._scenario) == 0
             self._attention.announce(tick.tick, tick.near, summed_up=summed_up)
         if self._attention.turn(tick.tick):

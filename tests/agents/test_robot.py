@@ -109,3 +109,16 @@ def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     robot.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
     assert (end.seen, end.held_number, end.obeyed) == (1, 0, held)
+
+
+def test_where_all_hear_all_nobody_is_told_whom_to_hear() -> None:
+    scenario = load("swap-3")
+    world = World(scenario)
+    for robot in scenario.ids:
+        world.coordinator.join(robot)
+    robot = Robot(scenario, 1, 1)
+    for _ in range(4):
+        told = world.open_tick()[1]
+        robot.begin(replace(told, near=(2,)))
+        assert robot.hears_everybody
+        world.close_tick()
