@@ -40,6 +40,7 @@ class Lives:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
         self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
+        self._earlier = dict(incarnations)
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
         self._roster = Roster(version)
         self.things = Surroundings(scenario)
@@ -52,8 +53,8 @@ class Lives:
 
     @property
     def incarnations(self) -> dict[int, int]:
-        """Newest incarnation of every robot."""
-        return {robot: life.incarnation for robot, life in self.of.items()}
+        """Newest incarnation of every robot, those of earlier runs included: a number is given out once."""
+        return {**self._earlier, **{robot: life.incarnation for robot, life in self.of.items()}}
 
     @property
     def up(self) -> tuple[int, ...]:
@@ -169,7 +170,7 @@ class Lives:
         settled = self._roster.settle(self._is_free)
         for robot in settled:
             known = self.of.get(robot)
-            incarnation = known.incarnation if known else 0
+            incarnation = known.incarnation if known else self._earlier.get(robot, 0)
             self.of[robot] = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
         self.of = dict(sorted(self.of.items()))
         return settled

@@ -46,7 +46,8 @@ class Run:
         self.number = number
         self.phase = Phase.RUNNING
         self.world = World(scenario, incarnations, version, returning=returning)
-        self.oldest = {robot: incarnations.get(robot, 0) + 1 for robot in scenario.ids}
+        before = dict.fromkeys(scenario.ids, 0) | dict(incarnations)  # also of who is to come
+        self.oldest = {robot: incarnation + 1 for robot, incarnation in before.items()}
         self.opened = False
         self.began = time.monotonic()
         self.received = 0

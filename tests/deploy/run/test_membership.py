@@ -92,6 +92,20 @@ def test_a_guest_of_one_run_is_none_of_the_next(again: bool) -> None:
     assert [len(report["robots"]) for report in reports] == [5, 5 if again else 4]
 
 
+def test_a_guest_of_a_later_run_lives_no_life_of_an_earlier_one() -> None:
+    """Else a process that missed the end of its run would go on as the other one, by its old lines."""
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),))
+    fleet = LocalFleet([guested, SWAP, guested])
+    lives: list[int] = []
+    fleet.network.run(lambda: fleet.world.finished or 7 in fleet.world.world.coordinator.lives.up)
+    lives.append(fleet.world.world.coordinator.lives.of[7].incarnation)
+    fleet.network.run(lambda: fleet.world.finished or 7 not in fleet.world.world.coordinator.lives.up)
+    fleet.network.run(lambda: fleet.world.finished or 7 in fleet.world.world.coordinator.lives.up)
+    lives.append(fleet.world.world.coordinator.lives.of[7].incarnation)
+    assert lives == [1, 2]
+    assert fleet.world._run.oldest[7] == 2  # what the first one said is of an earlier run
+
+
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
     without = replace(SWAP, orders=(Order(0.3, remove=2),))
     reports = LocalFleet([without, SWAP]).execute()
