@@ -28,6 +28,7 @@ from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDete
 from world.shell.journal import Began
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
+from world.shell.processes import Processes
 from world.shell.publishers import Publishers
 from world.shell.replay import Resumed
 from world.shell.run import Phase, Run
@@ -85,7 +86,8 @@ class WorldNode:
         self._returning = returning(gathering, restarts, lockstep=lockstep)
         current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
         lives = current.world.coordinator.lives
-        self._admissions = Admissions(run, lives.of, lockstep, clock, self._journal)
+        processes = Processes() if past is None else past.processes
+        self._admissions = Admissions(run, lives.of, lockstep, clock, self._journal, processes)
         ids = {*scenarios[0].ids, *lives.of, *(each.robot for each in lives.roster.members)}
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids)
@@ -123,18 +125,15 @@ class WorldNode:
         bus.announce(world_key(run, "alive"))
         if current.world.verdict:
             self._end()
+        elif past is not None:
+            self._advance()  # what the scenario does as a tick opens comes before anybody is admitted
 
     def _remember(self, past: Resumed) -> None:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
-        for robot, session in past.ended.items():
-            self._admissions.bar(robot, session)
-        for robot, session in past.sessions.items():
-            if robot in past.run.world.coordinator.newcomers:
-                self._admissions.slots[robot].removed = session
-            life = past.run.world.coordinator.lives.incarnations[robot]
-            if past.run.world.coordinator.lives.goes_on(robot, life):
-                self._admissions.resume(robot, session, life)
+        for robot, life in past.run.world.coordinator.lives.of.items():
+            if life.goes_on:
+                self._admissions.resume(robot, life.incarnation)
 
     def _begin(self, run: Run) -> None:
         self._run = run
@@ -217,9 +216,9 @@ class WorldNode:
         if asked.robot is None or asked.stream != "join":
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
-        if self._run.world.coordinator.dismiss(join.robot):
-            return joining.Finished("removed")
         refusal = self._admissions.refusal(join, self._run)
+        if isinstance(refusal, joining.Finished):
+            self._run.world.coordinator.dismiss(join.robot)
         if refusal is not None:
             return refusal
         self._failures.supersede(join, self._run)
@@ -299,7 +298,8 @@ class WorldNode:
         run = self._run
         run.world.close_tick()
         if self._journal is not None and snapshot.is_due(run.world):
-            self._journal.compact(snapshot.take(run, self._admissions.sessions, self._failures.expected))
+            self._publishers.truths(run.world.news())  # a snapshot takes it as handed out
+            self._journal.compact(snapshot.take(run, self._admissions.processes, self._failures.expected))
         self._publishers.goals(run.world.goal_news())
         run.opened = False
         if run.world.verdict:
@@ -347,8 +347,7 @@ class WorldNode:
     def _next(self, scenario: Scenario) -> Run:
         """The run after this one."""
         number, world = self._run.number + 1, self._run.world
-        for robot in world.coordinator.ended:
-            self._admissions.end(robot)
+        self._admissions.end(world.coordinator.ended, scenario.ids)
         lives = world.coordinator.lives
         run = Run(number, scenario, lives.incarnations, lives.version, returning=self._returning)
         if self._journal is not None:
@@ -357,7 +356,7 @@ class WorldNode:
                 lives.incarnations,
                 lives.version,
                 self._failures.expected,
-                self._admissions.ended,
+                self._admissions.processes,
             )
             run.world.coordinator.note = self._journal.note
         return run

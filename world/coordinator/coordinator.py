@@ -96,8 +96,9 @@ class Coordinator:
 
     @property
     def ended(self) -> tuple[int, ...]:
-        """Robots whose processes the scenario has ended, or holds still, at present."""
-        return tuple(robot for robot, life in self.lives.of.items() if life.killed or life.paused)
+        """Robots whose newest processes the scenario has ended, or holds still."""
+        of = self.lives.of.items()
+        return tuple(robot for robot, life in of if life.fate == "ended" or life.killed or life.paused)
 
     # -- who comes and goes
 
@@ -128,10 +129,13 @@ class Coordinator:
         self.noted(Lost(robot, reason))
         return took_part
 
-    def expect(self, robot: int) -> None:
-        """The process of a lost robot is being started again: it is in `lives.awaited` from now on."""
-        self.lives.expect(robot)
-        self.noted(Expected(robot))
+    def expect(self, robot: int) -> bool:
+        """The process of a lost robot is being started again: it is in `lives.awaited` from now on. False if
+        it was not lost."""
+        lost = self.lives.expect(robot)
+        if lost:
+            self.noted(Expected(robot))
+        return lost
 
     def give_up_waiting(self, robot: int, reason: str = "") -> bool:
         """Go on without a robot of `lives.awaited`; it may still join later. As `lost` otherwise."""
@@ -141,12 +145,10 @@ class Coordinator:
         self.noted(GivenUp(robot, reason))
         return awaited
 
-    def dismiss(self, robot: int) -> bool:
-        """Whether a robot was removed; its process, which asks, is told no more."""
-        gone = robot in self.lives.of and self.lives.status_of(robot) in ("gone", "appearing")
-        if gone:
+    def dismiss(self, robot: int) -> None:
+        """The process of a robot that was removed knows it, and is told no more."""
+        if robot in self.lives.of and self.lives.status_of(robot) in ("gone", "appearing"):
             self.lives.dismiss(robot)
-        return gone
 
     def _lament(self, robot: int, reason: str) -> None:
         self.lives.given_up.append((self.tick, robot, self.lives.of[robot].incarnation, reason))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, auto
+from typing import Literal
 
 from mypy_extensions import mypyc_attr
 
@@ -15,6 +16,9 @@ class Status(Enum):
     PAUSED = auto()  # stopped by the scenario: hears nothing
     GONE = auto()  # not there, or ended by the scenario
     LOST = auto()  # given up on or fenced; may still listen
+
+
+Fate = Literal["", "ended", "removed"]  # what the run has made of a process; "": nothing
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -29,7 +33,7 @@ class Life:
     heard: int = -1  # tick of its newest command; the tick before it joined until there is one
     before: int = -1  # the tick before it joined
     fenced: bool = False  # it never moves again
-    ended: bool = False  # the scenario has ended its process, and no other has joined since
+    fate: Fate = ""  # of the newest process: ended by the scenario, or its robot was removed
 
     @property
     def is_new(self) -> bool:
@@ -70,4 +74,4 @@ class Life:
         self._end(awaited=True)
 
     def _end(self, awaited: bool) -> None:
-        self.status, self.awaited, self.joined, self.ended = Status.GONE, awaited, False, True
+        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"

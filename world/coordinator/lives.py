@@ -152,7 +152,7 @@ class Lives:
         if life.paused:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
-        life.joined, life.awaited, life.fenced, life.ended = True, False, False, False
+        life.joined, life.awaited, life.fenced, life.fate = True, False, False, ""
         life.heard = life.before = heard
         if self.founded:
             self._roster.admit(robot, life.incarnation)
@@ -171,7 +171,9 @@ class Lives:
         for robot in settled:
             known = self.of.get(robot)
             incarnation = known.incarnation if known else self._earlier.get(robot, 0)
-            self.of[robot] = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
+            life = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
+            life.fate = "removed" if known else ""
+            self.of[robot] = life
         self.of = dict(sorted(self.of.items()))
         return settled
 
@@ -182,7 +184,7 @@ class Lives:
             self._roster.fence(robot, position)
             self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
         self._roster.remove(robot)
-        life.status, life.awaited, life.fenced = Status.LOST, False, True
+        life.status, life.awaited, life.fenced, life.fate = Status.LOST, False, True, "removed"
 
     def dismiss(self, robot: int) -> None:
         """The process of a robot that was removed knows it."""
@@ -225,11 +227,12 @@ class Lives:
         life.status = Status.LOST
         return True
 
-    def expect(self, robot: int) -> None:
-        """A life that was lost will be followed by another: it must be there before the run goes on."""
+    def expect(self, robot: int) -> bool:
+        """A life that was lost will be followed by another: it must be there before the run goes on. False if
+        it was not lost, but ended by the scenario, or removed."""
         life = self.of[robot]
-        if life.status is Status.LOST and self._roster.status(robot) != "gone":
-            life.awaited = True
+        life.awaited |= (lost := life.status is Status.LOST and not life.fate)
+        return lost
 
     def give_up(self, robot: int) -> bool:
         """Go on without a robot that has not joined in time; it may still come later. False if it was not

@@ -17,7 +17,9 @@ from math import inf
 from protocol.errors import JoinError
 from protocol.messages import Health
 from protocol.requests import joining
+from world.coordinator.life import Fate
 from world.shell.journal import Journal, Seated
+from world.shell.processes import Processes
 from world.shell.run import Run
 
 AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
@@ -38,8 +40,6 @@ class Slot:
     health: Health | None = None  # what its process reported at the end of the run
     notified: bool = False  # it knows that there is nothing more to do
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
-    ended: str = ""  # the process that the scenario of an earlier run has ended, or stopped
-    removed: str = ""  # that of a robot which had this id before it was removed
 
     @property
     def occupied(self) -> bool:
@@ -56,6 +56,11 @@ class Admissions:
         lockstep: what those who are admitted are told.
         clock: tells the time, s.
         journal: where the world notes who was admitted; robots wait for a world that has one to come back.
+        processes: that an earlier world admitted.
+
+    Attributes:
+        slots: by robot id.
+        processes: all that were admitted.
     """
 
     def __init__(
@@ -65,11 +70,13 @@ class Admissions:
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
         journal: Journal | None = None,
+        processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
         self._former: set[int] = set()  # of earlier runs
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
+        self.processes = Processes() if processes is None else processes
 
     def begin(self, ids: Iterable[int]) -> None:
         """A run of these robots begins; whose process was there in the one before has its slot."""
@@ -78,40 +85,40 @@ class Admissions:
         for slot in self.slots.values():
             slot.health = None
 
-    def renew(self, robot: int) -> None:
-        """A robot is to be added; one that had its id before is no concern any more."""
-        slot = self.slots.get(robot)
-        if slot is not None:
-            self.slots[robot] = Slot(removed=slot.session or slot.removed)
-
     def expect(self, robot: int) -> None:
-        """The disk of a robot that was added is there; a process may join, but for that of an earlier one
-        with its id, which may not know yet that its robot was removed."""
-        slot = self.slots.setdefault(robot, Slot())
-        slot.removed = slot.session or slot.removed
+        """The disk of a robot that was added is there; a process may join."""
+        self.slots.setdefault(robot, Slot())
 
     # -- who asks
 
     def refusal(self, join: joining.Join, run: Run) -> joining.Reply | None:
         """Why this process cannot take part, or not yet; None if it can."""
         robot = join.robot
-        slot = self.slots.get(robot)
+        slot, status = self.slots.get(robot), run.world.coordinator.lives.status_of(robot)
+        if self._fate(join, run) == "removed" or status == "gone":
+            return joining.Finished("removed")
+        if status == "appearing":
+            return joining.Wait(_RETRY, f"the disk of robot {robot} has not appeared yet")
         if slot is None:
             return self._nobody(robot, run)
-        if join.session == slot.removed:
-            return joining.Finished("removed")
         if slot.present and slot.session not in ("", join.session):
+            if self.processes.fate(robot, slot.session, run.world.coordinator.lives.of):
+                return joining.Wait(_RETRY, f"the process before this one of robot {robot} has not left yet")
             return joining.Refusal(
                 f"robot {robot} is already running in run {self._name!r}; use another id or run"
             )
         return None
 
+    def may_come(self, join: joining.Join, run: Run) -> bool:
+        """Whether this process may have a life, now or later."""
+        return not self._fate(join, run) and self.slots[join.robot].blamed[join.session] < CHANCES
+
+    def _fate(self, join: joining.Join, run: Run) -> Fate:
+        return self.processes.fate(join.robot, join.session, run.world.coordinator.lives.of)
+
     def _nobody(self, robot: int, run: Run) -> joining.Reply:
-        """What the process of a robot is told whose disk is not there."""
-        status = run.world.coordinator.lives.status_of(robot)
-        if status == "appearing":
-            return joining.Wait(_RETRY, f"the disk of robot {robot} has not appeared yet")
-        if status == "gone" or robot in self._former:
+        """What the process of a robot is told that is not in the run."""
+        if robot in self._former:
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
@@ -124,14 +131,17 @@ class Admissions:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if reason := self._obstacle(join, run):
             return joining.Wait(_RETRY, reason)
-        if slot.session not in ("", join.session):
+        lives, newest = world.coordinator.lives, self.processes.newest.get(robot)
+        before, goes_on = lives.of[robot].fate, lives.goes_on(robot, slot.granted)
+        if goes_on and join.session == newest:
+            if _lived(join) < slot.granted:
+                slot.session = join.session  # it lost its seat while the scenario held it still
+                return self._admission(slot, run)
+            world.coordinator.lost(robot)  # as the process itself says
+        elif goes_on or slot.session not in ("", join.session):
             world.coordinator.lost(
                 robot, "showed no sign of life after it was admitted; another process came"
             )
-        elif slot.session and world.coordinator.lives.goes_on(robot, slot.granted):
-            if _lived(join) < slot.granted:
-                return self._admission(slot, run)
-            world.coordinator.lost(robot)  # as the process itself says
         if self._journal is not None:
             self._journal.note(Seated(robot, join.session))
         try:
@@ -139,13 +149,14 @@ class Admissions:
         except JoinError as error:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
+        self.processes.admit(robot, join.session, before)
         return self._admission(slot, run)
 
     def _obstacle(self, join: joining.Join, run: Run) -> str:
         """Why a process has to wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
         life = run.world.coordinator.lives.of[robot]
-        if join.session == slot.ended or (join.session == slot.session and life.ended):
+        if self._fate(join, run):
             return f"the scenario has ended this process of robot {robot}"
         if life.paused:
             return f"robot {robot} is paused by the scenario"
@@ -185,36 +196,24 @@ class Admissions:
         slot = self.slots[robot]
         slot.present, slot.session, slot.missing = False, "", inf
 
-    def end(self, robot: int) -> None:
-        """A run that is over has ended the robot's process, or stopped it; its launcher may do so later.
-        The next run is for another one."""
-        slot = self.slots.get(robot)
-        if slot is not None and slot.session:
-            slot.ended, slot.session = slot.session, ""
-
-    @property
-    def sessions(self) -> dict[int, str]:
-        """Which process is each robot that has one, by its own name."""
-        return {robot: slot.session for robot, slot in self.slots.items() if slot.session}
-
-    @property
-    def ended(self) -> dict[int, str]:
-        """By robot, the newest of its processes that a scenario which is over has ended."""
-        return {robot: slot.ended for robot, slot in self.slots.items() if slot.ended}
-
-    def bar(self, robot: int, session: str) -> None:
-        """An earlier world saw the scenario end this process; it does not come back, even if it lives yet."""
-        if robot in self.slots:
-            self.slots[robot].ended = session
+    def end(self, ended: Iterable[int], following: Iterable[int]) -> None:
+        """A run is over that has ended the processes of some robots, or stopped them, or will once their
+        launcher gets to it; those of others are none of the `following` run's."""
+        for robot in ended:
+            self.processes.retire(robot, "ended")
+            self.slots[robot].session = ""
+        for robot in self.processes.newest.keys() - set(following):
+            self.processes.retire(robot, "removed")
 
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""
         since = self._clock() - at_least
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
-    def resume(self, robot: int, session: str, granted: int) -> None:
-        """An earlier world admitted this process; its token is to be seen again."""
-        self.slots[robot].session, self.slots[robot].granted = session, granted
+    def resume(self, robot: int, granted: int) -> None:
+        """An earlier world admitted the robot's newest process; its token is to be seen again."""
+        slot = self.slots[robot]
+        slot.session, slot.granted = self.processes.newest.get(robot, ""), granted
         self.miss(robot)
 
     def absent(self) -> frozenset[int]:

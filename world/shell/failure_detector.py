@@ -81,7 +81,8 @@ class FailureDetector:
     def supersede(self, join: Join, run: Run) -> None:
         """A process asks to join: one that is missing from its seat does not come back."""
         robot = join.robot
-        if robot in self._admissions.missing() and join.session != self._admissions.slots[robot].session:
+        others = join.session != self._admissions.slots[robot].session
+        if others and robot in self._admissions.missing() and self._admissions.may_come(join, run):
             self._gone(robot, run)
 
     def look(self, now: float, run: Run) -> None:
@@ -168,9 +169,9 @@ class FailureDetector:
 
     def _expect(self, robot: int, run: Run) -> None:
         """Wait for the next life of a robot that is started again."""
-        if run.phase is Phase.RUNNING and self.expected[robot] < self._restarts:
+        running = run.phase is Phase.RUNNING
+        if running and self.expected[robot] < self._restarts and run.world.coordinator.expect(robot):
             self.expected[robot] += 1
-            run.world.coordinator.expect(robot)
 
     def _tell_person(self, robot: int, reason: str, run: Run) -> None:
         self._say(f"tick {run.world.tick}: gives up robot {robot}, which {reason}")

@@ -25,6 +25,7 @@ from protocol.scenario.model import Scenario
 from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
 from world.shell import records
+from world.shell.processes import Processes
 from world.shell.snapshot import Snapshot
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
@@ -40,7 +41,7 @@ class Head(msgspec.Struct, frozen=True):
     incarnations: dict[Id, Count] = {}  # newest of every robot when the run began
     version: Count = 0  # newest of the roster then
     expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier runs waited
-    ended: dict[Id, str] = {}  # processes that the scenarios of earlier runs have ended, by their own names
+    processes: Processes = msgspec.field(default_factory=Processes)  # of earlier runs
 
 
 class Seated(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="seat"):
@@ -136,7 +137,7 @@ class Journal:
         incarnations: Mapping[int, int],
         version: int,
         expected: Mapping[int, int],
-        ended: Mapping[int, str],
+        processes: Processes,
     ) -> None:
         """Begin the next run: what was noted so far has come to its end.
 
@@ -152,7 +153,7 @@ class Journal:
                 incarnations=dict(incarnations),
                 version=version,
                 expected=dict(expected),
-                ended=dict(ended),
+                processes=processes.copy(),
             )
         )
 

@@ -113,7 +113,6 @@ class Operations:
         """Have what is needed to hear and tell another robot."""
         if robot not in self._publishers:
             self._bus.subscribe(robot_key(self._name, robot, "command"))
-        self._admissions.renew(robot)
         self._publishers.add(robot)
 
     def _surround(self, _: Address, payload: bytes, run: Run) -> bytes:

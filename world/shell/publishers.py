@@ -71,9 +71,13 @@ class Publishers:
     def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
         """Tell the time, and where everybody was and is."""
         self._told = time.monotonic()
+        self.truths(truths)
+        self._clock(encode(clock))
+
+    def truths(self, truths: Iterable[Truth]) -> None:
+        """Tell where everybody was and is."""
         for truth in truths:
             self._truth(encode(truth))
-        self._clock(encode(clock))
 
     def result(self, report: Mapping[str, Any]) -> None:
         """Tell what came of the run."""

@@ -28,6 +28,7 @@ from world.coordinator.inputs import (
     TakenAway,
 )
 from world.shell.journal import Began, Journal, Seated
+from world.shell.processes import Processes
 from world.shell.run import Run
 from world.shell.snapshot import Snapshot, restored
 from world.world import World
@@ -36,14 +37,12 @@ _TOLD = 256  # ticks after which the truths of a replay, which nobody is told ag
 
 
 class Resumed(NamedTuple):
-    """Where a journal ends: the present run, and by robot the session of its newest life in it, that of the
-    process which the scenario has ended, and for how many next lives the world has waited so far. What
-    follows is noted in the journal."""
+    """Where a journal ends: the present run, the processes that were admitted, and by robot for how many next
+    lives the world has waited so far. What follows is noted in the journal."""
 
     journal: Journal
     run: Run
-    sessions: Mapping[int, str]
-    ended: Mapping[int, str]
+    processes: Processes
     expected: Mapping[int, int]
 
 
@@ -58,12 +57,13 @@ def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0
         raise JournalError(f"the journal {journal.path} is of scenario {head.number} of {len(scenarios)}")
     run = Run(head.number, scenarios[head.number], head.incarnations, head.version, returning=returning)
     seated: dict[int, str] = {}
-    sessions: dict[int, str] = {}
-    expected = Counter(head.expected)
+    processes, expected = head.processes.copy(), Counter(head.expected)
     for number, entry in enumerate(journal.past):
+        if isinstance(entry, Joined) and (life := run.world.coordinator.lives.of.get(entry.robot)):
+            processes.admit(entry.robot, seated.get(entry.robot, ""), life.fate)
         if isinstance(entry, Snapshot):
-            run.world = _restored(journal, entry)
-            run.began, sessions, expected = _since(entry.began), dict(entry.sessions), Counter(entry.expected)
+            run.world, run.began = _restored(journal, entry), _since(entry.began)
+            processes, expected = entry.processes.copy(), Counter(entry.expected)
         elif isinstance(entry, Seated):
             seated[entry.robot] = entry.session
         elif isinstance(entry, Began):
@@ -75,13 +75,10 @@ def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0
             )
         elif isinstance(entry, Expected):
             expected[entry.robot] += 1
-        elif isinstance(entry, Joined):
-            sessions[entry.robot] = seated.get(entry.robot, "")
-    run.world.news()
+    if journal.past:
+        run.world.news()
     run.world.coordinator.note = journal.note
-    of = run.world.coordinator.lives.of
-    ended = {**head.ended, **{robot: name for robot, name in sessions.items() if of[robot].ended}}
-    return Resumed(journal, run, sessions, ended, expected)
+    return Resumed(journal, run, processes, expected)
 
 
 def _since(began: float) -> float:
@@ -133,7 +130,7 @@ _FOLLOW: dict[type, Callable[[World, Any], bool]] = {
     Closed: _close,
     Joined: _join,
     Lost: _always(lambda world, entry: world.coordinator.lost(entry.robot, entry.reason)),
-    Expected: _always(lambda world, entry: world.coordinator.expect(entry.robot)),
+    Expected: lambda world, entry: world.coordinator.expect(entry.robot),
     GivenUp: _always(lambda world, entry: world.coordinator.give_up_waiting(entry.robot, entry.reason)),
     Ordered: lambda world, entry: world.order(entry.robot, entry.order).accepted,
     Placed: lambda world, entry: world.add_thing(entry.order).accepted,

@@ -19,6 +19,7 @@ import msgspec
 
 from protocol.messages import Count, Id
 from world.judge import trajectory
+from world.shell.processes import Processes
 from world.shell.run import Run
 from world.world import World
 
@@ -38,7 +39,7 @@ class Snapshot(msgspec.Struct, frozen=True, array_like=True, tag="snapshot"):
     world: bytes
     sha256: bytes  # of the world: what it holds is not checked further
     began: float  # s, wall clock: when its first tick began
-    sessions: dict[Id, str]  # of the process that is each robot's newest life
+    processes: Processes
     expected: dict[Id, Count]  # for how many next lives of each robot the world has waited so far
 
 
@@ -47,11 +48,11 @@ def is_due(world: World) -> bool:
     return world.tick % trajectory.LINK == 0 and not world.verdict
 
 
-def take(run: Run, sessions: Mapping[int, str], expected: Mapping[int, int]) -> Snapshot:
+def take(run: Run, processes: Processes, expected: Mapping[int, int]) -> Snapshot:
     """Of a run whose tick was just closed."""
     began = time.time() - (time.monotonic() - run.began)
     state = frozen(run.world)
-    return Snapshot(state, sha256(state).digest(), began, dict(sessions), dict(expected))
+    return Snapshot(state, sha256(state).digest(), began, processes.copy(), dict(expected))
 
 
 def restored(snapshot: Snapshot) -> World:
@@ -62,7 +63,7 @@ def restored(snapshot: Snapshot) -> World:
 
 
 def frozen(world: World) -> bytes:
-    """All that follows from what a world was told; its news is taken as handed out."""
+    """All that follows from what a world was told; its news has to be handed out."""
     world.news()  # measures what was put aside
     note, world.coordinator.note = world.coordinator.note, None
     try:

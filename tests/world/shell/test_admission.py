@@ -15,7 +15,9 @@ from protocol.messages import Health
 from protocol.requests.joining import Admission, Finished, Join, Refusal, Reply, Wait
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
+from world.coordinator.life import Life, Status
 from world.shell.admission import RESERVATION, Admissions
+from world.shell.processes import Processes
 from world.shell.run import Run
 
 SWAP = load("swap-4")
@@ -88,38 +90,67 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
 
 
 def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> None:
-    """It may ask before its launcher gets to it, when the world was away."""
+    """It may ask before its launcher gets to it, when the world or a router was away."""
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.admissions.arrive(1)
     desk.run.world.coordinator.lives.of[1].restart()
     assert isinstance(desk.ask("first"), Wait)
-    desk.admissions.miss(1)
-    desk.admissions.leave(1)
+    desk.admissions.leave(1)  # a router went, and with it the token
+    assert isinstance(desk.ask("first"), Wait)
     assert desk.admitted("next") == 2
+    assert isinstance(desk.ask("first"), Wait)
     desk.run.world.coordinator.lives.of[1].kill()
+    desk.admissions.end(desk.run.world.coordinator.ended, (1, 2))
+    desk.run = Run(1, two(), {1: 2, 2: 0})
+    desk.admissions.begin((1, 2))
+    assert isinstance(desk.ask("first"), Wait)
     assert isinstance(desk.ask("next"), Wait)
-    desk.admissions.bar(1, "next")  # as the next world does
-    desk.admissions.leave(1)
-    assert isinstance(desk.ask("next"), Wait)
-    assert desk.admitted("last") == 3
+    assert isinstance(reply := desk.ask("last"), Admission)
+    assert reply.incarnation == 3
 
 
 def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id() -> None:
-    """It may ask before it heard that it was removed, when its robot's id is taken again already."""
+    """It may ask before it heard that it was removed, when its robot's id is taken again already. The next
+    one waits until that one's token is gone: there is one for both."""
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.admissions.arrive(1)
-    desk.run.world.coordinator.lives.of[1].kill()
+    desk.run.world.coordinator.lives.of[1] = Life(1, Status.LOST, fenced=True, fate="removed")
     desk.admissions.expect(1)
+    assert isinstance(desk.ask("next"), Wait)
     assert desk.ask("first") == Finished("removed")
     desk.admissions.leave(1)
     assert desk.ask("first") == Finished("removed")
     assert desk.admitted("next") == 2
     desk.admissions.arrive(1)
     assert desk.ask("first") == Finished("removed")
-    desk.admissions.renew(1)  # an operator's robot
-    assert desk.ask("next") == Finished("removed")
+    assert desk.admitted("next") == 2
+
+
+def test_who_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
+    """A process that is frozen for longer than its token lives is the one that it was when it is woken."""
+    desk = Desk()
+    assert desk.admitted("first") == 1
+    desk.admissions.arrive(1)
+    desk.run.world.coordinator.lives.of[1].pause()
+    desk.admissions.leave(1)
+    desk.run.world.coordinator.lost(1, "has gone")
+    assert isinstance(desk.ask("first"), Wait)
+    desk.run.world.coordinator.lives.of[1].resume()
+    assert desk.admitted("first") == 1
+    desk.admissions.leave(1)
+    desk.run.world.coordinator.lives.of[1].pause()
+    desk.run.world.coordinator.lives.of[1].resume()
+    assert desk.admitted("next") == 2  # it has not woken: its successor is not kept out
+
+
+def test_those_who_asked_too_often_are_forgotten_at_last() -> None:
+    processes = Processes()
+    for number in range(1000):
+        processes.admit(1, f"{number}", "removed")
+    assert list(processes.over[1]) == [f"{number}" for number in range(983, 999)]
+    assert processes.newest == {1: "999"}
 
 
 def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:

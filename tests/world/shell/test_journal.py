@@ -18,6 +18,7 @@ from world.coordinator.inputs import Closed, Expected, Joined, Lost, Opened
 from world.shell import journal as module
 from world.shell import records
 from world.shell.journal import Began, Entry, Journal, Seated
+from world.shell.processes import Processes
 from world.shell.replay import resume
 
 SCENARIOS = [two()]
@@ -80,13 +81,13 @@ def test_to_try_again_to_open_a_tick_is_noted_once(path: Path) -> None:
 
 def test_a_new_run_begins_a_new_file(written: Path) -> None:
     journal = opened(written)
-    journal.begin(1, {1: 3, 2: 1}, 17, {1: 2}, {2: "b"})
+    journal.begin(1, {1: 3, 2: 1}, 17, {1: 2}, Processes(over={2: {"b": "ended"}}))
     journal.note(Joined(1, 4))
     journal.close()
     again = opened(written)
     head = again.head
     assert (head.number, head.incarnations, head.version, head.expected) == (1, {1: 3, 2: 1}, 17, {1: 2})
-    assert head.ended == {2: "b"}
+    assert head.processes.over == {2: {"b": "ended"}}
     assert again.past == [Joined(1, 4)]
     assert list(written.parent.iterdir()) == [written]
 
@@ -141,7 +142,7 @@ def test_a_record_that_is_whole_and_no_text_is_refused(written: Path) -> None:
 
 def test_one_of_a_scenario_that_there_is_not_is_refused(path: Path) -> None:
     journal = opened(path)
-    journal.begin(1, {}, 0, {}, {})
+    journal.begin(1, {}, 0, {}, Processes())
     with pytest.raises(JournalError, match="of scenario 1 of 1"):
         resume(journal, SCENARIOS)
 
@@ -180,7 +181,7 @@ def test_two_worlds_cannot_have_one_journal(written: Path) -> None:
     journal = opened(written)
     with pytest.raises(JournalError, match="in use"):
         opened(written)
-    journal.begin(1, {}, 0, {}, {})
+    journal.begin(1, {}, 0, {}, Processes())
     with pytest.raises(JournalError, match="in use"):
         opened(written)
     journal.close()
@@ -211,7 +212,7 @@ def test_a_full_disk_is_said_once_and_leaves_no_old_checkpoint(
     assert len(said) == 1
     assert "No space left on device" in said[0]
     assert not path.exists()
-    journal.begin(1, {}, 0, {}, {})
+    journal.begin(1, {}, 0, {}, Processes())
     assert not path.exists()
     journal.remove()
 

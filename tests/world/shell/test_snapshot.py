@@ -17,6 +17,7 @@ from protocol.scenario.model import Scenario
 from tests.world.driving import two
 from world.judge import trajectory
 from world.shell.journal import Journal
+from world.shell.processes import Processes
 from world.shell.replay import resume
 from world.shell.snapshot import Snapshot, frozen, is_due, restored, thawed
 
@@ -73,11 +74,11 @@ def test_a_world_that_died_goes_on_from_the_newest(tmp_path: Path) -> None:
     while fleet.world.world.tick < 70:
         assert fleet.step()
         most = max(most, path.stat().st_size)
-    sessions, told = fleet.world._admissions.sessions, fleet.world.world.checksum
+    processes, told = fleet.world._admissions.processes.copy(), fleet.world.world.checksum
     fleet.kill_world()
     past = resume(Journal(path, "local", [scenario]), [scenario])
     assert (past.run.world.tick, past.run.world.checksum) == (70, told)
-    assert past.sessions == sessions
+    assert past.processes == processes
     assert isinstance(past.journal.past[0], Snapshot)
     assert past.journal.past[0].expected == {}
     assert past.run.began == pytest.approx(time.monotonic(), abs=60.0)
@@ -112,7 +113,7 @@ def test_a_function_is_not_called() -> None:
 
 def test_a_damaged_one_is_refused() -> None:
     with pytest.raises(pickle.UnpicklingError, match="damaged"):
-        restored(Snapshot(b"any", sha256(b"other").digest(), 0.0, {}, {}))
+        restored(Snapshot(b"any", sha256(b"other").digest(), 0.0, Processes(), {}))
 
 
 @pytest.mark.parametrize("state", [b"", b"no pickle", pickle.dumps({1, 2})])
@@ -120,7 +121,7 @@ def test_what_is_no_world_is_refused_with_its_file(tmp_path: Path, state: bytes)
     path, scenarios = tmp_path / "journal", [two()]
     Journal.create(path, "yard", scenarios)
     journal = Journal(path, "yard", scenarios)
-    journal.compact(Snapshot(state, sha256(state).digest(), 0.0, {}, {}))
+    journal.compact(Snapshot(state, sha256(state).digest(), 0.0, Processes(), {}))
     journal.close()
     with pytest.raises(JournalError, match=f"{path}.*no snapshot"):
         resume(Journal(path, "yard", scenarios), scenarios)
