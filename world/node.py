@@ -253,6 +253,8 @@ class WorldNode:
             if self._run.world.coordinator.waiting or not self._lockstep:
                 return
             self._close()
+            if self._run.scenario.time.endless and not self._run.world.coordinator.active:
+                return  # nobody is there to wait for, nor does it end: hear others, too
         self._conclude_in_time()
         if self._shutdown.is_over(self._run):
             self.finished = True

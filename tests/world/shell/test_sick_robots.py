@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from agents.node import RobotNode
 from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import JoinError, MessageError
@@ -276,3 +277,20 @@ def test_a_complaint_is_no_command() -> None:
     assert world.accept(Command(1, 1, 0, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions[0][0] > -0.1
+
+
+@pytest.mark.timeout(60)
+def test_a_world_in_which_all_have_died_hears_who_comes() -> None:
+    """In lock-step nobody is waited for then, and a run that is endless does not end."""
+    fleet = LocalFleet([load("swap-4", ["time.endless=true"])])
+    for _ in range(10):
+        assert fleet.step()
+    for robot in fleet.robots:
+        fleet.kill(robot)
+    assert fleet.step()
+    for robot in fleet.robots:
+        fleet.start(robot)
+    lives = fleet.world.world.coordinator.lives
+    fleet.network.run(lambda: lives.up == (1, 2, 3, 4))
+    for _ in range(10):
+        assert fleet.step()
