@@ -8,15 +8,16 @@ has `after`, s, and `text`; `"finished"` has `verdict`. Which robot asks is said
 router's rules decide who may. Who only watches asks under `world/scenario` and is told `"scenario"`, with
 `scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot that was ordered elsewhere.
 
-`session` is a text of the process's own choosing, the same for all its requests. Who asks again is
-admitted as the same life, for a reply may be lost, until `health` says that this life is over.
+`session` is a text of the process's own choosing, not empty, and the same for all its requests. Who
+asks again is admitted as the same life, for a reply may be lost, until `health` says that this life is over.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import msgspec
+from msgspec import Meta
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Health, Id
@@ -28,7 +29,7 @@ from protocol.wire.reader import DAMAGED
 class Request(msgspec.Struct, frozen=True):
     """What a robot says under its `join` key. `session` tells two processes with one id apart."""
 
-    session: str
+    session: Annotated[str, Meta(min_length=1)]
     health: Health | None = None  # of the run that this process has just ended
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
@@ -146,44 +147,57 @@ class Journal:
         """
         if not self.kept:
             return
-        self._renew(
-            msgspec.structs.replace(
-                self.head,
-                number=number,
-                incarnations=dict(incarnations),
-                version=version,
-                expected=dict(expected),
-                processes=processes.copy(),
-            )
+        head = msgspec.structs.replace(
+            self.head,
+            number=number,
+            incarnations=dict(incarnations),
+            version=version,
+            expected=dict(expected),
+            processes=processes.copy(),
         )
+        try:
+            self._renew(head)
+        except OSError as error:
+            self._abandon(error)
 
     def compact(self, snapshot: Snapshot) -> None:
-        """Begin anew with a snapshot of the run, in place of all that led to it.
-
-        Raises:
-            JournalError: as `note`.
-        """
+        """Begin anew with a snapshot of the run, in place of all that led to it; where that cannot be
+        written, the journal goes on as it was."""
         if self.kept:
-            self._renew(self.head, snapshot)
+            try:
+                self._renew(self.head, snapshot)
+            except OSError as error:
+                self._say(f"no snapshot in the journal {self.path}: {error.strerror}; it goes on, and grows")
 
     def _renew(self, head: Head, *entries: Entry) -> None:
-        following = self.path.with_name(f"{self.path.name}.next")
+        """Raises OSError if that cannot be; nothing has changed then."""
+        following = self._following
         try:
             following.write_bytes(_beginning(head, *entries))
-            file = records.opened(following)
-            following.replace(self.path)
-        except OSError as error:
-            following.unlink(missing_ok=True)
-            self._abandon(error)
-            return
+            file = records.locked(following)
+            try:
+                following.replace(self.path)
+            except OSError:
+                os.close(file)
+                raise
+        except OSError:
+            with suppress(OSError):
+                following.unlink()
+            raise
         os.close(self._file)
         self._file, self.head, self.past = file, head, []
         self._aside, self._newest = [], None
 
+    @property
+    def _following(self) -> Path:
+        """Where a new file is written that is to take the old one's place."""
+        return self.path.with_name(f"{self.path.name}.next")
+
     def remove(self) -> None:
         """The run is over, or cannot be gone on with: nothing is left of it."""
         if self.kept:
-            self.path.unlink(missing_ok=True)
+            for path in (self.path, self._following):  # a world may have died in between
+                path.unlink(missing_ok=True)
             self.close()
 
     def close(self) -> None:

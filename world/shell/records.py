@@ -40,19 +40,29 @@ def opened(path: Path) -> int:
         JournalError: there is no such file, or somebody has it.
     """
     try:
-        file = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+        return locked(path)
+    except BlockingIOError:
+        raise JournalError(f"the journal {path} is in use by another world") from None
     except FileNotFoundError:
         raise JournalError(
             f"the journal {path} is not there: where the run was is not known, so it cannot go on"
         ) from None
     except OSError as error:
         raise JournalError(f"cannot keep a journal in {path}: {error.strerror}") from error
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(file)
-        raise JournalError(f"the journal {path} is in use by another world") from None
-    return file
+
+
+def locked(path: Path) -> int:
+    """As `opened`; raises OSError."""
+    while True:
+        file = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if os.path.samestat(os.fstat(file), path.stat()):
+                return file
+        except BaseException:
+            os.close(file)
+            raise
+        os.close(file)  # whoever had it has put another file in its place
 
 
 def records(path: Path) -> Iterator[tuple[int, bytes, int]]:

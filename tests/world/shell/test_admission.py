@@ -10,9 +10,18 @@ from agents.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
-from protocol.errors import BusError, JoinError
+from protocol.errors import BusError, JoinError, MessageError
 from protocol.messages import Health
-from protocol.requests.joining import Admission, Finished, Join, Refusal, Reply, Wait
+from protocol.requests.joining import (
+    Admission,
+    Finished,
+    Join,
+    Refusal,
+    Reply,
+    Wait,
+    decode_request,
+    encode_request,
+)
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.coordinator.life import Life, Status
@@ -151,6 +160,12 @@ def test_those_who_asked_too_often_are_forgotten_at_last() -> None:
         processes.admit(1, f"{number}", "removed")
     assert list(processes.over[1]) == [f"{number}" for number in range(983, 999)]
     assert processes.newest == {1: "999"}
+
+
+def test_a_process_without_a_name_is_refused() -> None:
+    """Nobody could tell it from an empty seat."""
+    with pytest.raises(MessageError, match="session"):
+        decode_request(1, encode_request(Join(1, "")))
 
 
 def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import struct
 from dataclasses import replace
@@ -20,6 +21,7 @@ from world.shell import records
 from world.shell.journal import Began, Entry, Journal, Seated
 from world.shell.processes import Processes
 from world.shell.replay import resume
+from world.shell.snapshot import Snapshot
 
 SCENARIOS = [two()]
 COMMAND = Command(1, 1, 0, (0.02, -0.1))
@@ -186,6 +188,52 @@ def test_two_worlds_cannot_have_one_journal(written: Path) -> None:
         opened(written)
     journal.close()
     opened(written).close()
+
+
+def test_nor_one_that_the_other_begins_anew_meanwhile(written: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between opening a file and locking it, it can come to be another one's past."""
+    journal, lock = opened(written), fcntl.flock
+
+    def late(file: int, operation: int) -> None:
+        monkeypatch.setattr(fcntl, "flock", lock)
+        journal.compact(Snapshot(b"", b"", 0.0, Processes(), {}))
+        lock(file, operation)
+
+    monkeypatch.setattr(fcntl, "flock", late)
+    with pytest.raises(JournalError, match="in use"):
+        opened(written)
+    journal.close()
+    opened(written).close()
+
+
+@pytest.mark.parametrize("step", ["write_bytes", "replace"])
+def test_where_no_snapshot_can_be_written_the_journal_goes_on(
+    written: Path, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a folder that is full, or not to be written to; or where the file itself is mounted."""
+
+    def fail(*_: object) -> None:
+        raise OSError(16, "Device or resource busy")
+
+    said: list[str] = []
+    journal = Journal(written, "yard", SCENARIOS, said.append)
+    before = journal.past
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, step, fail)
+        journal.compact(Snapshot(b"", b"", 0.0, Processes(), {}))
+    journal.note(Lost(7))
+    journal.close()
+    assert len(said) == 1
+    assert "busy" in said[0]
+    assert opened(written).past == [*before, Lost(7)]
+    assert list(written.parent.iterdir()) == [written]
+
+
+def test_what_a_death_left_half_written_is_removed_with_it(written: Path) -> None:
+    journal = opened(written)
+    written.with_name(f"{written.name}.next").write_bytes(b"half")
+    journal.remove()
+    assert list(written.parent.iterdir()) == []
 
 
 def test_what_is_there_is_not_overwritten(written: Path) -> None:
