@@ -28,7 +28,10 @@ class FaultSchedule:
         """
         if clock.verdict or not self._run <= clock.run_number < len(self._scenarios):
             return []
-        faults = self._begin(clock.run_number) if clock.run_number > self._run else []
+        begins = clock.run_number > self._run
+        if begins:
+            self._begin(clock.run_number)
+        faults = self._returns() if begins or (self._run > 0 and not clock.founded) else []
         while clock.founded and self._due and self._due[0][0] <= clock.tick:
             faults.append(self._due.pop(0)[-1])
         for fault in faults:
@@ -43,8 +46,12 @@ class FaultSchedule:
         """A process was started for a robot that was added."""
         self._out.discard(robot)
 
-    def _begin(self, run: int) -> list[ProcessFault]:
+    def _begin(self, run: int) -> None:
         scenario = self._scenarios[run]
         self._run = run
         self._due = sorted((scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process))
-        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out) if robot in scenario.ids]
+
+    def _returns(self) -> list[ProcessFault]:
+        """Whom the present run has, and an earlier one left out: perhaps its process ended only now."""
+        ids = self._scenarios[self._run].ids
+        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out) if robot in ids]

@@ -1,0 +1,34 @@
+"""Whom a launcher starts again for the next run, however late it hears that a process has ended."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from deploy.library.load import load
+from deploy.run.fault_schedule import FaultSchedule
+from protocol.messages import Clock
+from protocol.scenario.model import Order, ProcessFault
+
+SWAP = load("swap-4")
+WITHOUT = replace(SWAP, orders=(Order(0.3, remove=2),))
+AGAIN = [ProcessFault(2, 0.0, "restart")]
+
+
+def clock(run: int, tick: int = 0, *, founded: bool = False) -> Clock:
+    return Clock(tick, 0.05 * tick, (), (), "", run, 0.0, 0.0, "", founded)
+
+
+def test_who_was_removed_is_started_again_also_if_it_ends_once_the_next_run_gathers() -> None:
+    schedule = FaultSchedule([WITHOUT, SWAP])
+    assert schedule.due(clock(0)) == schedule.due(clock(0, 9, founded=True)) == schedule.due(clock(1)) == []
+    schedule.removed(2)
+    assert schedule.due(clock(1)) == AGAIN
+    assert schedule.due(clock(1)) == []
+
+
+def test_who_is_removed_stays_away_for_the_rest_of_the_run() -> None:
+    schedule = FaultSchedule([WITHOUT, SWAP])
+    assert schedule.due(clock(0)) == []
+    schedule.removed(2)
+    assert schedule.due(clock(0)) == schedule.due(clock(0, 9, founded=True)) == []
+    assert schedule.due(clock(1, 1, founded=True)) == AGAIN  # nothing was heard of its beginning
