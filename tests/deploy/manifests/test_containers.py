@@ -124,6 +124,13 @@ def test_deploy_says_how_those_are_started_whom_orders_add(
     assert ("robot 2 again" if status else "systemctl start disknav-yard-robot@3.service") in said
 
 
+def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:
+    settings = ("--set", "world.plant=external")
+    done = disknav("deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
+    assert (done.returncode, (tmp_path / "fleet").exists()) == (2, False)
+    assert "bases outside" in done.stderr
+
+
 @pytest.mark.skipif(shutil.which("kubectl") is None, reason="kubectl is not installed")
 def test_kubectl_reads_the_files(tmp_path: Path, plan: Plan) -> None:
     folder = written(tmp_path, "kubernetes", plan)
