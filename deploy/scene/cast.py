@@ -21,21 +21,23 @@ _NO_CHANGES = Changes(frozenset(), frozenset())
 
 
 class Cast:
-    """Those whose disks are there. Who was added by an operator is one of them once a roster says its size.
+    """Those whose disks are there. Who was added by an operator is one of them once somebody says its size.
 
     Attributes:
-        radii: m, of everybody who is known, there or not.
-        goals: m, where those go who are there; of who was added by an operator, once it is ordered elsewhere.
+        radii: m, of those who are there, or of whom a roster spoke.
+        goals: m, where those go who are there, as far as somebody said so: no roster does.
+        strangers: whose disks are there, and of whom nothing is known.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         specs = [scenario.spec(robot) for robot in scenario.ids]
         self._newcomers = scenario.newcomers
-        self.radii = {spec.id: spec.radius for spec in (*scenario.newcomers, *specs)}
+        self.radii = {spec.id: spec.radius for spec in specs}
         self.goals = {spec.id: spec.goal for spec in specs}
         self._places = {spec.id: spec.start for spec in specs}
         self._truth = Truth(0, scenario.ids, tuple(self._places.values()), 0.0, 1.0)
         self._told = scenario.ids  # by the newest truth
+        self.strangers: Set[int] = frozenset()
 
     @property
     def places(self) -> dict[int, Vector]:
@@ -43,6 +45,11 @@ class Cast:
         told = zip(self._truth.robots, self._truth.positions, strict=False)
         self._places.update((robot, place) for robot, place in told if robot in self._places)
         return self._places
+
+    def meet(self, scenario: Scenario) -> None:
+        """Take over what is said of strangers by the scenario as the world has it at present."""
+        self._newcomers += tuple(spec for spec in scenario.robots if spec.id in self.strangers)
+        self._told, self.strangers = (), frozenset()
 
     def announce(self, members: Iterable[Member]) -> None:
         """Take over what a roster says."""
@@ -62,10 +69,13 @@ class Cast:
             return _NO_CHANGES
         self._told, before = truth.robots, self._places
         told = zip(truth.robots, truth.positions, strict=False)
-        self._places = {robot: place for robot, place in told if robot in self.radii}
+        known = {spec.id for spec in self._newcomers} | self.radii.keys()
+        self._places = {robot: place for robot, place in told if robot in known}
+        self.strangers = frozenset(truth.robots) - known
         changes = Changes(self._places.keys() - before.keys(), before.keys() - self._places.keys())
-        for robot in changes.went:
+        for robot in changes.went:  # its id may be given to another one
             self.goals.pop(robot, None)
+            self.radii.pop(robot, None)
         for robot in changes.came:
             self._welcome(robot, self._places[robot])
         return changes

@@ -107,6 +107,10 @@ class FleetScene:
         """One topic of it."""
         return Picture(topic, self._now, self._draw[topic]())
 
+    def meet(self, scenario: Scenario) -> None:
+        """Take over what the world says of robots that an operator added: the next truth draws them."""
+        self._cast.meet(scenario)
+
     def hear(self, message: Message) -> Iterator[Picture]:
         """Take over what was published; gives what is to be drawn anew because of it."""
         if isinstance(message, Tick):
@@ -157,7 +161,7 @@ class FleetScene:
 
     def _recast(self, went: Set[int]) -> list[str]:
         """Robots came or went; which topics that changes, beside those that are due at once."""
-        for robot in went:  # its id may be given to another one
+        for robot in went:
             self._lines.pop(robot, None)
             for moment in self._past.items:
                 moment.forget(robot)

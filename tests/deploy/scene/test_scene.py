@@ -178,6 +178,16 @@ def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() ->
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
 
 
+def test_a_robot_that_an_operator_adds_is_drawn_as_the_world_says() -> None:
+    scene = FleetScene(SCENARIO)
+    there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
+    list(scene.hear(there))
+    scene.meet(Scenario((*ROBOTS, RobotSpec(9, 0.04, (0.2, 0.3), (0.0, 0.3)))))
+    list(scene.hear(replace(there, tick=2)))
+    assert drawn_robots(scene) == ["robot 3", "robot 7", "robot 9"]
+    assert drawn(scene, "/scene/goals")[0]["cylinders"][-1]["size"]["x"] == 0.08
+
+
 def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
     scene = FleetScene(SCENARIO)
     list(scene.hear(truth(0)))
