@@ -121,8 +121,10 @@ class Watcher(SharedView):
         if self._there and not self._known and now >= self._ask_at:
             self._learn()
             self._ask_at = time.monotonic() + RETRY
-        if self._known:
+        if self._known and self._view.strangers and now >= self._ask_at:
             self._meet()
+            self._ask_at = time.monotonic() + RETRY
+        if self._known:
             self._pass_on()
 
     def _on_presence(self, event: Presence) -> None:
@@ -172,9 +174,7 @@ class Watcher(SharedView):
             self._ask_for(Steer())  # which changes nothing: what is in force is the answer
 
     def _meet(self) -> None:
-        """Ask the world who has come, if nobody else said so; once each time that somebody does."""
-        if not self._view.strangers:
-            return
+        """Ask the world who has come of whom nobody else said anything."""
         reply = self._present()
         if reply is None:
             self._known = False
