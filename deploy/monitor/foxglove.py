@@ -67,7 +67,7 @@ class FoxgloveServer:
 
     def hear(self, message: Message) -> None:
         """Something was published."""
-        if isinstance(message, DRAWN):
+        if type(message) in DRAWN:
             with self._lock:
                 if self._scene is not None:
                     self._log(self._scene.hear(message))

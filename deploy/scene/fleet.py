@@ -33,7 +33,8 @@ _TRAIL_POINTS = 512  # of all robots together, at most
 _LATEST = (1 << 31) * _SECOND  # ns that ROS can tell; no tick of a real run is later
 
 
-DRAWN = (Truth, Health, GoalStatus, Clock, Tick)  # what a scene is made of
+# What a scene is made of; asked of every message that is recorded, most of which are none of these.
+DRAWN = frozenset((Truth, Health, GoalStatus, Clock, Tick))
 
 
 class Measures(msgspec.Struct, frozen=True):
