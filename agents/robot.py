@@ -208,7 +208,9 @@ class Robot:
     # -- between the phases: hear
 
     def on_state(self, state: PeerState) -> None:
-        """The State of a peer of this run has arrived."""
+        """The State of a peer of this run has arrived, perhaps again."""
+        if not self._link.is_news(state):
+            return
         tick, filter_ = state.tick, self._filter
         if self._open and tick <= self.tick and self._link.ideal and filter_ is not None:
             self._learn(filter_, state)  # as `command` would in a moment

@@ -36,8 +36,18 @@ class Link:
         drawn = () if self.ideal else scenario.ids
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
+        self._newest: dict[int, PeerState] = {}  # by sender
         self._early: list[PeerState] = []  # without faults: those that this robot's own tick is behind
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
+
+    def is_news(self, state: PeerState) -> bool:
+        """Whether a State arrives for the first time: while the world waits for somebody it has all States
+        said again, and how often is a matter of the wall clock, so that nothing may follow from it."""
+        newest = self._newest.get(state.robot)
+        if newest is not None and newest.tick == state.tick and newest.incarnation == state.incarnation:
+            return False
+        self._newest[state.robot] = state
+        return True
 
     def put(self, state: PeerState) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""

@@ -119,3 +119,13 @@ def refuse(options: Mapping[str, object], reason: str) -> None:
     given = [name for name, value in options.items() if value is not None and value is not False]
     if given:
         raise UsageError(f"{', '.join(given)} cannot apply: {reason}")
+
+
+def refuse_bases(secure: Path | None) -> None:
+    """Refuse keys where messages of bases outside have to pass.
+
+    Raises:
+        UsageError: keys were given.
+    """
+    reason = "rules of a secured router let pass what the fleet says, and nothing that bases say or hear"
+    refuse({"--secure": secure}, f"{reason}; use a router without keys, on a network of the fleet's own")

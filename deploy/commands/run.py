@@ -73,6 +73,8 @@ def run(
     if hosts is None:
         options.refuse({"--open": open_to_all}, "it says that --hosts may do without --secure")
     loaded = load(scenario, setting or [], seed)
+    if loaded.is_external:
+        options.refuse_bases(secure)
     run_name = Membership(secure).run(None if name is None else checked_run(name)) or fresh_run_name()
     pace = speed if speed is not None else 1.0 if web else 0.0
     newcomers = [spec.id for spec in loaded.newcomers]

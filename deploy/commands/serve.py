@@ -65,6 +65,8 @@ def serve(
     if router is not None:
         options.refuse({"--listen": listen}, "--router names a router that is there, and starts none")
     loaded = load(scenario, [*(setting or []), "time.endless=true"], seed)
+    if loaded.is_external:
+        options.refuse_bases(secure)
     membership = Membership(secure)
     run = membership.run(None if name is None else checked_run(name)) or checked_run(loaded.name)
     endpoint = listen if listen is not None or router is not None else membership.default_router

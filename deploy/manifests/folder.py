@@ -8,9 +8,8 @@ from shutil import rmtree
 from tempfile import mkdtemp
 from typing import Literal
 
-from deploy.manifests import compose, kubernetes
+from deploy.manifests import compose, kubernetes, systemd
 from deploy.manifests.plan import KEYS, Plan
-from deploy.manifests.systemd import systemd
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -43,12 +42,18 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
         raise
 
 
+def starts(orchestrator: Orchestrator, plan: Plan) -> tuple[str, ...]:
+    """The commands that start the robots that come by orders, one each."""
+    of = {"compose": compose.starts, "kubernetes": kubernetes.starts, "systemd": systemd.starts}
+    return of[orchestrator](plan)
+
+
 def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:
     if orchestrator == "compose":
         return compose.compose(plan)
     if orchestrator == "kubernetes":
         return kubernetes.kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
-    return systemd(plan)
+    return systemd.systemd(plan)
 
 
 def _hosts(orchestrator: Orchestrator, plan: Plan) -> tuple[str, ...]:

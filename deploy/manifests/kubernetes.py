@@ -1,16 +1,17 @@
-"""Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots."""
+"""Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots,
+and one that waits for each robot that comes by an order."""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from deploy.manifests import container, pods
 from deploy.manifests.container import CONFIG_INSIDE
 from deploy.manifests.json_text import json_text
-from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
-from deploy.security.roster import ROUTER, WORLD
+from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan, late
+from deploy.security.roster import ROUTER, WORLD, robot_role
 
 FLEET, SECRET = "fleet.yaml", "secret.yaml"
 _HEAD = f"""\
@@ -31,9 +32,14 @@ def hosts(plan: Plan) -> tuple[str, ...]:
 
 def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
     """Files by name. `keys` are the files of the directory of keys."""
-    objects = [_config(plan), _router_service(plan), _router(plan), _world(plan), _robots(plan)]
+    first = [robot for robot in plan.roster.robots if robot not in plan.newcomers]
+    robots = [_robots(plan, "robots", first), *(_robots(plan, robot_role(n), [n]) for n in plan.newcomers)]
+    for job in robots[1:]:
+        job["spec"]["suspend"] = True
+    objects = [_config(plan), _router_service(plan), _router(plan), _world(plan), *robots]
     fleet = {"apiVersion": "v1", "kind": "List", "items": objects}
     head = _HEAD.format(run=plan.roster.run, image=plan.image, name=plan.name)
+    head = "\n".join([head, late(starts(plan))])
     secret = {
         "apiVersion": "v1",
         "kind": "Secret",
@@ -42,6 +48,12 @@ def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
         "data": {name: b64encode(content).decode() for name, content in sorted(keys.items())},
     }
     return {FLEET: json_text(fleet, head), SECRET: json_text(secret, _SECRET_HEAD)}
+
+
+def starts(plan: Plan) -> tuple[str, ...]:
+    """The command that starts each robot that comes by an order."""
+    patch = """--type=merge --patch '{"spec":{"suspend":false}}'"""
+    return tuple(f"  kubectl patch job/{plan.name}-{robot_role(n)} {patch}" for n in plan.newcomers)
 
 
 def _config(plan: Plan) -> dict[str, Any]:
@@ -106,8 +118,8 @@ def _world(plan: Plan) -> dict[str, Any]:
     return pods.job(plan, WORLD, {"backoffLimit": 0, "template": template})
 
 
-def _robots(plan: Plan) -> dict[str, Any]:
-    ids = [str(robot) for robot in plan.roster.robots]
+def _robots(plan: Plan, part: str, robots: Sequence[int]) -> dict[str, Any]:
+    ids = [str(robot) for robot in robots]
     command = container.join(plan, "robot-$1", _endpoint(plan))
     running = {
         "name": "robot",
@@ -121,10 +133,10 @@ def _robots(plan: Plan) -> dict[str, Any]:
         # Each sees the folder of its own index, with its own keys alone.
         "volumeMounts": [{**pods.mount("keys", KEYS_INSIDE), "subPathExpr": "$(INDEX)"}, pods.SCRATCH],
     }
-    volume = pods.indexed_keys(plan, plan.robots)
+    volume = pods.indexed_keys(plan, [robot_role(robot) for robot in robots])
     return pods.job(
         plan,
-        "robots",
+        part,
         {
             "completions": len(ids),
             "parallelism": len(ids),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from deploy.manifests.plan import KEYS, SCENARIO, Plan, join
+from deploy.manifests.plan import KEYS, SCENARIO, Plan, join, late
 from deploy.security.roster import ROUTER, WORLD
 
 ETC = "/etc/disknav"  # the folder of a run lies in here
@@ -58,20 +58,29 @@ def systemd(plan: Plan) -> dict[str, str]:
 
 
 def _target(plan: Plan, folder: str) -> str:
-    units = [f"{plan.name}-robot@{robot}.service" for robot in plan.roster.robots]
+    units = [f"{plan.name}-{role.replace('-', '@')}.service" for role in plan.robots]
     wanted = " ".join([f"{plan.name}-{ROUTER}.service", f"{plan.name}-{WORLD}.service", *units])
     return f"""\
 # The whole run on one host, in this folder, as root:
 #   mkdir -p {folder} && cp -r {KEYS} {SCENARIO} {folder}/
 #   cp {plan.name}* /etc/systemd/system/ && systemctl daemon-reload && systemctl start {plan.name}.target
 # On several, start the services that belong to each; only the keys of those are needed there.
-[Unit]
+{_commented(late(starts(plan)))}[Unit]
 Description=Fleet {plan.roster.run}
 Wants={wanted}
 
 [Install]
 WantedBy=multi-user.target
 """
+
+
+def starts(plan: Plan) -> tuple[str, ...]:
+    """The command that starts each robot that comes by an order."""
+    return tuple(f"  systemctl start {plan.name}-robot@{robot}.service" for robot in plan.newcomers)
+
+
+def _commented(text: str) -> str:
+    return "".join(f"# {line}\n" for line in text.splitlines())
 
 
 def _router(plan: Plan, folder: str) -> str:

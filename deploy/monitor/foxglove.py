@@ -59,9 +59,15 @@ class FoxgloveServer:
             self._scene = FleetScene(scenario)
             self._log(self._scene.whole())
 
+    def meet(self, scenario: Scenario) -> None:
+        """Robots have come whom no order of the scenario adds."""
+        with self._lock:
+            if self._scene is not None:
+                self._scene.meet(scenario)
+
     def hear(self, message: Message) -> None:
         """Something was published."""
-        if isinstance(message, DRAWN):
+        if type(message) in DRAWN:
             with self._lock:
                 if self._scene is not None:
                     self._log(self._scene.hear(message))

@@ -42,6 +42,9 @@ class Listener(Protocol):
     def begin(self, scenario: Scenario) -> None:
         """A scenario begins, or is under way."""
 
+    def meet(self, scenario: Scenario) -> None:
+        """Robots have come whom no order of the scenario adds; it has them, too."""
+
     def hear(self, message: Message) -> None:
         """Something was published."""
 
@@ -118,6 +121,9 @@ class Watcher(SharedView):
         if self._there and not self._known and now >= self._ask_at:
             self._learn()
             self._ask_at = time.monotonic() + RETRY
+        if self._known and self._view.strangers and now >= self._ask_at:
+            self._meet()
+            self._ask_at = time.monotonic() + RETRY
         if self._known:
             self._pass_on()
 
@@ -157,19 +163,33 @@ class Watcher(SharedView):
 
     def _learn(self) -> None:
         """Ask the world for the scenario; if nobody answers, a later `wake` asks again."""
-        try:
-            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
-        except (BusError, MessageError):
-            self._known = False
-            return
-        if isinstance(reply, Overview):
+        reply = self._present()
+        self._known = reply is not None
+        if reply is not None:
             self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
-            self._known = True
             if self._listener is not None:
                 self._listener.begin(reply.scenario)
                 for status in reply.goals:
                     self._listener.hear(status)
             self._ask_for(Steer())  # which changes nothing: what is in force is the answer
+
+    def _meet(self) -> None:
+        """Ask the world who has come of whom nobody else said anything."""
+        reply = self._present()
+        if reply is None:
+            self._known = False
+            return
+        self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
+        if self._listener is not None:
+            self._listener.meet(reply.scenario)
+
+    def _present(self) -> Overview | None:
+        """What the world says of its run; None if nobody answers."""
+        try:
+            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+        except (BusError, MessageError):
+            return None
+        return reply if isinstance(reply, Overview) else None
 
     def _pass_on(self) -> None:
         while True:

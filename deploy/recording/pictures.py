@@ -30,7 +30,7 @@ class Pictures:
     def hear(self, messages: Iterable[Message]) -> None:
         """Draw what has changed by messages that are recorded."""
         for message in messages:
-            if isinstance(message, DRAWN):
+            if type(message) in DRAWN:
                 self._put(self._scene.hear(message))
 
     def _put(self, pictures: Iterable[Picture]) -> None:

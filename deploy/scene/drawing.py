@@ -55,12 +55,19 @@ class Moment:
             self._points = {robot: _point(x, y) for robot, (x, y) in self.places.items()}
         return self._points
 
+    def forget(self, robot: int) -> None:
+        """Leave a robot out."""
+        self.places.pop(robot, None)
+        self._points.pop(robot, None)
+
 
 class Drawing:
-    """How the robots of one scenario are drawn. All methods take the time of what they draw first."""
+    """How the robots of one run are drawn. All methods take the time of what they draw first."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+    def __init__(self, scenario: Scenario, radii: Mapping[int, float]) -> None:
+        """`radii`: m, of everybody who is drawn; others may be added later."""
+        self._scenario, self._radii = scenario, radii
+        self._ranks = {robot: rank for rank, robot in enumerate(scenario.ids)}
 
     def room(self, stamp: Time, shapes: Collection[Shape]) -> Entity:
         """The boundary, and what stands."""
@@ -71,7 +78,7 @@ class Drawing:
 
     def robot(self, stamp: Time, robot: int, *, down: bool) -> Entity:
         """One robot, in its own frame."""
-        radius = self._scenario.spec(robot).radius
+        radius = self._radii[robot]
         height = radius / 2
         color = _color(_RED) if down else self._hue(robot)
         disk = _disk((0.0, 0.0), radius, height, color)
@@ -81,7 +88,7 @@ class Drawing:
     def goals(self, stamp: Time, goals: Mapping[int, messages.Vector]) -> Entity:
         """Where robots go, m."""
         disks = tuple(
-            _disk(goal, radius := self._scenario.spec(robot).radius, radius / 50, self._hue(robot, 0.3))
+            _disk(goal, radius := self._radii[robot], radius / 50, self._hue(robot, 0.3))
             for robot, goal in goals.items()
         )
         return Entity(stamp, WORLD, "goals", cylinders=disks)
@@ -90,8 +97,9 @@ class Drawing:
         """Where robots came along."""
         passed = [moment.points for moment in moments]
         lines = tuple(
-            Line(LineType.STRIP, tuple(points[robot] for points in passed), self._hue(robot, 0.6))
-            for robot in (robots if len(passed) > 1 else ())
+            Line(LineType.STRIP, points, self._hue(robot, 0.6))
+            for robot in robots
+            if len(points := tuple(each[robot] for each in passed if robot in each)) > 1
         )
         return Entity(stamp, WORLD, "trails", lines=lines)
 
@@ -117,7 +125,7 @@ class Drawing:
         peer, nx, ny, limit = line
         if peer not in places:
             return ()
-        radius = self._scenario.spec(robot).radius
+        radius = self._radii[robot]
         (x, y), (u, v) = places[robot], places[peer]
         if math.hypot(u - x, v - y) > (2 + _NEAR) * radius:
             return ()
@@ -127,7 +135,8 @@ class Drawing:
         return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
 
     def _hue(self, robot: int, opacity: float = 1.0) -> Color:
-        return _color(_HUES[self._scenario.ids.index(robot) % len(_HUES)], opacity)
+        rank = self._ranks.setdefault(robot, len(self._ranks))
+        return _color(_HUES[rank % len(_HUES)], opacity)
 
 
 def _point(x: float, y: float) -> Vector:

@@ -6,7 +6,7 @@ are drawn once, each in a frame of its own that `/tf` moves, so that what moves 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from functools import partial
 from itertools import chain
 from typing import NamedTuple
@@ -14,11 +14,12 @@ from typing import NamedTuple
 import msgspec
 
 from deploy.scene import ros
+from deploy.scene.cast import Cast
 from deploy.scene.drawing import WORLD, Drawing, Moment, frame
-from deploy.scene.foxglove import Entity, SceneUpdate, Time, schema
+from deploy.scene.foxglove import Deletion, Entity, SceneUpdate, Time, schema
 from deploy.scene.thinned import Thinned
 from protocol import messages
-from protocol.messages import Clock, GoalStatus, Health, Message, Truth
+from protocol.messages import Clock, GoalStatus, Health, Message, Tick, Truth
 from protocol.scenario.model import Scenario
 
 _SECOND = 1_000_000_000  # ns of simulated time
@@ -32,7 +33,8 @@ _TRAIL_POINTS = 512  # of all robots together, at most
 _LATEST = (1 << 31) * _SECOND  # ns that ROS can tell; no tick of a real run is later
 
 
-DRAWN = (Truth, Health, GoalStatus, Clock)  # what a scene is made of
+# What a scene is made of; asked of every message that is recorded, most of which are none of these.
+DRAWN = frozenset((Truth, Health, GoalStatus, Clock, Tick))
 
 
 class Measures(msgspec.Struct, frozen=True):
@@ -73,23 +75,23 @@ class FleetScene:
     """The scene of one run; time is that of the newest truth."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario, self._drawing = scenario, Drawing(scenario)
+        self._scenario, self._cast = scenario, Cast(scenario)
+        self._drawing = Drawing(scenario, self._cast.radii)
         self._now = 0
-        self._known = {robot: scenario.spec(robot).start for robot in scenario.ids}
         self._truth = Truth(0, (), (), 0.0, 1.0)
-        self._goals = {robot: scenario.spec(robot).goal for robot in scenario.ids}
         self._down: frozenset[int] = frozenset()
         self._things = dict(scenario.shapes)
         self._told = Clock(0, 0.0, (), (), "")
         self._lines: dict[int, tuple[messages.Line, ...]] = {}
         limit = max(8, _TRAIL_POINTS // len(scenario.ids))
         self._past: Thinned[Moment] = Thinned(limit, lambda _, later: later)
-        self._moving = ros.Frames(WORLD, [frame(robot) for robot in scenario.ids])
+        self._moving = self._frames_of_all()
         self._next = dict.fromkeys(_PERIODS, 0)  # ns; when a topic is due
         self._due = 0  # ns; when the first of them is
         self._draw: dict[str, Callable[[], bytes]] = {
             "/tf": self._frames,
             "/measures": self._measures,
+            "/scene/robots": self._robots,
             **{topic: partial(_update, draw) for topic, draw in self._entities().items()},
         }
 
@@ -106,14 +108,21 @@ class FleetScene:
         """One topic of it."""
         return Picture(topic, self._now, self._draw[topic]())
 
+    def meet(self, scenario: Scenario) -> None:
+        """Take over what the world says of robots that an operator added: the next truth draws them."""
+        self._cast.meet(scenario)
+
     def hear(self, message: Message) -> Iterator[Picture]:
         """Take over what was published; gives what is to be drawn anew because of it."""
-        if isinstance(message, Truth):
+        if isinstance(message, Tick):
+            if message.roster is not None:
+                self._cast.announce(message.roster.members)
+        elif isinstance(message, Truth):
             return map(self.picture, self._on_truth(message))
-        if isinstance(message, Health) and message.robot in self._known:
+        elif isinstance(message, Health) and message.robot in self._cast:
             self._lines[message.robot] = message.lines
-        elif isinstance(message, GoalStatus) and message.robot in self._goals:
-            self._goals[message.robot] = message.goal
+        elif isinstance(message, GoalStatus) and message.robot in self._cast:
+            self._cast.goals[message.robot] = message.goal
             return iter((self.picture("/scene/goals"),))
         elif isinstance(message, Clock):
             return map(self.picture, self._on_clock(message))
@@ -139,22 +148,30 @@ class FleetScene:
         if now >= _LATEST:
             return []
         self._now, self._truth = now, truth
+        changes = self._cast.see(truth)
+        changed = self._recast(changes.went) if any(changes) else []
         if now < self._due:
-            return []
+            return changed
         due = [topic for topic, time in self._next.items() if now >= time]
         for topic in due:
             self._next[topic] = now + _PERIODS[topic]
         self._due = min(self._next.values())
         if "/tf" in due:
-            self._past.append(Moment(dict(self._places)))
-        return due
+            self._past.append(Moment(dict(self._cast.places)))
+        return changed + due
 
-    @property
-    def _places(self) -> dict[int, messages.Vector]:
-        """Where the robots of the scenario were last, m; at their starts before anything was said of them."""
-        told = zip(self._truth.robots, self._truth.positions, strict=False)
-        self._known.update((robot, place) for robot, place in told if robot in self._known)
-        return self._known
+    def _recast(self, went: Set[int]) -> list[str]:
+        """Robots came or went; which topics that changes, beside those that are due at once."""
+        for robot in went:
+            self._lines.pop(robot, None)
+            for moment in self._past.items:
+                moment.forget(robot)
+        self._moving = self._frames_of_all()
+        self._next, self._due = dict.fromkeys(_PERIODS, 0), 0
+        return ["/scene/robots", "/scene/goals"]
+
+    def _frames_of_all(self) -> ros.Frames:
+        return ros.Frames(WORLD, [frame(robot) for robot in self._cast.places])
 
     @property
     def _stamp(self) -> Time:
@@ -165,7 +182,6 @@ class FleetScene:
     def _entities(self) -> dict[str, Callable[[], tuple[Entity, ...]]]:
         return {
             "/scene/room": self._room,
-            "/scene/robots": self._robots,
             "/scene/goals": self._goal_disks,
             "/scene/lines": self._separating_lines,
             "/scene/trails": self._trail_lines,
@@ -175,23 +191,25 @@ class FleetScene:
         return msgspec.json.encode(Measures(self._truth.clearance, self._truth.phi))
 
     def _frames(self) -> bytes:
-        return self._moving.message(self._now, self._places.values())
+        return self._moving.message(self._now, self._cast.places.values())
 
     def _room(self) -> tuple[Entity, ...]:
         return (self._drawing.room(self._stamp, self._things.values()),)
 
-    def _robots(self) -> tuple[Entity, ...]:
-        draw = self._drawing.robot
-        return tuple(draw(self._stamp, robot, down=robot in self._down) for robot in self._scenario.ids)
+    def _robots(self) -> bytes:
+        """Those that are there; who was drawn before and is not one of them goes."""
+        draw, stamp = self._drawing.robot, self._stamp
+        there = tuple(draw(stamp, robot, down=robot in self._down) for robot in self._cast.places)
+        return msgspec.json.encode(SceneUpdate(there, (Deletion(stamp),)))
 
     def _goal_disks(self) -> tuple[Entity, ...]:
-        return (self._drawing.goals(self._stamp, self._goals),)
+        return (self._drawing.goals(self._stamp, self._cast.goals),)
 
     def _trail_lines(self) -> tuple[Entity, ...]:
-        return (self._drawing.trails(self._stamp, self._past.items, self._known),)
+        return (self._drawing.trails(self._stamp, self._past.items, self._cast.places),)
 
     def _separating_lines(self) -> tuple[Entity, ...]:
-        return (self._drawing.separating_lines(self._stamp, self._lines, self._places),)
+        return (self._drawing.separating_lines(self._stamp, self._lines, self._cast.places),)
 
 
 def _update(draw: Callable[[], tuple[Entity, ...]]) -> bytes:

@@ -125,11 +125,26 @@ class Entity(msgspec.Struct, frozen=True):
     models: tuple[Vector, ...] = ()
 
 
+class DeletionType(IntEnum):
+    """What goes of a topic."""
+
+    MATCHING_ID = 0
+    ALL = 1
+
+
+class Deletion(msgspec.Struct, frozen=True):
+    """Entities of the topic go that are earlier than this."""
+
+    timestamp: Time
+    type: DeletionType = DeletionType.ALL
+    id: str = ""
+
+
 class SceneUpdate(msgspec.Struct, frozen=True):
-    """Entities that come, or replace those of the same ids."""
+    """Entities that go, and those that come, or replace those of the same ids."""
 
     entities: tuple[Entity, ...]
-    deletions: tuple[Vector, ...] = ()
+    deletions: tuple[Deletion, ...] = ()
 
 
 def schema(struct: type[msgspec.Struct], title: str) -> bytes:

@@ -201,7 +201,8 @@ class Admissions:
         launcher gets to it; those of others are none of the `following` run's."""
         for robot in ended:
             self.processes.retire(robot, "ended")
-            self.slots[robot].session = ""
+            if robot in self.slots:  # else its disk came with the last tick
+                self.slots[robot].session = ""
         for robot in self.processes.newest.keys() - set(following):
             self.processes.retire(robot, "removed")
 

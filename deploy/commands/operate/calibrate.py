@@ -42,11 +42,12 @@ def calibrate(
     from protocol.bus.drive import drive
     from protocol.bus.zenoh import ZenohBus
 
+    options.refuse_bases(secure)
     loaded = load(scenario, setting or [], None)
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
     table = loaded.base_of(robot) or Base()
-    membership = Membership(secure)
+    membership = Membership()
     connection = membership.client(OPERATOR, (router or membership.default_router,))
     driver = Driver(table, robot, square(side, speed, rate))
     bus = ZenohBus(connection)

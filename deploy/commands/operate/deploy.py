@@ -10,6 +10,7 @@ import typer
 
 from deploy.commands import options
 from deploy.run.options import fresh_run_name
+from protocol.errors import UsageError
 from protocol.keys import checked_run
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
@@ -47,8 +48,8 @@ def deploy(
     Example: disknav deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
     from deploy.library.load import load
-    from deploy.manifests.folder import write
-    from deploy.manifests.plan import Plan, installation
+    from deploy.manifests.folder import starts, write
+    from deploy.manifests.plan import Plan, installation, late
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
@@ -57,12 +58,30 @@ def deploy(
     else:
         options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
     loaded = load(scenario, setting or [], seed)
-    roster = Roster(fresh_run_name() if run is None else checked_run(run), loaded.ids)
+    if loaded.is_external:
+        raise UsageError("bases outside and keys cannot go together: start the fleet by hand, without")
+    added = {spec.id for spec in loaded.newcomers}
+    if again := sorted(added & {*loaded.ids}):
+        raise UsageError(
+            f"orders of the scenario add robot {again[0]} again, and nobody would start its process a second "
+            "time; give who comes an id of its own"
+        )
+    run_name = fresh_run_name() if run is None else checked_run(run)
+    roster = Roster(run_name, tuple(sorted({*loaded.ids, *added})))
     command = str(Path(sys.executable).parent / "disknav")
     chosen = {"image": image, "router": router}
     named = {name: value for name, value in chosen.items() if value is not None}
     plan = Plan(
-        roster, write_toml(loaded), mode, command=command, software=installation(), wait=wait, **named
+        roster,
+        write_toml(loaded),
+        mode,
+        command=command,
+        software=installation(),
+        wait=wait,
+        newcomers=tuple(sorted(added)),
+        **named,
     )
     write(out, orchestrator, plan, days)
     print(f"{out}: the run {roster.run} for {orchestrator}")
+    if text := late(starts(orchestrator, plan)):
+        print(text)

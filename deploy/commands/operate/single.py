@@ -53,6 +53,8 @@ def robot(
     """
     if namespace is not None and base is None:
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
+    if base is not None:
+        options.refuse_bases(secure)
     membership = Membership(secure)
     endpoint, role = router or membership.default_router, robot_role(robot_id)
     name = membership.named_run(run)
@@ -101,6 +103,8 @@ def world(
     membership = Membership(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
     loaded = load(scenario, settings, seed)
+    if loaded.is_external:
+        options.refuse_bases(secure)
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = membership.named_run(run)
     entitle("world", run_name)

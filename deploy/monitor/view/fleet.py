@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 
 from deploy.monitor.admin_space import Router
 from deploy.monitor.view.robot import RobotView
+from deploy.scene.cast import Cast
 from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, GoalStatus, Health, Message, Thing, Truth
 from protocol.requests.steering import Steering
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import RobotSpec, Scenario
 
 HISTORY = 1024  # kept points of clearance and phi
 _TRAILS = 12_800  # kept points of all trails together
@@ -37,12 +38,14 @@ class View:
         self.run = run
         self.scenario: Scenario | None = None
         self.lockstep = True
-        self.epoch = 0  # counts the scenarios seen under this run name
+        self.epoch = 0  # counts the scenarios seen under this run name, and who came or went meanwhile
         self.steering = Steering()
         self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
+        self._cast: Cast | None = None
+        self._trail = 0  # places of each robot that are kept
         self._clear()
 
     def _clear(self) -> None:
@@ -61,14 +64,27 @@ class View:
         self._clear()
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
-        trail = max(32, _TRAILS // len(scenario.robots))
+        self._trail = max(32, _TRAILS // len(scenario.robots))
+        self._cast = Cast(scenario)
         first = 1 if self.epoch == 1 else None  # later scenarios count on from the lives before
-        self.robots = {robot: RobotView(scenario.spec(robot), trail, first) for robot in scenario.ids}
+        self.robots = {robot: RobotView(scenario.spec(robot), self._trail, first) for robot in scenario.ids}
         for robot, alive in self._tokens.items():
             if robot in self.robots:
                 self.robots[robot].alive = alive
         for status in goals:
             self._on_goal(status)
+
+    def meet(self, scenario: Scenario, goals: Iterable[GoalStatus] = ()) -> None:
+        """Take over what the world says of strangers; the next truth shows them."""
+        if self._cast is not None:
+            self._cast.meet(scenario)
+        for status in goals:
+            self._on_goal(status)
+
+    @property
+    def strangers(self) -> Set[int]:
+        """Whose disks are there, and of whom nothing is known."""
+        return frozenset() if self._cast is None else self._cast.strangers
 
     def is_news(self, message: Message) -> bool:
         """Whether `message` belongs to another scenario than the one known: its clock went back."""
@@ -83,7 +99,7 @@ class View:
         if robot is None:
             self.world_alive = alive
             return
-        if self.scenario is not None and robot not in self.robots:
+        if self.scenario is not None and robot not in self.robots and robot not in self.strangers:
             return  # nobody of this run
         self._tokens[robot] = alive
         if robot in self.robots and not self.verdict:  # at the end everybody leaves, and that is well
@@ -111,10 +127,9 @@ class View:
         carried = {place.carrier: place.part for place in clock.parts if place.carrier}
         for robot, view in self.robots.items():
             view.fenced, view.active = robot in down, robot in active
+            view.radius = view.spec.radius
             if self.scenario is not None and robot in carried:
-                view.radius = self.scenario.loaded_radius(robot, carried[robot])
-            else:
-                view.radius = view.spec.radius
+                view.radius = max(view.radius, self.scenario.parts[carried[robot] - 1].radius)
 
     def _on_truth(self, truth: Truth, now: float) -> None:
         assert self.scenario is not None
@@ -122,6 +137,7 @@ class View:
         known = self.recent[-1].tick if self.recent else 0
         if truth.tick <= known:
             return
+        self._recast(truth)
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
         for robot, position in zip(truth.robots, truth.positions, strict=False):
             if robot in self.robots:
@@ -130,6 +146,22 @@ class View:
         self.history.append((truth.tick * step, truth.clearance, truth.phi))
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)
+
+    def _recast(self, truth: Truth) -> None:
+        """See who is there; whoever shows them begins anew if that has changed."""
+        assert self._cast is not None
+        came, went = self._cast.see(truth)
+        for robot in went:
+            del self.robots[robot]
+            self._tokens.pop(robot, None)
+        for robot in came:
+            radius, place = self._cast.radii[robot], self._cast.places[robot]
+            spec = RobotSpec(robot, radius, place, self._cast.goals[robot])
+            self.robots[robot] = RobotView(spec, self._trail, None)
+            self.robots[robot].alive = self._tokens.get(robot)
+        if came or went:
+            self.robots = dict(sorted(self.robots.items()))
+            self.epoch += 1
 
     def _moved(
         self, robot: RobotView, position: tuple[float, float], elapsed: float, tick: int, now: float

@@ -118,7 +118,8 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         if epoch != known:
             known, overview = stream.overview()
             await socket.send_text(overview.decode())
-        await socket.send_text(frame.decode())
+        if epoch == known:  # else it is of who was there before
+            await socket.send_text(frame.decode())
 
 
 async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:

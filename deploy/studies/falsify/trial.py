@@ -108,13 +108,14 @@ def examined(
 
 
 def in_another_order(scenario: Scenario, trajectory: str) -> list[Violation]:
-    """Whether robots that join in the opposite order drive another trajectory."""
-    other = observe(scenario, joining=scenario.ids[::-1])
+    """Whether robots that join in the opposite order, on a busy machine, drive another trajectory."""
+    other = observe(scenario, joining=scenario.ids[::-1], busy=scenario.seed + 1)
     if other.report is None:
         return other.violations
     if other.trajectory == trajectory:
         return []
-    return [other_trajectory("order", trajectory, other.trajectory, "if robots join in the opposite order")]
+    how = "if robots join in the opposite order, on a busy machine"
+    return [other_trajectory("order", trajectory, other.trajectory, how)]
 
 
 def _looked_for(scenario: Scenario, violation: Violation, transport: Transport) -> list[Violation]:

@@ -73,6 +73,15 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
     assert timeline(states) == timeline(shuffled)
 
 
+def test_what_is_said_again_is_no_news() -> None:
+    link = Link(SCENARIO, 1)
+    told = [state(2, 3), state(3, 3), state(2, 3), state(2, 4), state(3, 3), state(2, 4), state(2, 5)]
+    assert [link.is_news(each) for each in told] == [True, True, False, True, False, False, True]
+    successor = state(2, 5)
+    successor.incarnation = 2
+    assert link.is_news(successor)
+
+
 def test_receivers_draw_independently() -> None:
     faults = replace(SCENARIO, link=LinkFaults(loss=0.5))
     kept = []

@@ -14,6 +14,7 @@ from deploy.library.load import load
 from protocol.scenario.base import Base
 from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.floor import STEP, Wheels
+from tests.forks import Forks
 
 LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
 
@@ -78,6 +79,22 @@ def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
     assert said["body"]["acceleration"] <= found.acceleration / 1.5
     assert said["body"]["lag"] >= 1.5 * found.lag
     assert said["sensing"]["noise_bound"] >= 1.5 * found.noise_bound
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("calibrate", "turtlebots-2", "1"),
+        ("robot", "1", "--run", "yard", "--base", "ros2"),
+        *((name, "turtlebots-2", "--set", "world.plant=external") for name in ("run", "serve", "world")),
+    ],
+    ids=" ".join,
+)
+def test_a_secured_router_would_let_nothing_of_a_base_pass(disknav: Forks, words: tuple[str, ...]) -> None:
+    done = disknav(*words, "--secure", "keys")
+    assert done.returncode == 2
+    assert "--secure cannot apply" in done.stderr
+    assert "a router without keys" in " ".join(done.stderr.split())
 
 
 def test_nothing_is_told_before_the_base_and_its_localisation_speak():

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +17,15 @@ import yaml
 
 from deploy.library.load import load
 from deploy.manifests import compose, container
-from deploy.manifests.folder import write
+from deploy.manifests.folder import starts, write
 from deploy.manifests.plan import Plan
 from deploy.processes.probe import probed_key
 from deploy.security.roster import Roster
 from protocol.bus.heartbeat import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
+from protocol.scenario.model import Order, RobotSpec
+from tests.forks import Forks
 
 ROSTER = Roster("Yard_7", (1, 2, 5))
 SCENARIO = load("figure-2", [], 4)
@@ -82,6 +85,50 @@ def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str
             kubernetes_validate.validate(document, version, strict=True)
             kinds.append(document["kind"])
     assert kinds == ["ConfigMap", "Service", "Deployment", "Job", "Job", "Secret"]
+
+
+def test_robots_that_orders_add_wait_to_be_started(tmp_path: Path) -> None:
+    """Whose disk is not there is refused, so nobody starts its process with the others."""
+    plan = Plan(ROSTER, write_toml(SCENARIO), newcomers=(5,))
+    write(tmp_path / "compose", "compose", plan)
+    text = (tmp_path / "compose" / "compose.yaml").read_text()
+    services = documents(tmp_path / "compose" / "compose.yaml")[0]["services"]
+    assert [name for name, service in services.items() if "profiles" in service] == ["robot-5"]
+    assert "# " + starts("compose", plan)[0] in text.splitlines()
+    write(tmp_path / "kubernetes", "kubernetes", plan)
+    *_, first, late = documents(tmp_path / "kubernetes" / "fleet.yaml")
+    assert [each["spec"].get("suspend", False) for each in (first, late)] == [False, True]
+    found = [each["spec"]["template"]["spec"]["containers"][0]["env"][0]["value"] for each in (first, late)]
+    assert found == ["1 2", "5"]
+    assert f"job/{late['metadata']['name']} " in starts("kubernetes", plan)[0]
+    write(tmp_path / "systemd", "systemd", plan)
+    target = (tmp_path / "systemd" / "disknav-yard-7.target").read_text()
+    (wanted,) = (line for line in target.splitlines() if line.startswith("Wants="))
+    assert "robot@2.service" in wanted
+    assert "robot@5.service" not in wanted
+    assert "# " + starts("systemd", plan)[0] in target.splitlines()
+    for orchestrator in ("compose", "kubernetes", "systemd"):
+        assert (tmp_path / orchestrator / "keys" / "robot-5.key").is_file()
+
+
+@pytest.mark.parametrize(("robot", "status"), [(3, 0), (2, 2)])
+def test_deploy_says_how_those_are_started_whom_orders_add(
+    disknav: Forks, tmp_path: Path, robot: int, status: int
+) -> None:
+    guest = RobotSpec(robot, 0.02, (0.0, 0.2), (0.0, 0.25))
+    scenario = replace(load("swap-2"), orders=(Order(1.0, remove=2), Order(2.0, add=guest)))
+    (tmp_path / "guest.toml").write_text(write_toml(scenario))
+    done = disknav("deploy", "systemd", tmp_path / "guest.toml", "-o", tmp_path / "fleet", "--run", "yard")
+    assert done.returncode == status
+    said = done.stderr if status else done.stdout
+    assert ("robot 2 again" if status else "systemctl start disknav-yard-robot@3.service") in said
+
+
+def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:
+    settings = ("--set", "world.plant=external")
+    done = disknav("deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
+    assert (done.returncode, (tmp_path / "fleet").exists()) == (2, False)
+    assert "bases outside" in done.stderr
 
 
 @pytest.mark.skipif(shutil.which("kubectl") is None, reason="kubectl is not installed")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -27,6 +26,7 @@ from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.file import write_toml
 from protocol.wire.codec import decode
+from tests.deploy.processes.ports import free_ports
 
 SCENARIO = load("figure-2", ["control.speed=0.3"], 4)
 DISKNAV = str(Path(sys.executable).parent / "disknav")
@@ -36,9 +36,7 @@ needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is n
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    (port,) = free_ports(1)
     plan = Plan(
         Roster("yard", SCENARIO.ids), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}"
     )

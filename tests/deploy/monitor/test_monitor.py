@@ -6,6 +6,7 @@ import io
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -20,8 +21,10 @@ from protocol.keys import parse
 from protocol.messages import Clock, Truth
 from protocol.requests.goals import GoalOrder
 from protocol.requests.steering import Steer
+from protocol.scenario.model import Order, RobotSpec, Time
 from protocol.streams import STREAMS
 from tests.deploy.monitor.watched import PATIENCE, ring, running, until, watch_local
+from tests.deploy.run.turnover import asked
 
 
 def test_a_watcher_sees_what_the_world_judged() -> None:
@@ -48,6 +51,32 @@ def test_a_watcher_follows_one_scenario_after_another() -> None:
     fleet.execute()
     assert watcher.overview()["epoch"] == 2
     assert watcher.snapshot()["verdict"] == "timeout"
+
+
+def test_robots_are_shown_while_they_are_there() -> None:
+    """Whom orders of the scenario add, and whom an operator does: of them the world is asked."""
+    guests = RobotSpec(5, 0.02, (0.17, 0.17), (0.18, 0.16)), RobotSpec(7, 0.02, (0.17, -0.17), (0.16, -0.18))
+    scenario = replace(ring(), time=Time(endless=True), orders=(Order(0.2, add=guests[0]),))
+    fleet = LocalFleet([scenario], "r")
+    watcher = watch_local(fleet.network, "r")
+
+    def shows(*robots: int) -> bool:
+        assert fleet.step()
+        watcher.wake(time.monotonic())
+        return tuple(row["id"] for row in watcher.snapshot()["robots"]) == robots
+
+    until(lambda: shows(1, 2, 3, 4))
+    until(lambda: shows(1, 2, 3, 4, 5))
+    assert asked(fleet, {"remove": 2}).accepted
+    until(lambda: shows(1, 3, 4, 5))
+    before = watcher.overview()
+    assert asked(fleet, {"add": guests[1]}).accepted
+    until(lambda: shows(1, 3, 4, 5, 7))
+    after = watcher.overview()
+    assert (after["robots"][-1]["goal"], after["robots"][-1]["radius"]) == (guests[1].goal, guests[1].radius)
+    assert after["epoch"] == before["epoch"] + 1
+    assert after["history"][: len(before["history"])] == before["history"]
+    assert {row["status"] for row in watcher.snapshot()["robots"]} <= {"under way", "at goal", "joining"}
 
 
 def test_a_watcher_hears_only_what_the_network_may_drop() -> None:

@@ -25,7 +25,7 @@ from deploy.studies.runners.worker_pool import WorkerPool
 from deploy.studies.study import Run
 from protocol.messages import Clock
 from tests.deploy.processes.children import row, wait
-from tests.deploy.processes.hosts.ssh_server import free_ports
+from tests.deploy.processes.ports import free_ports
 
 pytestmark = [
     pytest.mark.process,

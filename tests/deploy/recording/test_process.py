@@ -4,7 +4,7 @@ import re
 import signal
 import time
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.errors import RecordingError
 from protocol.keys import world_key
 from protocol.messages import Command, Result, State, Truth
 from protocol.wire.codec import encode
@@ -42,11 +43,17 @@ def _feed(world: FakeWorld, bus, until: Callable[[], bool]) -> int:
 
 
 def _feed_past(world: FakeWorld, bus, path: Path) -> int:
-    """Publish until the file holds the present tick, which it does when it has grown twice; that tick."""
-    safe = world.tick
-    for _ in range(2):
-        size = path.stat().st_size
-        _feed(world, bus, lambda size=size: path.stat().st_size > size)
+    """Publish until the file holds the present tick, and beyond; that tick."""
+    safe, size = world.tick, 0
+
+    def held() -> bool:
+        nonlocal size
+        before, size = size, path.stat().st_size if path.exists() else 0
+        with suppress(RecordingError):  # it has not begun
+            return size > before and read(path).truths.ticks[-1] > safe
+        return False
+
+    _feed(world, bus, held)
     return safe
 
 
@@ -68,7 +75,7 @@ def beside(network, tmp_path):
         supervisor.report(table.WRITER, 30.0)
         connection = Connection(connect=(endpoint,))
         supervisor.start([table.recorder(connection, "lost", tmp_path / "writer", 30.0, restarts=1)])
-        _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
+        _feed_past(world, bus, path)
         yield supervisor, world, bus, path
 
 
@@ -103,7 +110,7 @@ def test_a_killed_writer_leaves_all_but_the_last_moment_and_the_next_writes_anot
     supervisor, world, bus, path = beside
     safe, more = _feed_past(world, bus, path), path.with_stem("beside-2")
     supervisor.signal(table.WRITER, signal.SIGKILL)
-    _feed(world, bus, lambda: _pids(supervisor) and more.exists() and more.stat().st_size > 4000)
+    _feed(world, bus, lambda: _pids(supervisor) and more.exists())  # the next one is started meanwhile
     last = _feed_past(world, bus, more)
     world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
     _feed(world, bus, lambda: table.RECORDER not in _pids(supervisor))  # it has heard that the run is over
@@ -152,7 +159,6 @@ def test_killed_it_leaves_all_but_the_last_moment(aboard, victims):
     supervisor, endpoint, path = aboard
     with closing(ZenohBus(Connection(connect=(endpoint,)))) as bus:
         world = FakeWorld(bus, "lost")
-        _feed(world, bus, lambda: path.exists() and path.stat().st_size > 1000)
         safe = _feed_past(world, bus, path)
         for victim in victims:
             supervisor.signal(victim, signal.SIGKILL)

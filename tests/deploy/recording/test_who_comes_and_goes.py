@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 
 import disknav
 from deploy.library.load import load
@@ -23,6 +25,7 @@ from protocol.messages import State
 from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.recording.recorded import said_by
 
+STEP = 0.05  # s
 GUEST = RobotSpec(5, 0.03, (0.0, 0.0), (0.0, 0.2))
 ORDERS = (Order(0.2, add=GUEST), Order(1.0, remove=2))
 
@@ -105,6 +108,21 @@ def test_it_is_drawn(recording: Recording, tmp_path: Path) -> None:
     figure([recording]).savefig(tmp_path / "come.svg")
     animate(until(recording, 1.2), tmp_path / "come.gif")
     assert (tmp_path / "come.gif").stat().st_size > 1000
+
+
+def test_the_scene_has_each_while_it_is_there(path: Path) -> None:
+    drawn: list[tuple[float, list[str]]] = []
+    with path.open("rb") as file:
+        for _, _, message in make_reader(file).iter_messages(["/scene/robots"]):
+            robots = [each["id"] for each in json.loads(message.data)["entities"]]
+            if not drawn or drawn[-1][1] != robots:  # else one was fenced, or is no longer
+                drawn.append((message.log_time / 1e9, robots))
+    before = ["robot 1", "robot 2", "robot 3"]
+    assert drawn == [
+        (0.0, before),
+        (pytest.approx(STEP * there(read(path), 5)[0]), [*before, "robot 5"]),
+        (pytest.approx(STEP * 21), ["robot 1", "robot 3", "robot 5"]),
+    ]
 
 
 def test_it_is_exported(recording: Recording, tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import random
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -28,6 +27,7 @@ from deploy.run.options import RunOptions, Transport, fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.scenario.model import Scenario
+from tests.deploy.processes.ports import free_ports
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
@@ -39,12 +39,6 @@ Rows = dict[str, dict[str, Any]]
 @cache
 def undisturbed(scenarios: Sequence[Scenario]) -> list[str]:
     return [report["trajectory_sha256"] for report in LocalFleet(scenarios).execute()]
-
-
-def free_port() -> int:
-    with socket.socket() as asked:
-        asked.bind(("127.0.0.1", 0))
-        return int(asked.getsockname()[1])
 
 
 class Killer:
@@ -128,9 +122,10 @@ def test_real_time_goes_on_too() -> None:
 
 @pytest.mark.parametrize("name", [table.WORLD, "router-left", "router-right"])
 def test_on_two_hosts(name: str) -> None:
+    left, right = free_ports(2)
     hosts = [
-        {"name": "left", "address": "127.0.0.1", "port": free_port(), "robots": [1, 2, 3]},
-        {"name": "right", "address": "127.0.0.1", "port": free_port(), "robots": [4, 5, 6]},
+        {"name": "left", "address": "127.0.0.1", "port": left, "robots": [1, 2, 3]},
+        {"name": "right", "address": "127.0.0.1", "port": right, "robots": [4, 5, 6]},
     ]
     options = RunOptions(hosts=parse_hosts({"hosts": hosts}, QUICK.ids), restarts=3, speed=10.0)
     reports, rows = run([QUICK], options, Killer([(60, name)]))

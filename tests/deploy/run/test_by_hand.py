@@ -15,7 +15,7 @@ import pytest
 
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from tests.deploy.monitor.watched import until
-from tests.deploy.processes.hosts.ssh_server import free_ports
+from tests.deploy.processes.ports import free_ports
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(110)]
 

@@ -27,7 +27,7 @@ from protocol.messages import Clock
 from protocol.requests.goals import GoalOrder
 from protocol.scenario.model import Scenario
 from tests.deploy.monitor.watched import until
-from tests.deploy.processes.hosts.ssh_server import free_ports
+from tests.deploy.processes.ports import free_ports
 from world.shell.journal import Journal
 
 SCENARIO = load("swap-4")

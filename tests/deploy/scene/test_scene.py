@@ -11,13 +11,14 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate  # type: ignor
 from google.protobuf import json_format
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from rosbags.typesys import Stores, get_typestore
 
 from deploy.scene import ros
 from deploy.scene.fleet import TOPICS, FleetScene, Picture
 from protocol import messages
-from protocol.messages import Clock, GoalStatus, Health, Standing, Truth
-from protocol.scenario.model import RobotSpec, Scenario, Thing
+from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
+from protocol.scenario.model import Order, RobotSpec, Scenario, Thing
 
 ROBOTS = (RobotSpec(3, 0.03, (-0.1, 0.0), (0.1, 0.0)), RobotSpec(7, 0.02, (0.0, 0.0), (0.0, 0.1)))
 THINGS = (Thing(center=(0.0, -0.2), radius=0.02), Thing(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))))
@@ -128,12 +129,71 @@ def test_nothing_is_measured_before_the_first_truth() -> None:
     assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5}
 
 
+def drawn_robots(scene: FleetScene) -> list[str]:
+    return [entity["id"] for entity in drawn(scene, "/scene/robots")]
+
+
+def frames(scene: FleetScene) -> dict[str, float]:
+    """Where frames are in x, m."""
+    read: Any = STORE.deserialize_cdr(scene.picture("/tf").data, ros.NAME)
+    return {each.child_frame_id: each.transform.translation.x for each in read.transforms}
+
+
+def test_robots_that_orders_add_are_drawn_while_they_are_there() -> None:
+    far, near = RobotSpec(5, 0.01, (-0.2, 0.0), (0.2, 0.2)), RobotSpec(5, 0.04, (0.2, 0.0), (0.2, -0.2))
+    orders = (Order(0.0, add=far), Order(0.1, add=near))
+    scene = FleetScene(Scenario(ROBOTS, orders=orders))
+    list(scene.hear(truth(1)))
+    three = Truth(2, (3, 5, 7), ((0.1, 0.0), (0.2, 0.01), (0.3, 0.0)), 0.01, 0.5)
+    changed = [picture.topic for picture in scene.hear(three)]
+    assert {"/tf", "/scene/robots", "/scene/goals"} <= {*changed}
+    assert drawn_robots(scene) == ["robot 3", "robot 5", "robot 7"]
+    assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.2, "robot_7": 0.3}
+    (goals,) = drawn(scene, "/scene/goals")
+    assert [each["size"]["x"] for each in goals["cylinders"]] == [0.06, 0.04, 0.08]  # the one that began near
+    list(scene.hear(health(7, 3)))
+    list(scene.hear(Truth(10, (3, 5), ((0.1, 0.0), (0.0, 0.1)), 0.01, 0.5)))
+    (robots,) = scene.latest("/scene/robots")
+    assert content(robots)["deletions"] == [
+        {"timestamp": {"sec": 0, "nsec": 500_000_000}, "type": 1, "id": ""}
+    ]
+    assert drawn_robots(scene) == ["robot 3", "robot 5"]
+    assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.0}
+    for topic, pieces in (("/scene/lines", 0), ("/scene/trails", 2)):
+        (entity,) = drawn(scene, topic)
+        assert len(entity["lines"]) == pieces, topic
+
+
+def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() -> None:
+    scene = FleetScene(SCENARIO)
+    there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
+    list(scene.hear(there))
+    assert drawn_robots(scene) == ["robot 3", "robot 7"]
+    member = Member(9, 0, "appearing", 0.05, (0.3, 0.3))
+    list(scene.hear(Tick(3, 1, 0, (), roster=Roster(2, (member,)))))
+    list(scene.hear(replace(there, tick=2)))
+    assert drawn(scene, "/scene/robots")[-1]["cylinders"][0]["size"]["x"] == 0.1
+    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # nobody said where it goes
+    list(scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2))))
+    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
+
+
+def test_a_robot_that_an_operator_adds_is_drawn_as_the_world_says() -> None:
+    scene = FleetScene(SCENARIO)
+    there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
+    list(scene.hear(there))
+    scene.meet(Scenario((*ROBOTS, RobotSpec(9, 0.04, (0.2, 0.3), (0.0, 0.3)))))
+    list(scene.hear(replace(there, tick=2)))
+    assert drawn_robots(scene) == ["robot 3", "robot 7", "robot 9"]
+    assert drawn(scene, "/scene/goals")[0]["cylinders"][-1]["size"]["x"] == 0.08
+
+
 def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
     scene = FleetScene(SCENARIO)
     list(scene.hear(truth(0)))
     before = [*scene.whole()]
     assert not list(scene.hear(truth(2**53)))
-    list(scene.hear(Truth(0, (9,), ((0.3, 0.3), (0.1, 0.1)), 0.01, 0.5)))
+    list(scene.hear(Truth(0, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)))
     list(scene.hear(health(9, 3)))
     list(scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0))))
     assert [*scene.whole()] == before

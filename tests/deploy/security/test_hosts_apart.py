@@ -22,7 +22,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError, UsageError
 from protocol.keys import ROBOT_STREAMS, everything, robot_key, world_key
 from protocol.streams import QUESTIONS, STREAMS
-from tests.deploy.processes.hosts.ssh_server import free_ports
+from tests.deploy.processes.ports import free_ports
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 

@@ -27,9 +27,11 @@ export class Model {
     this.history = new Thinned(HISTORY, overview.history ?? [], worst);
     const robots = overview.robots ?? [];
     const limit = Math.max(64, Math.floor(TRAILS / (robots.length || 1)));
-    this.robots = robots.map((robot, index) => {
+    const hues = new Map(this.robots.map((robot) => [robot.id, robot.hue])); // who stays keeps its colour
+    let next = hues.size;
+    this.robots = robots.map((robot) => {
       const place = robot.trail.at(-1) ?? robot.start;
-      return { ...robot, hue: index % HUES, trail: new Thinned(limit, robot.trail), from: place, to: place, row: null };
+      return { ...robot, hue: hues.get(robot.id) ?? next++ % HUES, trail: new Thinned(limit, robot.trail), from: place, to: place, row: null };
     });
   }
 

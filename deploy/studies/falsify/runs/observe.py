@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from random import Random
 from typing import Any
 
 from agents.node import RobotNode
@@ -15,12 +16,14 @@ from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from deploy.studies.falsify.runs.violation import Violation, raised, violations
 from protocol.bus.events import Event, Sample
 from protocol.keys import every_robot, world_key
-from protocol.messages import Clock, Command, Truth
+from protocol.messages import Clock, Command, State, Truth
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 
 PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner
 _CUT = "interrupted"  # verdict of a run that is not waited for
+_HOLDUP, _HOLDUPS = 0.7, 80  # s after which a tick is told again; in a run
+_OFTEN = 0.05  # of the messages in which it may happen
 _GRACE = 0.01  # s after the verdict for those to report who can
 
 
@@ -44,14 +47,19 @@ class Watch:
 
     A world waits some seconds for the last reports of robots that the scenario has stopped; nobody
     needs them here.
+
+    Args:
+        busy: see `observe`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, busy: int = 0) -> None:
         self.finished = False
         self.truths: list[Truth] = []
         self.sides: list[Sides] = []
         self.deadline = inf
         self._judged = False
+        self._moments = Random(busy) if busy else None
+        self._holdups, self._held_up = _HOLDUPS, -1
 
     def begin(self, fleet: LocalFleet) -> None:
         """The run of this fleet begins now."""
@@ -59,6 +67,8 @@ class Watch:
         bus = self._bus = fleet.network.connect()
         run = fleet.run
         bus.subscribe(world_key(run, "truth"), world_key(run, "clock"), every_robot(run, "command"))
+        if self._moments is not None:
+            bus.subscribe(every_robot(run, "state"))
         bus.node = self
         self.deadline = time.monotonic() + PATIENCE
 
@@ -72,6 +82,15 @@ class Watch:
             self._look(message)
         elif isinstance(message, Clock) and message.verdict and not self._judged:
             self._judged, self.deadline = True, time.monotonic() + _GRACE
+        if self._moments is not None and isinstance(message, State | Command):
+            self._hold_up(self._moments, message.tick)
+
+    def _hold_up(self, moments: Random, tick: int) -> None:
+        """Let time pass in the middle of a tick; once in it, so that nobody is given up."""
+        if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
+            self._held_up, self._holdups = tick, self._holdups - 1
+            time.sleep(_HOLDUP)
+            self._fleet.world.wake(time.monotonic())
 
     def _look(self, command: Command) -> None:
         """Note what the robot that has just commanded keeps to."""
@@ -94,9 +113,16 @@ class Watch:
         return self.finished or time.monotonic() > self.deadline
 
 
-def observe(scenario: Scenario, joining: Sequence[int] | None = None) -> Observation:
-    """Run a scenario (k a number); `joining` is the order in which robots join, of their ids unless given."""
-    watch = Watch()
+def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: int = 0) -> Observation:
+    """Run a scenario (k a number).
+
+    Args:
+        scenario: what to run.
+        joining: the order in which robots join, of their ids unless given.
+        busy: seeds the moments at which the machine is so busy that the world has the open tick said again;
+            0 for none.
+    """
+    watch = Watch(busy)
     with skipped_waits():
         try:
             report = _run(scenario, joining, watch)

@@ -17,7 +17,7 @@ from deploy.monitor.view.fleet import HISTORY, View
 from deploy.scene.thinned import Thinned
 from protocol.messages import Clock, Errand, GoalStatus, Health, Message, PartPlace, Standing, Truth
 from protocol.requests.steering import Steering
-from protocol.scenario.model import Part, RobotSpec, Scenario, Time
+from protocol.scenario.model import Order, Part, RobotSpec, Scenario, Time
 
 SCENARIO = Scenario(
     tuple(RobotSpec(i, 0.03, (0.1 * i - 0.2, 0.0), (0.1 * i - 0.2, 0.1)) for i in (1, 2, 3)),
@@ -289,7 +289,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
             it.on_message(event, n * 0.1)
         json.loads(msgspec.json.encode(telling.snapshot(it, n * 0.1)))
     assert json.loads(msgspec.json.encode(telling.overview(it)))["scenario"] == "three"
-    assert len(telling.snapshot(it, 99.0)["robots"]) == 3
+    assert {row["id"] for row in telling.snapshot(it, 99.0)["robots"]} <= {1, 2, 3}
 
 
 def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
@@ -301,6 +301,30 @@ def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
     assert (frame["phase"], frame["robots"], frame["samples"]) == ("searching", [], [])
     it.begin(SCENARIO, True)
     assert rows(it, 0.0)[1]["alive"] is True
+
+
+def test_who_comes_is_a_robot_like_the_others_and_who_leaves_is_none() -> None:
+    guest = RobotSpec(5, 0.02, (0.0, 0.2), (0.1, 0.2))
+    it = View("r")
+    it.begin(
+        replace(SCENARIO, orders=(Order(0.1, add=guest),), parts=(Part(0.035, (0.2, 0.2), (0.2, 0.1)),)), True
+    )
+    it.present(9, True)
+    run_to(it, 2, 0.1)
+    epoch = it.epoch
+    there = Truth(3, (1, 2, 3, 5), (*truth(3).positions, guest.start), 0.02, 0.5)
+    it.on_message(there, 0.15)
+    it.on_message(Clock(3, 0.15, (1, 2, 3, 5), (), "", parts=(PartPlace(1, carrier=5),)), 0.15)
+    assert it.epoch == epoch + 1  # who shows them begins anew
+    assert rows(it, 0.2)[5]["radius"] == 0.035
+    assert rows(it, 0.2)[5]["distance"] == pytest.approx(0.1)
+    it.on_message(Truth(4, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.2)), 0.02, 0.5), 0.2)
+    assert rows(it, 0.2).keys() == {1, 3}
+    assert it.strangers == {9}  # nobody said how large it is
+    it.meet(replace(SCENARIO, robots=(*SCENARIO.robots, RobotSpec(9, 0.01, (0.0, -0.2), (0.0, 0.2)))))
+    assert it.strangers == set()
+    it.on_message(Truth(5, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.1)), 0.02, 0.5), 0.25)
+    assert rows(it, 0.3)[9]["distance"] == pytest.approx(0.3)
 
 
 def test_a_carrier_is_shown_as_the_disk_that_it_is() -> None:

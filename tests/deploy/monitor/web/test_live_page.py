@@ -6,7 +6,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -14,7 +14,7 @@ from deploy.monitor.watcher import Watcher
 from deploy.monitor.web.server import Server
 from deploy.run.local import LocalFleet
 from protocol.requests.steering import Steer
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.monitor.watched import ring, running, served, watch_local
 
 playwright = pytest.importorskip(
@@ -156,6 +156,26 @@ def test_six_robots_move_and_arrive(browser: playwright.Browser) -> None:
         it.page.wait_for_selector("#verdict:has-text('Arrived')")
         assert it.page.locator("td.status").all_inner_texts() == ["at goal"] * 6
         assert it.page.get_by_role("button", name="Pause").is_disabled()
+
+
+def test_who_comes_and_who_leaves_changes_the_table_and_no_colour(browser: playwright.Browser) -> None:
+    guest = RobotSpec(2, 0.02, (0.17, 0.17), (0.18, 0.16))
+    specs = tuple(replace(spec, id=10 * spec.id) for spec in ring().robots)
+    orders = (Order(0.4, add=guest), Order(1.0, remove=20))
+    with shown(browser, replace(ring(), robots=specs, orders=orders), speed=0.5) as it:
+        rows = it.page.locator("tr[data-robot]")
+
+        def hues() -> dict[str, str]:
+            return dict(rows.evaluate_all("all => all.map(it => [it.dataset.robot, it.style.cssText])"))
+
+        it.page.wait_for_selector("tr[data-robot='2']")
+        it.page.locator("tr[data-robot='30']").click()
+        before = hues()
+        it.page.wait_for_selector("tr[data-robot='20']", state="detached")
+        after = hues()
+        assert [*after] == ["2", "10", "30", "40"]
+        assert after.items() <= before.items()
+        it.page.wait_for_selector("tr[data-robot='30'][data-selected]")
 
 
 @pytest.mark.alone

@@ -17,6 +17,8 @@ from types import MappingProxyType
 
 import pytest
 
+from tests.deploy.processes.ports import free_ports
+
 ROOT = Path(__file__).parents[4]
 SEARCHED = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"])
 SSHD = shutil.which("sshd", path=SEARCHED)
@@ -52,15 +54,6 @@ class Server:
     def command(self) -> str:
         """How a shell there calls this code."""
         return f"env PYTHONPATH={ROOT} {sys.executable} -m deploy.cli"
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports that nobody listens on now."""
-    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
 
 
 @contextmanager

@@ -10,7 +10,8 @@ from sysconfig import get_path
 
 import pytest
 
-from tests.deploy.processes.hosts.ssh_server import free_ports, needs_sshd, ssh_server
+from tests.deploy.processes.hosts.ssh_server import needs_sshd, ssh_server
+from tests.deploy.processes.ports import free_ports
 
 TABLE = """world = "base"
 

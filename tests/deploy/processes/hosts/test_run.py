@@ -30,7 +30,8 @@ from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
 from protocol.wire.codec import decode
-from tests.deploy.processes.hosts.ssh_server import ROOT, Server, free_ports, needs_sshd, ssh_server
+from tests.deploy.processes.hosts.ssh_server import ROOT, Server, needs_sshd, ssh_server
+from tests.deploy.processes.ports import free_ports
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from deploy.library.load import resolved
+from deploy.library.load import load, resolved
 from deploy.studies.falsify import trial
 from deploy.studies.falsify.campaign import Plan
 from deploy.studies.falsify.runs.observe import observe
@@ -53,3 +53,11 @@ def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it(monkeypatch: pytes
     assert len(smallest["scenario"]) < len(found.scenario)
     monkeypatch.undo()
     assert not observe(scenario).violations
+
+
+def test_nothing_follows_from_what_a_busy_machine_has_said_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = load("swap-4", ["link.loss=0.9", "time.limit=10"], 18)
+    calm = observe(scenario).trajectory
+    assert {observe(scenario, busy=seed).trajectory for seed in (1, 2, 3)} == {calm}
+    planted.plant(planted.hearing_all_that_is_said_again, monkeypatch)
+    assert observe(scenario, busy=2).trajectory != calm

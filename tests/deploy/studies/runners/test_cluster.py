@@ -98,7 +98,9 @@ def test_what_is_outstanding_is_cancelled(scheduler: str) -> None:
 
 def test_the_scheduler_goes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reached, "_REACHING", 2.0)
-    with LocalCluster(n_workers=1, dashboard_address=":0", processes=False, silence_logs=50) as mortal:
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50
+    ) as mortal:
 
         class Killer(RunLog):
             def add(self, key: str, result: dict[str, Any]) -> None:
