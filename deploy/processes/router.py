@@ -8,8 +8,9 @@ host never take the same port.
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable
-from contextlib import closing
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -75,13 +76,30 @@ def listening(connection: Connection) -> tuple[ZenohBus, str]:
     for port in PORTS:
         endpoint = f"{protocol}/{HOST}:{port}"
         try:
+            with reserved(endpoint):  # else another fleet's router is about to come back there
+                pass
             return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
-        except EndpointTakenError:
+        except (EndpointTakenError, OSError):
             continue
     raise EndpointTakenError(
         f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}: "
         f"stop another fleet, or name an endpoint to listen on"
     )
+
+
+@contextmanager
+def reserved(endpoint: str) -> Iterator[None]:
+    """Keep an endpoint's port from all who look for a free one, while its own router is not there.
+
+    A socket for UDP, where no router listens, says so to other processes, and goes with this one.
+
+    Raises:
+        OSError: somebody else has reserved it.
+    """
+    host, _, port = endpoint.partition("#")[0].partition("/")[2].rpartition(":")
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_DGRAM) as place:
+        place.bind((host.strip("[]"), int(port)))
+        yield
 
 
 def _check_links(connection: Connection) -> None:
@@ -112,11 +130,11 @@ def holder(endpoint: str) -> str:
 
     port = endpoint.partition("#")[0].rpartition(":")[2]
     try:
-        for socket in psutil.net_connections("inet"):
-            if socket.status == psutil.CONN_LISTEN and str(getattr(socket.laddr, "port", "")) == port:
-                if socket.pid is None:
+        for each in psutil.net_connections("inet"):
+            if each.status == psutil.CONN_LISTEN and str(getattr(each.laddr, "port", "")) == port:
+                if each.pid is None:
                     return "a process of another user"
-                return f"{psutil.Process(socket.pid).name()} (process {socket.pid})"
+                return f"{psutil.Process(each.pid).name()} (process {each.pid})"
     except psutil.Error:  # ended meanwhile, or this user may not look
         return ""
     return ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -14,6 +14,7 @@ from deploy.processes.cores import core_of
 from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
+from deploy.processes.router import reserved
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
@@ -138,6 +139,9 @@ class Assembly:
         connection, *others = router.arguments  # whoever comes after it is to be found where it was
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))
+        if options.restarts:
+            with suppress(OSError):  # of a name that is none of this host, or taken: then it is as it was
+                stack.enter_context(reserved(endpoint))
         return Routed(endpoint, membership)
 
     def _link(self, multi_host: MultiHost) -> MultiHost:

@@ -10,7 +10,7 @@ from contextlib import closing
 import pytest
 
 from deploy.library.load import load
-from deploy.processes.router import holder, listening, main
+from deploy.processes.router import holder, listening, main, reserved
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
 from deploy.run.fleet import Fleet
@@ -91,6 +91,18 @@ def test_the_admin_space_shows_the_streams_as_they_are_declared() -> None:
     }
     heard = {parse(key.replace("*", "1")).stream for key in kinds["subscriber"]}
     assert {"tick", "state", "command", "clock"} <= heard <= set(STREAMS)
+
+
+def test_nobody_else_takes_the_port_of_a_router_that_will_be_back() -> None:
+    bus, endpoint = listening(Connection("router"))
+    with reserved(endpoint):
+        bus.close()
+        other, elsewhere = listening(Connection("router"))
+        other.close()
+        assert elsewhere != endpoint
+        back, again = listening(Connection("router", listen=(endpoint,)))
+        back.close()
+        assert again == endpoint
 
 
 def test_nobody_holds_a_free_port() -> None:
