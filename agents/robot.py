@@ -242,6 +242,7 @@ class Robot:
         if state.is_letter:
             filter_.lines.on_letter(state)
         elif self._attention.counts(state.robot, state.tick):
+            state.size(self._neighbours.radii[state.robot])
             self._neighbours.on_state(state)
             filter_.lines.on_state(state)
 

@@ -30,6 +30,7 @@ class Attention:
     __slots__ = (
         "_coming",
         "_due",
+        "_first",
         "_from",
         "_painted",
         "_picture",
@@ -45,6 +46,7 @@ class Attention:
         self.everybody = True
         self.near: tuple[int, ...] = ()
         self.due = self._due = -1
+        self._first = -1  # the first of this life
         self._turn, self._take = turn, 0  # from that tick on, the summary of `_due` has to be there
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
         self._coming: tuple[int, ...] | None = None
@@ -61,6 +63,8 @@ class Attention:
 
     def turn(self, tick: int) -> bool:
         """A tick begins; whether others are near from here on."""
+        if self._first < 0:
+            self._first = tick
         if tick >= self._take:
             self.due = self._due
         if self._coming is None or tick < self._from:
@@ -70,8 +74,9 @@ class Attention:
         return True
 
     def counts(self, peer: int, tick: int) -> bool:
-        """Whether a State of `tick` is heard in the present one."""
-        return self.everybody or tick >= self._since.get(peer, tick + 1)
+        """Whether a State of `tick` is heard in the present one. No life hears what was said before it: how
+        much of that still arrives is a matter of the wall clock."""
+        return tick >= self._first and (self.everybody or tick >= self._since.get(peer, tick + 1))
 
     def on_summary(self, summary: Summary, radii: Mapping[int, float]) -> None:
         """The world says where everybody is, for a tick that begins soon.

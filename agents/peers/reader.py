@@ -28,17 +28,16 @@ class PeerReader:
     Args:
         robot: own id.
         peer: the speaker's.
-        radius: of the peer, m.
         oldest: its first incarnation in this run.
 
     Attributes:
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_others", "_peer", "_radius", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_others", "_peer", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, radius: float, oldest: int = 0) -> None:
-        self._robot, self._peer, self._radius = robot, peer, radius
+    def __init__(self, robot: int, peer: int, oldest: int = 0) -> None:
+        self._robot, self._peer = robot, peer
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
@@ -90,7 +89,6 @@ class PeerReader:
             slice_norm,
             vx,
             vy,
-            radius=self._radius,
             proposals=proposals,
             answers=answers,
         )
@@ -123,7 +121,7 @@ class PeerReader:
         message = self._reader.read(payload)
         assert isinstance(message, State)
         check_finite("state", message)
-        return addressed_to(self._robot, message, self._radius)
+        return addressed_to(self._robot, message)
 
 
 def _identity(cursor: Cursor) -> int:

@@ -25,7 +25,7 @@ class PeerState(Peer):
         placed: whether the peer knows where it is.
         x, y: its estimate of that, m; 0 unless `placed`.
         vx, vy: the velocity that its law asks for, m/s.
-        radius: the peer's, m.
+        radius: the peer's, m; see `size`.
         claim: which part it fetches or carries.
         is_letter: whether it came by way of the world, from one who is far.
 
@@ -61,7 +61,7 @@ class PeerState(Peer):
         vx: float,
         vy: float,
         *,
-        radius: float,
+        radius: float = 0.0,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
         is_letter: bool = False,
@@ -73,6 +73,11 @@ class PeerState(Peer):
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
         self.is_letter, self.claim = is_letter, claim
+
+    def size(self, told: float) -> None:
+        """To be called as it is heard: the peer's disk is of the radius that the roster of that tick says, m,
+        or of a larger one that it claims to be. As it arrives another roster may be known."""
+        self.radius = told if self.claim is None else max(told, self.claim.radius)
 
     @property
     def position(self) -> Vector | None:
@@ -93,11 +98,11 @@ class PeerState(Peer):
         return total <= LARGEST
 
 
-def addressed_to(robot: int, state: State, radius: float) -> PeerState:
+def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:
     """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
     placed = state.position is not None
     x, y = state.position or (0.0, 0.0)
-    return PeerState(
+    found = PeerState(
         state.robot,
         state.incarnation,
         state.tick,
@@ -108,11 +113,13 @@ def addressed_to(robot: int, state: State, radius: float) -> PeerState:
         state.gamma,
         state.slice,
         *state.desired,
-        radius=radius if state.claim is None else max(radius, state.claim.radius),
+        radius=radius,
         proposals=tuple([each for each in state.proposals if each.peer == robot]),
         answers=tuple([each for each in state.answers if each.peer == robot]),
         claim=state.claim,
     )
+    found.size(radius)
+    return found
 
 
 def from_afar(robot: int, letter: Letter, radius: float) -> PeerState:

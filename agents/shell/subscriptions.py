@@ -30,7 +30,7 @@ class Subscriptions:
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
-        self._radii: dict[int, float] = {}  # of all others, m
+        self._peers: set[int] = set()  # all others
         self._oldest: Mapping[int, int] = {}  # first incarnations in this run
         self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
         self._before = self._near  # who was named before them
@@ -41,23 +41,23 @@ class Subscriptions:
     def begin(self, admission: Admission) -> None:
         """An incarnation begins: hear everybody, unless the world will say who is near."""
         scenario = admission.scenario
-        self._radii = {spec.id: spec.radius for spec in scenario.robots if spec.id != self._robot}
+        self._peers = {robot for robot in scenario.ids if robot != self._robot}
         self._oldest, self._near = admission.oldest, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}
-        for peer in () if scenario.hears_near else self._radii:
+        for peer in () if scenario.hears_near else sorted(self._peers):
             self._know(peer)
         self._subscribe(self.readers)
 
     def on_roster(self, roster: Roster, *, everybody: bool) -> None:
-        """Hear who has joined the fleet since this process was admitted, if `everybody` is heard; who is
-        heard may be another disk."""
+        """Know who has joined the fleet since this process was admitted, and hear them, if `everybody` is
+        heard."""
         for member in roster.members:
-            peer, radius = member.robot, member.radius
-            if peer == self._robot or self._radii.get(peer) == radius:
+            peer = member.robot
+            if peer == self._robot or peer in self._peers:
                 continue
-            self._radii[peer] = radius
-            if everybody or self._key(peer) in self.readers:
+            self._peers.add(peer)
+            if everybody:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
@@ -78,7 +78,7 @@ class Subscriptions:
         for peer in sorted(self._near):
             key = self._key(peer)
             kept.add(key)
-            if peer in self._radii and key not in self.readers:
+            if peer in self._peers and key not in self.readers:
                 self._know(peer)
         self._subscribe([key for key in self.readers if key in kept])
         self._dropped = self._heard - kept
@@ -96,7 +96,7 @@ class Subscriptions:
     def _know(self, peer: int) -> str:
         """Be ready to read the States of a peer; their key."""
         key = self._key(peer)
-        self.readers[key] = PeerReader(self._robot, peer, self._radii[peer], self._oldest.get(peer, 0))
+        self.readers[key] = PeerReader(self._robot, peer, self._oldest.get(peer, 0))
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -11,7 +12,7 @@ from msgspec.structs import replace
 from agents.peers.state import PeerState, addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
-from protocol.messages import Command, Proposal, Sense, State, Tick
+from protocol.messages import Claim, Command, Proposal, Sense, State, Tick
 from world.world import World
 
 SCENARIO = load("swap-4")
@@ -63,6 +64,37 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
             told = OWN in order[: count + 1]
             assert not told or robot.complete == (count == len(order) - 1)
         assert robot.command() == command
+
+
+@pytest.mark.parametrize("told_first", [True, False])
+@pytest.mark.parametrize("claimed", [0.0, 0.03])
+def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
+    told_first: bool, claimed: float
+) -> None:
+    robot, peer = robots()[1][OWN], OTHERS[0]
+    (first, states, _), (second, later, _) = said()[:2]
+    robot.begin(first)
+    for each in OTHERS:
+        robot.on_state(heard(states[each]))
+    robot.command()
+    assert first.roster is not None
+    members = tuple(
+        replace(each, radius=0.02) if each.robot == peer else each for each in first.roster.members
+    )
+    put_down = replace(second, roster=replace(first.roster, version=2, members=members))
+    said_now = [
+        heard(replace(later[each], claim=Claim(1, 0.0, claimed) if claimed else None)) for each in OTHERS
+    ]
+    if told_first:
+        robot.begin(put_down)
+    for state in said_now:
+        robot.on_state(state)
+    if not told_first:
+        robot.begin(put_down)
+    robot.command()
+    known = robot._neighbours.state(peer)
+    assert known is not None
+    assert (known.tick, known.radius) == (1, max(0.02, claimed))
 
 
 def test_who_no_longer_takes_part_is_not_awaited() -> None:

@@ -11,6 +11,14 @@ def test_everybody_counts_until_somebody_is_near() -> None:
     assert not attention.turn(0)
 
 
+def test_no_life_hears_what_was_said_before_it() -> None:
+    attention = Attention()
+    attention.turn(7)
+    assert [attention.counts(2, tick) for tick in (6, 7, 8)] == [False, True, True]
+    attention.turn(8)
+    assert attention.counts(2, 7)  # it was under way
+
+
 def test_who_comes_near_counts_from_a_stated_tick_on() -> None:
     attention = Attention()
     attention.announce(10, (4, 2), summed_up=True)
@@ -39,6 +47,7 @@ def test_who_stays_near_counts_without_a_gap_and_who_leaves_does_not() -> None:
 def test_who_missed_the_tick_hears_from_the_next_on() -> None:
     attention = Attention()
     attention.announce(0, (2,), summed_up=False)
+    assert not attention.turn(0)
     assert attention.turn(LEAD + 5)
     assert attention.due == -1
     assert attention.counts(2, LEAD)

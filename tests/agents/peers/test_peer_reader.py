@@ -19,7 +19,6 @@ from protocol.messages import Answer, Proposal, State
 from protocol.streams import STREAMS
 from protocol.wire.codec import decode, encode
 
-RADIUS = 0.04
 ids = st.one_of(st.integers(1, 40), st.sampled_from((127, 128, 255, 256, 70_000, 999_999_999)))
 counts = st.one_of(
     st.integers(0, 300), st.sampled_from((2**15, 2**16 - 1, 2**16, 2**31, 2**32 - 1, 2**32, 2**53))
@@ -70,8 +69,8 @@ def said(lines: Sequence[Proposal] = (), replies: Sequence[Answer] = (), **other
 
 @given(states, ids)
 def test_it_is_what_the_state_says_to_this_robot(state: State, robot: int) -> None:
-    whole = addressed_to(robot, state, RADIUS)
-    assert fields(PeerReader(robot, state.robot, RADIUS).read(encode(state))) == fields(whole)
+    whole = addressed_to(robot, state)
+    assert fields(PeerReader(robot, state.robot).read(encode(state))) == fields(whole)
 
 
 def outcome(read: Callable[[], PeerState]) -> str | dict[str, Any]:
@@ -94,9 +93,9 @@ def test_damage_is_seen_as_by_anybody_else(
     def whole() -> PeerState:
         message = decode(key, bytes(payload))
         assert isinstance(message, State)
-        return addressed_to(robot, message, RADIUS)
+        return addressed_to(robot, message)
 
-    found = outcome(lambda: PeerReader(robot, state.robot, RADIUS).read(bytes(payload)))
+    found = outcome(lambda: PeerReader(robot, state.robot).read(bytes(payload)))
     expected = outcome(whole)
     assert found == expected
 
@@ -106,7 +105,7 @@ def test_damage_is_seen_as_by_anybody_else(
 def test_what_one_refuses_all_refuse(robot: int, number: float) -> None:
     state = said([Proposal(3, 1, 1, number, 0.0, 0.0)])
     with pytest.raises(MessageError, match="infinite, absurd or none"):
-        PeerReader(robot, 1, RADIUS).read(encode(state))
+        PeerReader(robot, 1).read(encode(state))
 
 
 def changed(place: int, value: Any) -> bytes:
@@ -139,7 +138,7 @@ def changed(place: int, value: Any) -> bytes:
 )
 def test_damage_is_refused_for_its_reason(payload: bytes, reason: str) -> None:
     with pytest.raises(MessageError) as refused:
-        PeerReader(2, 1, RADIUS).read(payload)
+        PeerReader(2, 1).read(payload)
     assert refused.value.reason == reason
 
 
@@ -154,10 +153,10 @@ def test_damage_is_refused_for_its_reason(payload: bytes, reason: str) -> None:
 )
 def test_other_forms_of_the_same_are_read_too(unusual: bytes) -> None:
     assert unusual != encode(said())
-    assert fields(PeerReader(2, 1, RADIUS).read(unusual)) == fields(addressed_to(2, said(), RADIUS))
+    assert fields(PeerReader(2, 1).read(unusual)) == fields(addressed_to(2, said()))
 
 
 def test_fields_of_a_later_minor_version_are_left_out() -> None:
     array = [*msgspec.msgpack.decode(encode(said([Proposal(2, 1, 1, 1.0, 0.0, 0.5)]))), "new"]
-    assert PeerReader(2, 1, RADIUS).read(msgspec.msgpack.encode(array)).proposals[0].offset == 0.5
-    assert PeerReader(3, 1, RADIUS).read(msgspec.msgpack.encode(array)).tick == 7
+    assert PeerReader(2, 1).read(msgspec.msgpack.encode(array)).proposals[0].offset == 0.5
+    assert PeerReader(3, 1).read(msgspec.msgpack.encode(array)).tick == 7
