@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from agents.node import RobotNode
@@ -49,6 +50,7 @@ class LocalFleet:
         joining: robot ids in the order in which they join, at the start and whenever several join again;
             increasing unless given. Then whoever is not named comes last, and those in decreasing order.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
+        order: in which messages are heard, see `LocalNetwork`.
     """
 
     def __init__(
@@ -62,8 +64,9 @@ class LocalFleet:
         record: Path | None = None,
         joining: Sequence[int] | None = None,
         journal: Path | None = None,
+        order: Random | None = None,
     ) -> None:
-        self.network = LocalNetwork()
+        self.network = LocalNetwork(order)
         self.run = run
         # To read a scenario of 1000 robots takes 2 ms, and half a megabyte: 2 s and 0.5 GB if each did.
         self._read = lru_cache(maxsize=1)(decode_reply)

@@ -10,6 +10,7 @@ import re
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from random import Random
 
 from protocol.bus.bus import Node, Publish
 from protocol.bus.events import Event, Presence, Request, Sample
@@ -20,9 +21,15 @@ _LONGEST_SLEEP = 0.1
 
 
 class LocalNetwork:
-    """Where local buses meet."""
+    """Where local buses meet.
 
-    def __init__(self) -> None:
+    Args:
+        order: draws who is next, and what it is told next; for each key that is in the order in which it was
+            said, as on any network. Everybody in turn, and all as it was said, unless given.
+    """
+
+    def __init__(self, order: Random | None = None) -> None:
+        self.order = order
         self._buses: list[LocalBus] = []
         self.listeners: list[LocalBus] = []  # who subscribed to patterns
         self._ready: deque[LocalBus] = deque()
@@ -44,6 +51,8 @@ class LocalNetwork:
             if not self._ready:
                 self._wait()
                 continue
+            if self.order is not None:
+                self._ready.rotate(self.order.randrange(len(self._ready)))
             bus = self._ready.popleft()
             bus.drain()
             node = bus.node
@@ -204,11 +213,28 @@ class LocalBus:
         self._inbox.append(event)
 
     def drain(self) -> None:
-        """Let the node handle everything that is there now."""
-        node, inbox = self.node, self._inbox
+        """Let the node handle everything that is there now; one thing of it if an order is drawn."""
+        node, inbox, order = self.node, self._inbox, self._network.order
+        if order is not None:
+            if node is not None and inbox:
+                node.handle(_drawn(inbox, order))
+            if self.node is not None and inbox:
+                self._network.notify(self)
+            return
         while node is not None and inbox:
             node.handle(inbox.popleft())
             node = self.node
+
+
+def _drawn(inbox: deque[Event], order: Random) -> Event:
+    """Take out the first event of any key."""
+    first: dict[str, int] = {}
+    for place, event in enumerate(inbox):
+        first.setdefault(event.key, place)
+    place = order.choice(list(first.values()))
+    drawn = inbox[place]
+    del inbox[place]
+    return drawn
 
 
 def _pattern(key_expression: str) -> re.Pattern[str]:

@@ -1,5 +1,7 @@
 """The in-process bus keeps the promises of the interface: nobody hears itself, presence, requests, order."""
 
+from random import Random
+
 import pytest
 
 from protocol.bus.events import Event, Presence, Request, Sample
@@ -49,6 +51,22 @@ def test_subscribers_hear_in_order_and_nobody_hears_itself() -> None:
         Sample("disknav/r/robot/1/state", b"b"),
     ]
     assert everything(one) == everything(three) == []
+
+
+def test_in_a_drawn_order_each_key_is_heard_in_its_own() -> None:
+    network = LocalNetwork(Random(1))
+    ears, mouth = network.connect(), network.connect()
+    ears.subscribe("a", "b")
+    ears.node = listener = Listener()
+    say = [mouth.foreign(key) for key in ("a", "b")]
+    for number in range(20):
+        for each in say:
+            each(bytes([number]))
+    network.run(lambda: len(listener.events) == 40)
+    heard = [(event.key, event.payload[0]) for event in listener.events if isinstance(event, Sample)]
+    assert [number for key, number in heard if key == "a"] == list(range(20))
+    assert [number for key, number in heard if key == "b"] == list(range(20))
+    assert heard != sorted(heard, key=lambda each: each[1])
 
 
 def test_a_later_subscription_hears_what_comes_later() -> None:

@@ -119,13 +119,13 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
     Args:
         scenario: what to run.
         joining: the order in which robots join, of their ids unless given.
-        busy: seeds the moments at which the machine is so busy that the world has the open tick said again;
-            0 for none.
+        busy: seeds the moments at which the machine is so busy that the world has the open tick said again,
+            and the order in which messages are heard; 0 for none, and as they were said.
     """
     watch = Watch(busy)
     with skipped_waits():
         try:
-            report = _run(scenario, joining, watch)
+            report = _run(scenario, joining, watch, Random(busy) if busy else None)
         except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
             return Observation(None, watch.truths, watch.sides, [raised(error)])
     found = violations(report)
@@ -134,8 +134,10 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
     return Observation(report, watch.truths, watch.sides, found)
 
 
-def _run(scenario: Scenario, joining: Sequence[int] | None, watch: Watch) -> dict[str, Any]:
-    fleet = LocalFleet([scenario], joining=joining)
+def _run(
+    scenario: Scenario, joining: Sequence[int] | None, watch: Watch, order: Random | None
+) -> dict[str, Any]:
+    fleet = LocalFleet([scenario], joining=joining, order=order)
     watch.begin(fleet)
     fleet.network.run(lambda: fleet.world.finished or watch.enough())
     fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")

@@ -147,6 +147,35 @@ def hearing_all_that_is_said_again(modules: Modules, _: pytest.MonkeyPatch) -> N
     modules["agents.peers.link"].Link.is_news = lambda *_: True
 
 
+def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A peer is the disk of the roster that is known as its State arrives."""
+    robot = modules["agents.robot"].Robot
+    before = robot.on_state
+
+    def on_state(self: Any, state: Any) -> None:
+        state.size(self._neighbours.radii[state.robot])
+        before(self, state)
+
+    def learn(self: Any, filter_: Any, state: Any) -> None:
+        if self._attention.counts(state.robot, state.tick):
+            self._neighbours.on_state(state)
+            filter_.lines.on_state(state)
+
+    robot.on_state, robot._learn = on_state, learn
+
+
+def hearing_what_was_said_before(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A life hears what was said before it, if it still arrives."""
+    robot = modules["agents.robot"].Robot
+    before = robot._attend
+
+    def attend(self: Any, tick: Any) -> None:
+        before(self, tick)
+        self._attention._first = 0
+
+    robot._attend = attend
+
+
 def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot's step fails where a peer is exactly at its own place's distance: an undeclared error."""
     robot = modules["agents.robot"].Robot

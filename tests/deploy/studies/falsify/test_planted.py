@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from deploy.library.load import load, resolved
+from deploy.library.movers import parts
 from deploy.studies.falsify import trial
 from deploy.studies.falsify.campaign import Plan
 from deploy.studies.falsify.runs.observe import observe
 from deploy.studies.falsify.trial import Shrinking
 from deploy.studies.study import Run
 from protocol.scenario.file import parse_toml
+from protocol.scenario.model import ProcessFault, Scenario
 from tests.deploy.studies.falsify import planted
 
 RUNS = 60
@@ -58,6 +61,29 @@ def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it(monkeypatch: pytes
 def test_nothing_follows_from_what_a_busy_machine_has_said_again(monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = load("swap-4", ["link.loss=0.9", "time.limit=10"], 18)
     calm = observe(scenario).trajectory
-    assert {observe(scenario, busy=seed).trajectory for seed in (1, 2, 3)} == {calm}
+    assert {observe(scenario, busy=seed).trajectory for seed in (1, 2, 11)} == {calm}
     planted.plant(planted.hearing_all_that_is_said_again, monkeypatch)
-    assert observe(scenario, busy=2).trajectory != calm
+    assert observe(scenario, busy=11).trajectory != calm
+
+
+def _woken() -> Scenario:
+    scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3"], 1)
+    faults = (ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume"))
+    return replace(scenario, process=faults)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "fault"),
+    [
+        (_woken(), planted.hearing_what_was_said_before),
+        (resolved(parts(2, 3, robots=5, density=0.33)), planted.sizing_as_it_comes),
+    ],
+    ids=["woken", "parts"],
+)
+def test_nothing_follows_from_what_is_heard_first(
+    scenario: Scenario, fault: Fault, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calm = observe(scenario).trajectory
+    assert {observe(scenario, busy=seed).trajectory for seed in range(1, 6)} == {calm}
+    planted.plant(fault, monkeypatch)
+    assert any(observe(scenario, busy=seed).trajectory != calm for seed in range(1, 40))
