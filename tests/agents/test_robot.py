@@ -66,6 +66,17 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
         assert robot.command() == command
 
 
+def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
+    """Which may have taken up a part; before its first command nobody asks what it carries."""
+    first = said()[0][0]
+    assert first.roster is not None
+    members = tuple(replace(m, radius=0.07) if m.robot == OWN else m for m in first.roster.members)
+    robot = robots()[1][OWN]
+    robot.begin(replace(first, roster=replace(first.roster, members=members)))
+    assert robot._filter is not None
+    assert robot._filter.radius == 0.07
+
+
 @pytest.mark.parametrize("told_first", [True, False])
 @pytest.mark.parametrize("claimed", [0.0, 0.03])
 def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(

@@ -126,7 +126,7 @@ def _heard(key: str, payload: bytes) -> PeerState | None:
     if address.stream != "state" or address.robot is None:
         return None
     try:
-        return PeerReader(address.robot + 1, address.robot, 0.1).read(payload)
+        return PeerReader(address.robot + 1, address.robot).read(payload)
     except MessageError as error:
         assert error.reason in REASONS, error.reason
         return None

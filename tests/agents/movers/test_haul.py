@@ -46,7 +46,7 @@ MUTANTS = (
         "born-large",
         "a later life begins as the disk that its earlier one was",
         (Edit(_ROBOT, "        if own is not None:\n", "        if False:\n"),),
-        first=496,
+        first=2600,
     ),
     Mutant(
         "stands-at-its-size",
