@@ -18,6 +18,7 @@ from agents.laws.turns import turn_of
 from agents.movers.mover import Mover
 from agents.peers.attention import Attention
 from agents.peers.awaited import Awaited
+from agents.peers.far import places_of
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState, from_afar
@@ -224,7 +225,7 @@ class Robot:
         Raises:
             MessageError: it is not made as a summary is.
         """
-        self._attention.on_summary(summary, self._neighbours.radii)
+        self._attention.on_summary(places_of(summary))
 
     def _on_letter(self, letter: Letter) -> None:
         """A far peer speaks by way of the world; the link's faults are between robots, however they speak."""
@@ -326,7 +327,7 @@ class Robot:
     def _look_afar(self, filter_: SafetyFilter) -> None:
         """Take in the newest summary that is due, if it is news."""
         position = self._estimate.position
-        picture = None if position is None else self._attention.new_picture()
+        picture = None if position is None else self._attention.new_picture(self._neighbours.radii)
         if position is None or picture is None:
             return
         filter_.lines.survey(picture)

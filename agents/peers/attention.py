@@ -4,19 +4,22 @@ last summary."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import final
+from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.peers.far import FarPicture
+from agents.peers.far import FarPicture, Places
 from protocol.interest import LEAD
-from protocol.messages import Summary
+
+_GAPS: Final = 32  # that are remembered: a State is under way for a short time only
+_EARLY: Final = 8  # summaries that are kept until they are due: more wait after a long pause only
 
 
 @final
 @mypyc_attr(acyclic=True)
 class Attention:
-    """Sender and tick of a State alone decide whether it is heard, never when it arrives.
+    """Sender and tick of a State alone decide whether it is heard, never when it arrives; its tick alone
+    decides when a summary is taken in.
 
     Args:
         turn: ticks after LEAD in which a summary is taken in.
@@ -28,12 +31,14 @@ class Attention:
     """
 
     __slots__ = (
+        "_absent",
+        "_arrived",
         "_coming",
         "_due",
-        "_first",
         "_from",
-        "_painted",
+        "_gaps",
         "_picture",
+        "_present",
         "_since",
         "_take",
         "_turn",
@@ -46,13 +51,16 @@ class Attention:
         self.everybody = True
         self.near: tuple[int, ...] = ()
         self.due = self._due = -1
-        self._first = -1  # the first of this life
+        self._present = (
+            self._absent
+        ) = -1  # newest tick in which this life took part; newest before it when not
+        self._gaps: list[range] = []  # ticks in which it did not
         self._turn, self._take = turn, 0  # from that tick on, the summary of `_due` has to be there
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
         self._coming: tuple[int, ...] | None = None
         self._from = 0  # tick from which those count
-        self._picture: FarPicture | None = None  # newest
-        self._painted = -1  # tick of the picture that was taken in last
+        self._arrived: dict[int, Places] = {}  # summaries, by tick
+        self._picture: FarPicture | None = None  # taken in last
 
     def announce(self, tick: int, near: Iterable[int], *, summed_up: bool) -> None:
         """In `tick` the world says who will be near; `summed_up` if its summary is of that tick, too."""
@@ -63,8 +71,10 @@ class Attention:
 
     def turn(self, tick: int) -> bool:
         """A tick begins; whether others are near from here on."""
-        if self._first < 0:
-            self._first = tick
+        if tick > self._present + 1:
+            self._gaps = [*self._gaps[1 - _GAPS :], range(self._present + 1, tick)]
+            self._absent = tick - 1
+        self._present = tick
         if tick >= self._take:
             self.due = self._due
         if self._coming is None or tick < self._from:
@@ -74,32 +84,42 @@ class Attention:
         return True
 
     def counts(self, peer: int, tick: int) -> bool:
-        """Whether a State of `tick` is heard in the present one. No life hears what was said before it: how
-        much of that still arrives is a matter of the wall clock."""
-        return tick >= self._first and (self.everybody or tick >= self._since.get(peer, tick + 1))
+        """Whether a State of `tick` is heard in the present one. Nobody hears what was said in a tick in
+        which they took no part, be it before their life or during a pause: nobody waited until they had it,
+        so that when it arrives is a matter of the wall clock."""
+        if tick <= self._absent and any(tick in gap for gap in self._gaps):
+            return False
+        return self.everybody or tick >= self._since.get(peer, tick + 1)
 
-    def on_summary(self, summary: Summary, radii: Mapping[int, float]) -> None:
-        """The world says where everybody is, for a tick that begins soon.
-
-        Args:
-            summary: that has arrived.
-            radii: of all robots, m.
-
-        Raises:
-            MessageError: it is not made as a summary is.
-        """
-        if self._picture is None or summary.tick > self._picture.tick:
-            self._picture = FarPicture(summary, radii, self._picture)
+    def on_summary(self, places: Places) -> None:
+        """The world says where everybody is, for a tick that begins soon."""
+        if places.tick <= self._taken:
+            return
+        self._arrived[places.tick] = places
+        if len(self._arrived) > _EARLY:
+            del self._arrived[sorted(self._arrived)[-2]]  # the oldest may be due, and the newest is soon
 
     @property
     def has_summary(self) -> bool:
-        """Whether the summary that is due in this tick has arrived, if one is."""
-        return self.due < 0 or (self._picture is not None and self._picture.tick >= self.due)
+        """Whether the summary that is due in this tick has arrived, if one is; or a later one."""
+        return self.due < 0 or self._taken >= self.due or max(self._arrived, default=-1) >= self.due
 
-    def new_picture(self) -> FarPicture | None:
-        """The newest summary, once for each that is due."""
-        picture = self._picture
-        if picture is None or not self._painted < self.due <= picture.tick:
+    @property
+    def _taken(self) -> int:
+        """Tick of the summary that was taken in last."""
+        return -1 if self._picture is None else self._picture.tick
+
+    def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
+        """The summary that is due, once for each.
+
+        Args:
+            radii: of all robots, m.
+        """
+        if self.due <= self._taken:
             return None
-        self._painted = picture.tick
-        return picture
+        coming = sorted([tick for tick in self._arrived if tick >= self.due])
+        if not coming:
+            return None
+        self._picture = FarPicture(self._arrived[coming[0]], radii, self._picture)
+        self._arrived = {tick: self._arrived[tick] for tick in coming[1:]}
+        return self._picture

@@ -43,7 +43,9 @@ class Places:
         summary: that has arrived.
 
     Attributes:
-        robots: who is in it, ascending.
+        tick: that it is of.
+        runs: who is in it, as in the summary.
+        robots: the same, ascending.
         index: of each in the arrays.
         places: m; shape (n, 2).
         gammas, slices: as in the summary, m^2 and m.
@@ -52,9 +54,10 @@ class Places:
         MessageError: it is not made as a summary is.
     """
 
-    __slots__ = ("gammas", "index", "places", "robots", "slices")
+    __slots__ = ("gammas", "index", "places", "robots", "runs", "slices", "tick")
 
     def __init__(self, summary: Summary) -> None:
+        self.tick, self.runs = summary.tick, summary.robots
         count = len(summary.gammas) // 4
         sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
         if not sizes_fit or len(summary.positions) != 8 * count:
@@ -72,7 +75,7 @@ class Places:
         self.index: Mapping[int, int] = index
 
 
-_read = lru_cache(maxsize=1)(Places)
+places_of = lru_cache(maxsize=1)(Places)
 
 
 @final
@@ -80,7 +83,7 @@ class FarPicture:
     """One summary, as one robot sees it.
 
     Args:
-        summary: that has arrived.
+        said: by the summary.
         radii: of all robots, m.
         before: an earlier picture, for what has not changed since.
 
@@ -88,20 +91,14 @@ class FarPicture:
         tick: that it is of.
         robots: who is in it, ascending.
         places: of them, m; shape (n, 2).
-
-    Raises:
-        MessageError: it is not made as a summary is.
     """
 
-    def __init__(
-        self, summary: Summary, radii: Mapping[int, float], before: FarPicture | None = None
-    ) -> None:
-        said = _read(summary)
-        self.tick = summary.tick
+    def __init__(self, said: Places, radii: Mapping[int, float], before: FarPicture | None = None) -> None:
+        self.tick = said.tick
         self.robots: NDArray[np.int64] = said.robots
         self.places: Array = said.places
-        self._said, self._runs = said, summary.robots
-        if before is not None and before._runs == self._runs and len(before.robots) == len(self.robots):
+        self._said = said
+        if before is not None and before._said.runs == said.runs:
             sizes = before._radii
         else:
             sizes = np.array([radii.get(robot, 0.0) for robot in said.index], dtype=np.float64)

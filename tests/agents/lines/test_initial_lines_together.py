@@ -14,7 +14,7 @@ from agents.lines.initial_lines import InitialLines
 from agents.lines.placement import initial_line
 from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
-from agents.peers.far import FarPicture
+from agents.peers.far import FarPicture, places_of
 from protocol.messages import Member, Summary
 from world.coordinator.crowd.interest import runs
 
@@ -64,7 +64,7 @@ def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count
     places = dict(zip(sorted(starts), map(tuple, flat.tolist()), strict=True))
     nothing = np.zeros(count, dtype="<f4").tobytes()
     summary = Summary(3, runs(sorted(starts)), flat.tobytes(), nothing, nothing)
-    picture = FarPicture(summary, radii)
+    picture = FarPicture(places_of(summary), radii)
     assert {peer: picture.place(peer) for peer in starts} == places
     found = InitialLines(robot, starts, radii).reached(picture, reach)
     assert min(found, default=robot + 1) > robot
@@ -82,7 +82,7 @@ def test_who_has_left_is_found_no_more_and_all_others_are(seed: int, count: int,
     x, y = random.uniform(-2, 2), random.uniform(-2, 2)
     flat = np.array([random.uniform(-2, 2) for _ in range(2 * count)], dtype="<f4")
     nothing = np.zeros(count, dtype="<f4").tobytes()
-    picture = FarPicture(Summary(3, runs(sorted(starts)), flat.tobytes(), nothing, nothing), radii)
+    picture = FarPicture(places_of(Summary(3, runs(sorted(starts)), flat.tobytes(), nothing, nothing)), radii)
     lines = InitialLines(robot, starts, radii)
     before = lines.within(x, y, reach), lines.reached(picture, reach)
     left = {peer for peer in starts if random.random() < 0.5}

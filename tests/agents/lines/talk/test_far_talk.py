@@ -10,7 +10,7 @@ from agents.lines.line import Line
 from agents.lines.placement import Disk
 from agents.lines.robot_pair import RobotPair
 from agents.lines.talk.far import FarTalk
-from agents.peers.far import FarPicture
+from agents.peers.far import FarPicture, places_of
 from agents.peers.state import PeerState, from_afar
 from protocol.messages import Answer, Letter, Member, Proposal, Summary
 from world.coordinator.crowd.interest import runs
@@ -22,9 +22,8 @@ THERE = (1.0, 0.0)
 
 def picture() -> FarPicture:
     places, gammas = np.array([THERE], dtype="<f4"), np.zeros(1, dtype="<f4")
-    return FarPicture(
-        Summary(0, runs([2]), places.tobytes(), gammas.tobytes(), gammas.tobytes()), {2: RADIUS}
-    )
+    summary = Summary(0, runs([2]), places.tobytes(), gammas.tobytes(), gammas.tobytes())
+    return FarPicture(places_of(summary), {2: RADIUS})
 
 
 def talking(*, owns: bool) -> tuple[FarTalk, RobotPair]:

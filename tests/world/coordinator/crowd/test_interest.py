@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peers.far import FarPicture
+from agents.peers.far import FarPicture, places_of
 from protocol.errors import MessageError
 from protocol.interest import LEAD, inner, outer, period
 from protocol.messages import Command, Sense, Summary, Vector
@@ -115,14 +115,14 @@ def test_a_tick_names_only_those_who_are_heard() -> None:
 @given(st.sets(st.integers(1, 12), min_size=1))
 def test_runs_stand_for_the_ids_that_they_are_made_of(ids: set[int]) -> None:
     flat = np.zeros(len(ids), dtype="<f4").tobytes()
-    assert FarPicture(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat), {}).robots.tolist() == sorted(ids)
+    assert places_of(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat)).robots.tolist() == sorted(ids)
 
 
 @pytest.mark.parametrize("told", [(2, 2, 3, 1), (4, 1, 2, 2), (1, 2**32 - 1), (1, 4), (1, 1)])
 def test_runs_that_cannot_be_are_refused(told: tuple[int, ...]) -> None:
     made = np.array(told, dtype="<u4").tobytes()
     with pytest.raises(MessageError):
-        FarPicture(Summary(0, made, bytes(24), bytes(12), bytes(12)), {})
+        places_of(Summary(0, made, bytes(24), bytes(12), bytes(12)))
 
 
 def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() -> None:
@@ -143,13 +143,16 @@ def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() ->
 )
 def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
     with pytest.raises(MessageError):
-        FarPicture(Summary(0, runs([1]), bytes(8), bytes(4), slices), {1: RADIUS})
+        places_of(Summary(0, runs([1]), bytes(8), bytes(4), slices))
 
 
 def test_what_several_robots_read_is_read_once_and_nobody_can_change_it() -> None:
     flat = np.arange(3, dtype="<f4").tobytes()
     summary = Summary(4, runs([1, 2, 7]), flat + flat, flat, flat)
-    mine, theirs = FarPicture(summary, {1: 0.1, 2: 0.2}), FarPicture(summary, {2: 0.3, 7: 0.4})
+    mine, theirs = (
+        FarPicture(places_of(summary), {1: 0.1, 2: 0.2}),
+        FarPicture(places_of(summary), {2: 0.3, 7: 0.4}),
+    )
     assert mine.places is theirs.places
     assert mine.robots is theirs.robots
     for array in (mine.places, mine.robots):
