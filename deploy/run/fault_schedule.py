@@ -18,7 +18,8 @@ class FaultSchedule:
         self._scenarios = scenarios
         self._run = -1
         self._due: list[tuple[int, int, ProcessFault]] = []
-        self._out: set[int] = set()  # robots that are killed, paused or removed
+        self._ended: set[int] = set()  # robots that are killed or removed
+        self._paused: set[int] = set()
 
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their ticks; each is returned once.
@@ -35,16 +36,23 @@ class FaultSchedule:
         while clock.founded and self._due and self._due[0][0] <= clock.tick:
             faults.append(self._due.pop(0)[-1])
         for fault in faults:
-            (self._out.add if fault.event in ("kill", "pause") else self._out.discard)(fault.robot)
+            self._note(fault)
         return faults
+
+    def _note(self, fault: ProcessFault) -> None:
+        """A process that has ended is not there again by being resumed."""
+        (self._paused.add if fault.event == "pause" else self._paused.discard)(fault.robot)
+        if fault.event in ("kill", "restart"):
+            (self._ended.add if fault.event == "kill" else self._ended.discard)(fault.robot)
 
     def removed(self, robot: int) -> None:
         """The process of a robot that was removed has ended."""
-        self._out.add(robot)
+        self._ended.add(robot)
 
     def added(self, robot: int) -> None:
         """A process was started for a robot that was added."""
-        self._out.discard(robot)
+        self._ended.discard(robot)
+        self._paused.discard(robot)
 
     def _begin(self, run: int) -> None:
         scenario = self._scenarios[run]
@@ -54,4 +62,8 @@ class FaultSchedule:
     def _returns(self) -> list[ProcessFault]:
         """Whom the present run has, and an earlier one left out: perhaps its process ended only now."""
         ids = self._scenarios[self._run].ids
-        return [ProcessFault(robot, 0.0, "restart") for robot in sorted(self._out) if robot in ids]
+        return [
+            ProcessFault(robot, 0.0, "restart")
+            for robot in sorted(self._ended | self._paused)
+            if robot in ids
+        ]

@@ -26,6 +26,15 @@ def test_who_was_removed_is_started_again_also_if_it_ends_once_the_next_run_gath
     assert schedule.due(clock(1)) == []
 
 
+def test_who_was_removed_is_started_again_also_if_it_was_paused_and_resumed_then() -> None:
+    faults = (ProcessFault(2, 0.5, "pause"), ProcessFault(2, 0.6, "resume"))
+    schedule = FaultSchedule([replace(WITHOUT, process=faults), SWAP])
+    assert schedule.due(clock(0)) == []
+    schedule.removed(2)
+    assert schedule.due(clock(0, 20, founded=True)) == list(faults)
+    assert schedule.due(clock(1)) == AGAIN
+
+
 def test_who_is_removed_stays_away_for_the_rest_of_the_run() -> None:
     schedule = FaultSchedule([WITHOUT, SWAP])
     assert schedule.due(clock(0)) == []
