@@ -63,6 +63,7 @@ def study(
 
     [b]falsify[/b] is no table: it searches for a scenario that breaks what is promised, half of --runs (1000)
     drawn anew, half mutants of near misses, and shrinks what it finds to small files in --out.
+    One in eight is also run after another scenario on the same robots, and kept with it if that shows more.
     With --transport routed or mesh each is run on real processes too, and compared.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from

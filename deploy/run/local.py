@@ -51,6 +51,9 @@ class LocalFleet:
             increasing unless given. Then whoever is not named comes last, and those in decreasing order.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
         order: in which messages are heard, see `LocalNetwork`.
+
+    Attributes:
+        reports: of the scenarios that have ended.
     """
 
     def __init__(
@@ -72,7 +75,7 @@ class LocalFleet:
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenarios, self._lockstep, self._speed = scenarios, lockstep, speed
         self._path = journal
-        self._reports: list[dict[str, Any]] = []
+        self.reports: list[dict[str, Any]] = []
         self.start_world()
         self._writer = None if record is None else WriterProcess(record, run)
         self._recorder = None if self._writer is None else self._hear(self._writer)
@@ -103,7 +106,7 @@ class LocalFleet:
             note=LOG.info,
             past=self._past,
             clock=time.monotonic,  # the one that is in force: whoever skips waits replaces it
-            tell=self._reports.append,
+            tell=self.reports.append,
         )
 
     def kill_world(self) -> None:
@@ -172,7 +175,7 @@ class LocalFleet:
             self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
             self._recorder.close()
-        return self._reports
+        return self.reports
 
     def step(self) -> bool:
         """Run until the open tick is over, and say whether another follows: False once there is a verdict."""

@@ -66,13 +66,20 @@ class Plan:
 
 @dataclass
 class Finding:
-    """A violation, the scenario that shows it (TOML), and how many were tried to shrink it; 0: not shrunk."""
+    """A violation, and what shows it.
+
+    Attributes:
+        scenario: TOML.
+        tried: how many were tried to shrink it; 0: not shrunk.
+        first: what is run before it on the same robots, TOML; None if it shows the violation alone.
+    """
 
     seed: int
     number: int
     violation: Violation
     scenario: str
     tried: int = 0
+    first: str | None = None
 
 
 @dataclass
@@ -131,7 +138,13 @@ class Campaign:
 
     def _findings(self, run: Run, result: Result) -> list[Finding]:
         found = [
-            Finding(self.plan.seed, run.seed, Violation(**each), result["scenario"])
+            Finding(
+                self.plan.seed,
+                run.seed,
+                Violation(**each),
+                result["scenario"],
+                first=result["first"] if each["follows"] else None,
+            )
             for each in result["violations"]
         ]
         self.findings += found
@@ -159,9 +172,10 @@ class Campaign:
             if self._made[making] <= SHRUNK:
                 run = self.plan.run(SHRINKING, finding.number, f"/{'/'.join(making)}")
                 due[run.key] = finding
-                tasks.append((run, Shrinking(finding.scenario, finding.violation)))
+                tasks.append((run, Shrinking(finding.scenario, finding.violation, finding.first)))
         for run, result in self._done(tasks, workers, size=1):
             finding = due[run.key]
             finding.scenario, finding.tried = result["scenario"], result["tried"]
+            finding.first = result["first"]
             finding.violation = Violation(**result["violation"])
             self.told(finding)

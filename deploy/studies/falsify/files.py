@@ -8,6 +8,7 @@ from deploy.studies.falsify.campaign import Finding
 from deploy.studies.falsify.runs.violation import MEANING
 from protocol.errors import UsageError
 
+_TWO = "deploy.studies.falsify.runs.observe.observe(second, before=[first])"
 UNSHRUNK = 100  # files of violations that are not shrunk; more would say nothing new
 
 
@@ -22,8 +23,9 @@ class Files:
         self._written: set[Path] = set()
 
     def path(self, finding: Finding) -> Path:
-        """Where a finding is kept."""
-        return self._folder / f"{finding.violation.kind}-{finding.seed}-{finding.number}.toml"
+        """Where the scenario of a finding is kept."""
+        which = "" if finding.first is None else "-second"
+        return self._folder / f"{finding.violation.kind}-{finding.seed}-{finding.number}{which}.toml"
 
     def keep(self, finding: Finding) -> None:
         """Write a finding, over what it was before it was shrunk."""
@@ -32,7 +34,12 @@ class Files:
             return
         self._written.add(path)
         self._folder.mkdir(parents=True, exist_ok=True)
-        path.write_text(header(finding) + finding.scenario, encoding="utf-8")
+        text = header(finding)
+        if finding.first is not None:
+            before = path.with_name(f"{path.stem.removesuffix('-second')}-first.toml")
+            before.write_text(f"# goes before {path.name}\n\n{finding.first}", encoding="utf-8")
+            text = f"# after {before.name} on the same robots: {_TWO}\n" + text
+        path.write_text(text + finding.scenario, encoding="utf-8")
 
 
 def header(finding: Finding) -> str:

@@ -22,6 +22,7 @@ def rows(campaign: Campaign) -> list[dict[str, Any]]:
     """One row for fresh draws and one for mutants, in plain types.
 
     runs; violations (runs that show any) and of which kinds; repeated (in another order of joining);
+    follows (as the second of a run, too);
     refused (draws that had to be repeated); verdicts; robot_ticks and seconds in all; slowest, s.
     """
     found = []
@@ -58,6 +59,7 @@ def _row(results: Sequence[Result]) -> dict[str, Any]:
         "violations": sum(bool(result["violations"]) for result in results),
         "kinds": dict(sorted(kinds.items())),
         "repeated": sum(result["repeated"] for result in results),
+        "follows": sum(result["follows"] for result in results),
         "refused": sum(result["refused"] for result in results),
         "verdicts": dict(sorted(Counter(str(result["verdict"]) for result in results).items())),
         "robot_ticks": sum(result["robot_ticks"] for result in results),
@@ -69,12 +71,22 @@ def _row(results: Sequence[Result]) -> dict[str, Any]:
 def table(found: Sequence[Mapping[str, Any]], violations: Sequence[Mapping[str, Any]]) -> RenderableType:
     """The rows, and below them what was found, one of each kind first."""
     listing = Table(title="study falsify", title_justify="left", box=None, header_style="bold")
-    for column in ("", "runs", "repeated", "refused", "robot ticks", "s/run", "slowest, s", *MEANING):
+    for column in (
+        "",
+        "runs",
+        "repeated",
+        "follows",
+        "refused",
+        "robot ticks",
+        "s/run",
+        "slowest, s",
+        *MEANING,
+    ):
         listing.add_column(column, justify="right" if column else "left")
     for row in found:
         listing.add_row(
             row["origin"],
-            *(str(row[name]) for name in ("runs", "repeated", "refused", "robot_ticks")),
+            *(str(row[name]) for name in ("runs", "repeated", "follows", "refused", "robot_ticks")),
             f"{row['seconds'] / row['runs']:.3f}",
             f"{row['slowest']:.1f}",
             *(str(row["kinds"].get(kind, 0)) for kind in MEANING),

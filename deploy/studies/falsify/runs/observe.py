@@ -29,7 +29,12 @@ _GRACE = 0.01  # s after the verdict for those to report who can
 
 @dataclass(frozen=True)
 class Observation:
-    """What came of a run; no report if an exception ended it."""
+    """What came of a run; no report if it has not come to its end.
+
+    Attributes:
+        report: of the scenario, the last one if there was one before.
+        truths: of all scenarios, as are `sides` and `violations`.
+    """
 
     report: dict[str, Any] | None
     truths: list[Truth]
@@ -50,16 +55,18 @@ class Watch:
 
     Args:
         busy: see `observe`.
+        last: number of the scenario, of several on the same robots, with which the run ends.
     """
 
-    def __init__(self, busy: int = 0) -> None:
+    def __init__(self, busy: int = 0, last: int = 0) -> None:
         self.finished = False
         self.truths: list[Truth] = []
         self.sides: list[Sides] = []
         self.deadline = inf
         self._judged = False
         self._moments = Random(busy) if busy else None
-        self._holdups, self._held_up = _HOLDUPS, -1
+        self._holdups, self._held_up = _HOLDUPS, (0, -1)
+        self._number, self._last = 0, last
 
     def begin(self, fleet: LocalFleet) -> None:
         """The run of this fleet begins now."""
@@ -70,7 +77,7 @@ class Watch:
         if self._moments is not None:
             bus.subscribe(every_robot(run, "state"))
         bus.node = self
-        self.deadline = time.monotonic() + PATIENCE
+        self.deadline = time.monotonic() + PATIENCE * (self._last + 1)
 
     def handle(self, event: Event) -> None:
         if not isinstance(event, Sample):
@@ -80,15 +87,18 @@ class Watch:
             self.truths.append(message)
         elif isinstance(message, Command):
             self._look(message)
-        elif isinstance(message, Clock) and message.verdict and not self._judged:
-            self._judged, self.deadline = True, time.monotonic() + _GRACE
+        elif isinstance(message, Clock):
+            self._number = message.run_number
+            if message.verdict and self._number == self._last and not self._judged:
+                self._judged, self.deadline = True, time.monotonic() + _GRACE
         if self._moments is not None and isinstance(message, State | Command):
             self._hold_up(self._moments, message.tick)
 
     def _hold_up(self, moments: Random, tick: int) -> None:
         """Let time pass in the middle of a tick; once in it, so that nobody is given up."""
-        if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
-            self._held_up, self._holdups = tick, self._holdups - 1
+        moment = self._number, tick
+        if moment > self._held_up and self._holdups and moments.random() < _OFTEN:
+            self._held_up, self._holdups = moment, self._holdups - 1
             time.sleep(_HOLDUP)
             self._fleet.world.wake(time.monotonic())
 
@@ -113,7 +123,13 @@ class Watch:
         return self.finished or time.monotonic() > self.deadline
 
 
-def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: int = 0) -> Observation:
+def observe(
+    scenario: Scenario,
+    joining: Sequence[int] | None = None,
+    *,
+    busy: int = 0,
+    before: Sequence[Scenario] = (),
+) -> Observation:
     """Run a scenario (k a number).
 
     Args:
@@ -121,27 +137,27 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
         joining: the order in which robots join, of their ids unless given.
         busy: seeds the moments at which the machine is so busy that the world has the open tick said again,
             and the order in which messages are heard; 0 for none, and as they were said.
+        before: scenarios that are run before it on the same robots.
     """
-    watch = Watch(busy)
+    scenarios, watch = (*before, scenario), Watch(busy, len(before))
     with skipped_waits():
         try:
-            report = _run(scenario, joining, watch, Random(busy) if busy else None)
+            reports = _run(scenarios, joining, watch, Random(busy) if busy else None)
         except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
             return Observation(None, watch.truths, watch.sides, [raised(error)])
-    found = violations(report)
-    if report["verdict"] == _CUT:
-        found.append(Violation("endless", report["reason"]))
-    return Observation(report, watch.truths, watch.sides, found)
+    found = [each for report in reports for each in violations(report)]
+    if reports[-1]["verdict"] == _CUT:
+        found.append(Violation("endless", reports[-1]["reason"]))
+    ended = len(reports) == len(scenarios)
+    return Observation(reports[-1] if ended else None, watch.truths, watch.sides, found)
 
 
 def _run(
-    scenario: Scenario, joining: Sequence[int] | None, watch: Watch, order: Random | None
-) -> dict[str, Any]:
-    fleet = LocalFleet([scenario], joining=joining, order=order)
+    scenarios: Sequence[Scenario], joining: Sequence[int] | None, watch: Watch, order: Random | None
+) -> list[dict[str, Any]]:
+    fleet = LocalFleet(scenarios, joining=joining, order=order)
     watch.begin(fleet)
     fleet.network.run(lambda: fleet.world.finished or watch.enough())
     fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
     watch.hear_out()
-    report = fleet.world.report
-    assert report is not None
-    return report
+    return fleet.reports

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Kind = Literal["contact", "wall", "thing", "error", "aborted", "endless", "order", "bus"]
+Kind = Literal["contact", "wall", "thing", "error", "aborted", "endless", "order", "second", "bus"]
 
 MEANING: dict[Kind, str] = {
     "contact": "two robots touch",
@@ -18,6 +18,7 @@ MEANING: dict[Kind, str] = {
     "aborted": "the world gives up, though nobody is missing for good",
     "endless": "the run does not end",
     "order": "the trajectory depends on the order in which robots join",
+    "second": "the trajectory depends on the scenario before, on the same robots",
     "bus": "the trajectory on real processes is not that within one process",
 }
 _EXPECTED = "down for good"  # the one reason for which the judge aborts
@@ -25,16 +26,24 @@ _EXPECTED = "down for good"  # the one reason for which the judge aborts
 
 @dataclass(frozen=True)
 class Violation:
-    """One thing that must not be: of which kind, what exactly, and for errors where in the code."""
+    """One thing that must not be.
+
+    Attributes:
+        kind: what it breaks.
+        text: what exactly it is.
+        place: where in the code an error is.
+        follows: whether it is of a run in which the scenario is the second one.
+    """
 
     kind: Kind
     text: str
     place: str = ""
+    follows: bool = False
 
     @property
     def making(self) -> tuple[str, str]:
         """What violations of the same making have in common."""
-        return self.kind, self.place
+        return f"{self.kind}, second" if self.follows else self.kind, self.place
 
 
 def violations(report: Mapping[str, Any]) -> list[Violation]:
@@ -54,7 +63,7 @@ def raised(error: Exception) -> Violation:
     return Violation("error", text, f"{type(error).__name__} in {where.name}")
 
 
-def other_trajectory(kind: Literal["order", "bus"], one: str, other: str, what: str) -> Violation:
+def other_trajectory(kind: Literal["order", "second", "bus"], one: str, other: str, what: str) -> Violation:
     """Two digests of what should be one trajectory."""
     return Violation(kind, f"trajectory {one[:12]}, but {other[:12]} {what}")
 

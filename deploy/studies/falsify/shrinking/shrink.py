@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from deploy.library.load import resolved
-from deploy.studies.falsify.shrinking.simpler import PASSES, Pass
+from deploy.studies.falsify.shrinking.simpler import PASSES, Pass, forget
 from protocol.errors import ScenarioError
 from protocol.scenario.file import document_of, parse_document
 from protocol.scenario.model import Scenario
@@ -30,6 +30,18 @@ def shrunk(scenario: Scenario, shows: Shows, budget: int) -> tuple[Scenario, int
         for simpler in PASSES:
             document = search.exhaust(document, simpler)
     return parse_document(document), search.tried
+
+
+def among(ids: Collection[int], scenario: Scenario) -> Scenario | None:
+    """The scenario without robots of other ids; None if it does not hold without them."""
+    document = document_of(scenario)
+    for robot in scenario.ids:
+        if robot not in ids:
+            forget(robot, document)
+    try:
+        return resolved(parse_document(document, scenario.name))
+    except ScenarioError:
+        return None
 
 
 class Search:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -187,3 +189,16 @@ def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
         return before(self)
 
     robot.command = command
+
+
+def trusting_earlier_sensors(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A process takes its sensors for as good as they were in the first scenario that it joined."""
+    node = modules["agents.node"].RobotNode
+    before, first = node._begin, "_first_sensing"
+
+    def begin(self: Any, admission: Any) -> None:
+        vars(self).setdefault(first, admission.scenario.sensing)
+        scenario = replace(admission.scenario, sensing=vars(self)[first])
+        before(self, msgspec.structs.replace(admission, scenario=scenario))
+
+    node._begin = begin
