@@ -94,7 +94,10 @@ class Admissions:
     def refusal(self, join: joining.Join, run: Run) -> joining.Reply | None:
         """Why this process cannot take part, or not yet; None if it can."""
         robot = join.robot
-        slot, status = self.slots.get(robot), run.world.coordinator.lives.status_of(robot)
+        status = run.world.coordinator.lives.status_of(robot)
+        if status in ("standing", "live"):
+            self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
+        slot = self.slots.get(robot)
         if self._fate(join, run) == "removed" or status == "gone":
             return joining.Finished("removed")
         if status == "appearing":

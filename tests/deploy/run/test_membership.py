@@ -15,11 +15,12 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport
+from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.requests.fleet import FleetReply, decode_change
 from protocol.scenario.body import Body
-from protocol.scenario.model import Order, RobotSpec
+from protocol.scenario.model import Order, ProcessFault, RobotSpec
 from tests.deploy.run.turnover import Turnover, asked
 from world.shell.failure_detector import GATHERING
 from world.shell.journal import Journal
@@ -104,6 +105,17 @@ def test_a_guest_of_a_later_run_lives_no_life_of_an_earlier_one() -> None:
     lives.append(fleet.world.world.coordinator.lives.of[7].incarnation)
     assert lives == [1, 2]
     assert fleet.world._run.oldest[7] == 2  # what the first one said is of an earlier run
+
+
+def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
+    """A robot that was removed while it was paused keeps the world waiting for what it reports."""
+    orders = (Order(0.0, add=GUEST), Order(0.0, remove=2))
+    pause = (ProcessFault(2, 0.0, "pause"),)
+    for limit in range(1, 6):
+        time_ = replace(SWAP.time, limit=limit * SWAP.time.step)
+        with skipped_waits():
+            fleet = LocalFleet([replace(SWAP, time=time_, orders=orders, process=pause)])
+            assert [report["verdict"] for report in fleet.execute()] == ["timeout"]
 
 
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
