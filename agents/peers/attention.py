@@ -75,8 +75,9 @@ class Attention:
             self._gaps = [*self._gaps[1 - _GAPS :], range(self._present + 1, tick)]
             self._absent = tick - 1
         self._present = tick
-        if tick >= self._take:
+        if tick >= self._take and self.due != self._due:
             self.due = self._due
+            self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self.due}
         if self._coming is None or tick < self._from:
             return False
         self.near, self._coming = self._coming, None
@@ -93,7 +94,7 @@ class Attention:
 
     def on_summary(self, places: Places) -> None:
         """The world says where everybody is, for a tick that begins soon."""
-        if places.tick <= self._taken:
+        if places.tick <= self._taken or places.tick < self.due:
             return
         self._arrived[places.tick] = places
         if len(self._arrived) > _EARLY:

@@ -122,6 +122,24 @@ def test_of_a_backlog_the_oldest_and_the_newest_stay() -> None:
     assert taken(attention) == 1000
 
 
+@pytest.mark.parametrize("early", [False, True])
+def test_who_could_not_take_in_any_takes_in_the_one_that_is_due_whether_the_next_has_come_or_not(
+    early: bool,
+) -> None:
+    attention = Attention()
+    for tick in range(0, 200, 10):
+        attention.announce(tick, (2,), summed_up=True)
+        attention.on_summary(summed_up(tick, 2))
+        attention.turn(tick)
+        attention.turn(tick + LEAD)
+        assert attention.has_summary  # and where the robot is it does not know yet
+    if early:
+        attention.on_summary(summed_up(200, 2))
+    attention.announce(200, (2,), summed_up=True)
+    attention.turn(200)
+    assert taken(attention) == 190
+
+
 def test_a_robot_has_the_size_that_is_known_when_the_summary_is_taken_in() -> None:
     attention = Attention()
     attention.on_summary(summed_up(0, 2))
