@@ -123,7 +123,7 @@ class RobotNode:
         return reply.incarnation == core.incarnation
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation, lockstep=admission.lockstep)
         self._lockstep, self._founded = admission.lockstep, admission.founded
         self._published = self._received = 0
         self._rejected.clear()

@@ -12,6 +12,10 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
+from deploy.studies.falsify.runs.skipped_waits import skipped_waits
+from protocol.bus.events import Event, Sample
+from protocol.bus.local import LocalBus
+from protocol.messages import Tick
 from protocol.scenario.model import (
     Control,
     Link,
@@ -23,6 +27,7 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
+from protocol.wire.codec import decode
 
 SHORT = 4.0  # s of simulated time
 
@@ -141,3 +146,23 @@ def test_processes_make_the_same_trajectory(transport: Transport) -> None:
     with Fleet([scenario], RunOptions(transport, run=fresh_run_name())) as fleet:
         found = fleet.execute()[0]
     assert found["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]
+
+
+def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    put = LocalBus.put
+
+    def lose(bus: LocalBus, event: Event) -> None:
+        """One of the two loses the odd Ticks, the other one the even ones."""
+        core = bus.node.core if isinstance(bus.node, RobotNode) else None
+        if core is not None and isinstance(event, Sample) and event.key.endswith("/tick"):
+            message = decode(event.key, event.payload)
+            assert isinstance(message, Tick)
+            if not message.over and message.tick > 0 and (message.tick + core.robot) % 2:
+                return
+        put(bus, event)
+
+    monkeypatch.setattr(LocalBus, "put", lose)
+    with skipped_waits(), LocalFleet([load("swap-2")], lockstep=False) as fleet:
+        assert fleet.execute()[0]["verdict"] == "arrived"
