@@ -83,10 +83,11 @@ class Watch:
         elif isinstance(message, Clock) and message.verdict and not self._judged:
             self._judged, self.deadline = True, time.monotonic() + _GRACE
         if self._moments is not None and isinstance(message, State | Command):
-            self._hold_up(self._moments, message.tick)
+            self._hold_up(self._moments)
 
-    def _hold_up(self, moments: Random, tick: int) -> None:
+    def _hold_up(self, moments: Random) -> None:
         """Let time pass in the middle of a tick; once in it, so that nobody is given up."""
+        tick = self._fleet.world.world.tick  # what is heard may be of an earlier one
         if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
             self._held_up, self._holdups = tick, self._holdups - 1
             time.sleep(_HOLDUP)

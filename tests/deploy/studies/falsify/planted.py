@@ -164,14 +164,14 @@ def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     robot.on_state, robot._learn = on_state, learn
 
 
-def hearing_what_was_said_before(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A life hears what was said before it, if it still arrives."""
+def hearing_what_nobody_waited_for(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot hears what was said before its life, or while it was paused, if it still arrives."""
     robot = modules["agents.robot"].Robot
     before = robot._attend
 
     def attend(self: Any, tick: Any) -> None:
         before(self, tick)
-        self._attention._first = 0
+        self._attention._absent = -1
 
     robot._attend = attend
 
