@@ -211,14 +211,14 @@ class Robot:
 
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""
+        tick, filter_ = state.tick, self._filter
+        self._awaited.arrived(state.robot, tick)  # news or not: a false incarnation must hold up nobody
         if not self._link.is_news(state):
             return
-        tick, filter_ = state.tick, self._filter
         if self._open and tick <= self.tick and self._link.ideal and filter_ is not None:
             self._learn(filter_, state)  # as `command` would in a moment
         else:
             self._link.put(state)
-        self._awaited.arrived(state.robot, tick)
 
     def on_summary(self, summary: Summary) -> None:
         """The world says where everybody is, for a tick that begins soon.

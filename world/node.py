@@ -220,7 +220,7 @@ class WorldNode:
         if isinstance(refusal, joining.Finished):
             self._run.world.coordinator.dismiss(join.robot)
         if refusal is not None:
-            return refusal
+            return self._shutdown.instead(refusal, join.robot, self._run)
         self._failures.supersede(join, self._run)
         self._shutdown.take_report(join, self._run)
         self._conclude_in_time()

@@ -42,9 +42,18 @@ class Link:
 
     def is_news(self, state: PeerState) -> bool:
         """Whether a State arrives for the first time: while the world waits for somebody it has all States
-        said again, and how often is a matter of the wall clock, so that nothing may follow from it."""
+        said again, and how often is a matter of the wall clock, so that nothing may follow from it.
+
+        The States of one life arrive in order, so that only its newest is said again. Between those of two
+        lives there is no order: a frozen process may wake when its follower lives, and both repeat theirs.
+        What an older life says after a newer one was heard is no news: nobody waits for it, and of two lives
+        robots go by the newer, so that it may be lost. What is on its way is heard when it is due.
+        """
         newest = self._newest.get(state.robot)
-        if newest is not None and newest.tick == state.tick and newest.incarnation == state.incarnation:
+        if newest is not None and (
+            state.incarnation < newest.incarnation
+            or (state.incarnation == newest.incarnation and state.tick == newest.tick)
+        ):
             return False
         self._newest[state.robot] = state
         return True

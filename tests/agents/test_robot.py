@@ -132,6 +132,20 @@ def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
     assert not robot.complete
 
 
+def test_a_life_that_there_is_not_holds_up_nobody() -> None:
+    """Anybody may say so on an open network: what the true one says is no news then, but it is there."""
+    robot = robots()[1][OWN]
+    (first, states, _), (second, later, _) = said()[:2]
+    robot.begin(first)
+    for peer in OTHERS:
+        robot.on_state(heard(replace(states[peer], incarnation=999)))
+    robot.command()
+    robot.begin(second)
+    for peer in OTHERS:
+        robot.on_state(heard(later[peer]))
+    assert robot.complete
+
+
 def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     """A line that fitted where it was taken to be need not fit where it is."""
     _, fleet = robots()

@@ -43,6 +43,10 @@ class Schedule:
         """Whether anything is still to be asked for."""
         return bool(self._due)
 
+    def adds(self, robot: int) -> bool:
+        """Whether a robot is still to be added."""
+        return any(order.add is not None and order.add.id == robot for _, order in self._due)
+
     def carry_out(self, tick: int, operated: Operated) -> None:
         """Ask for everything that is due by `tick`."""
         while self._due and self._due[0][0] <= tick:

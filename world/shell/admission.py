@@ -3,7 +3,7 @@
 A process asks to join as often as it likes: asking again is asking once, until it says that the life it
 was given is over. One that does not show its liveliness token within a while after it was admitted makes
 room for another, and its life is over. Of two processes with one id the second is refused, and so is
-one that had to be given up again and again.
+one that had to be given up again and again. One whose robot is still to be added waits; nobody waits for it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from world.shell.run import Run
 AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
 RESERVATION = 2.0  # s between admission and liveliness token
 CHANCES = 2  # how often a process that lives may be given up: after that its robot stays down
-_RETRY = 0.2  # s, while another process is joining under the same id
+_RETRY = 0.2  # s, while another process is joining under the same id, or a disk is not there yet
+_SOON = 5 * _RETRY  # s until a process that waits for its disk has asked again, if it lives
 
 
 @dataclass
@@ -73,7 +74,8 @@ class Admissions:
         processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
-        self._former: set[int] = set()  # of earlier runs
+        self._former: set[int] = set()  # of earlier runs, and who was told to wait for its disk
+        self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
         self.processes = Processes() if processes is None else processes
@@ -95,12 +97,13 @@ class Admissions:
         """Why this process cannot take part, or not yet; None if it can."""
         robot = join.robot
         slot, status = self.slots.get(robot), run.world.coordinator.lives.status_of(robot)
+        self.dismiss(robot)
         if self._fate(join, run) == "removed" or status == "gone":
             return joining.Finished("removed")
         if status == "appearing":
-            return joining.Wait(_RETRY, f"the disk of robot {robot} has not appeared yet")
+            return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
         if slot is None:
-            return self._nobody(robot, run)
+            return self._nobody(join, run)
         if slot.present and slot.session not in ("", join.session):
             if self.processes.fate(robot, slot.session, run.world.coordinator.lives.of):
                 return joining.Wait(_RETRY, f"the process before this one of robot {robot} has not left yet")
@@ -116,12 +119,20 @@ class Admissions:
     def _fate(self, join: joining.Join, run: Run) -> Fate:
         return self.processes.fate(join.robot, join.session, run.world.coordinator.lives.of)
 
-    def _nobody(self, robot: int, run: Run) -> joining.Reply:
-        """What the process of a robot is told that is not in the run."""
+    def _nobody(self, join: joining.Join, run: Run) -> joining.Reply:
+        """What the process of a robot is told that is not in the run, or not yet."""
+        robot = join.robot
+        if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
+            return self._wait(robot, f"robot {robot} has not been added yet")
         if robot in self._former:
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
+
+    def _wait(self, robot: int, reason: str) -> joining.Reply:
+        self._early[robot] = self._clock()
+        self._former.add(robot)
+        return joining.Wait(_RETRY, reason)
 
     def enlist(self, join: joining.Join, run: Run) -> joining.Reply:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
@@ -232,6 +243,14 @@ class Admissions:
     def unnotified(self) -> list[int]:
         """Robots that do not know yet that it is over, and can be told."""
         return [robot for robot, slot in self.slots.items() if slot.occupied and not slot.notified]
+
+    def is_asked_soon(self) -> bool:
+        """Whether a process that waits for its disk will ask again, and can be told then that it is over."""
+        return any(asked > self._clock() - _SOON for asked in self._early.values())
+
+    def dismiss(self, robot: int) -> None:
+        """A process waits for its disk no more."""
+        self._early.pop(robot, None)
 
 
 def _lived(join: joining.Join) -> int:

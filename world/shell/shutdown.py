@@ -55,6 +55,13 @@ class Shutdown:
             return joining.Finished(run.world.verdict)
         return None
 
+    def instead(self, refusal: joining.Reply, robot: int, run: Run) -> joining.Reply:
+        """What a process is told that cannot take part: at the end there is nothing to wait for."""
+        if run.phase is not Phase.CLOSING or not isinstance(refusal, joining.Wait):
+            return refusal
+        self._admissions.dismiss(robot)
+        return joining.Finished(run.world.verdict)
+
     def final_ticks(self, run: Run) -> dict[int, Tick]:
         """What tells those robots that the run is over who have not shown that they know."""
         admissions, reporting = self._admissions, run.phase is Phase.SHUTDOWN
@@ -65,8 +72,10 @@ class Shutdown:
         return run.phase is Phase.SHUTDOWN and (not self._admissions.owing_health() or self._is_overdue())
 
     def is_over(self, run: Run) -> bool:
-        """Whether the robots know that there is nothing more to do, or had the time to hear it."""
-        return run.phase is Phase.CLOSING and (not self._admissions.unnotified() or self._is_overdue())
+        """Whether the processes know that there is nothing more to do, or had the time to hear it."""
+        admissions = self._admissions
+        left = not (admissions.unnotified() or admissions.is_asked_soon())
+        return run.phase is Phase.CLOSING and (left or self._is_overdue())
 
     def report(self, run: Run, published: int) -> dict[str, Any]:
         """What came of the run up to its verdict, with what the robots reported."""

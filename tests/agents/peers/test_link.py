@@ -15,8 +15,8 @@ ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1,
 SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
 
-def state(robot: int, tick: int) -> PeerState:
-    return PeerState(robot, 1, tick, True, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
+def state(robot: int, tick: int, incarnation: int = 1) -> PeerState:
+    return PeerState(robot, incarnation, tick, True, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
 
 def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:
@@ -77,9 +77,15 @@ def test_what_is_said_again_is_no_news() -> None:
     link = Link(SCENARIO, 1)
     told = [state(2, 3), state(3, 3), state(2, 3), state(2, 4), state(3, 3), state(2, 4), state(2, 5)]
     assert [link.is_news(each) for each in told] == [True, True, False, True, False, False, True]
-    successor = state(2, 5)
-    successor.incarnation = 2
-    assert link.is_news(successor)
+    assert link.is_news(state(2, 5, 2))
+
+
+def test_what_an_older_life_says_late_is_no_news_nor_makes_any() -> None:
+    """Two processes of one robot live, and both say again what they said last, in any order."""
+    link = Link(SCENARIO, 1)
+    told = [(3, 1), (7, 2), (3, 1), (7, 2), (4, 1), (7, 2), (8, 2), (4, 1), (9, 3)]
+    news = [each for each in told if link.is_news(state(2, *each))]
+    assert news == [(3, 1), (7, 2), (8, 2), (9, 3)]
 
 
 def test_receivers_draw_independently() -> None:

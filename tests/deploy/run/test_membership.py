@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from agents.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
@@ -18,15 +19,20 @@ from deploy.run.options import RunOptions, Transport
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.requests.fleet import FleetReply, decode_change
+from protocol.requests.joining import Join, Wait
 from protocol.scenario.body import Body
-from protocol.scenario.model import Order, RobotSpec
+from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.run.turnover import Turnover, asked
+from tests.world.stopwatch import Stopwatch
+from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING
 from world.shell.journal import Journal
+from world.shell.run import Run
 
 SWAP = load("swap-4")
 GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass
 COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
+GUESTED = replace(SWAP, orders=(Order(0.2, add=GUEST),))
 AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS))
 
 
@@ -82,6 +88,51 @@ def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
     process.wake(math.inf)
     report = fleet.execute()[0]
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+
+
+def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_it() -> None:
+    fleet = LocalFleet([GUESTED])
+    process = fleet.start(7)
+    for _ in range(10):
+        process.wake(math.inf)  # asks to join: who is refused again and again gives up
+    report = fleet.execute()[0]
+    assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+    assert report["trajectory_sha256"] == LocalFleet([GUESTED]).execute()[0]["trajectory_sha256"]
+    assert fleet.robots[7].node is process
+    assert isinstance(process, RobotNode)
+    assert process.verdict == "arrived"
+
+
+@pytest.mark.parametrize("following", [(), (SWAP,)], ids=["the last run", "a run without it"])
+def test_who_waits_for_an_order_that_never_comes_is_told_so(following: tuple[Scenario, ...]) -> None:
+    short = replace(GUESTED, time=replace(SWAP.time, limit=0.15))
+    fleet = LocalFleet([short, *following])
+    process = fleet.start(7)
+    process.wake(math.inf)
+    began = time.monotonic()
+    reports = fleet.execute()
+    assert [report["verdict"] for report in reports] == ["timeout", *["arrived" for _ in following]]
+    assert isinstance(process, RobotNode)
+    process.wake(math.inf)
+    assert process.verdict == ("removed" if following else "timeout")
+    assert time.monotonic() - began < GATHERING
+
+
+def test_a_process_that_has_died_before_its_order_keeps_nobody_waiting() -> None:
+    clock = Stopwatch()
+    admissions, run = Admissions("r", SWAP.ids, True, clock), Run(0, GUESTED, {})
+    reply = admissions.refusal(Join(7, "dies", None), run)
+    assert isinstance(reply, Wait)
+    assert not admissions.missing()
+    assert 7 not in admissions.absent()
+    assert admissions.is_asked_soon()
+    clock.now = reply.after * 10
+    assert not admissions.is_asked_soon()
+    admissions.refusal(Join(7, "lives", None), run)
+    admissions.expect(7)
+    assert admissions.is_asked_soon()
+    assert admissions.refusal(Join(7, "lives", None), run) is None  # its disk is there
+    assert not admissions.is_asked_soon()
 
 
 @pytest.mark.parametrize("again", [False, True], ids=["leaves with the run", "comes in each"])
