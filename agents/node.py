@@ -78,6 +78,7 @@ class RobotNode:
         self._base: AttachedBase | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
+        self._run_number = 0  # of the run that it was admitted to
         self._declared = self._announced = self._noted = False
         self._ended = self._over = False  # this life; the run
         self._commanded = True
@@ -123,8 +124,9 @@ class RobotNode:
         return reply.incarnation == core.incarnation
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation)
+        self.core = Robot(admission.scenario, self._robot, admission.incarnation, lockstep=admission.lockstep)
         self._lockstep, self._founded = admission.lockstep, admission.founded
+        self._run_number = admission.run_number
         self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
@@ -203,7 +205,8 @@ class RobotNode:
         if isinstance(message, Tick):
             self._on_tick(core, message)
         elif isinstance(message, Summary):
-            self._on_summary(core, message)
+            if message.run_number == self._run_number:  # else it is of an earlier run, and late
+                self._on_summary(core, message)
         elif isinstance(message, State) and core.hears_everybody:
             self._rejected["identity"] += 1  # of nobody who takes part
 

@@ -58,12 +58,13 @@ class Robot:
         scenario: the run; k already a number.
         robot: own id.
         incarnation: this incarnation, as handed out by the world.
+        lockstep: whether the world waits for it.
 
     Attributes:
         goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, incarnation: int) -> None:
+    def __init__(self, scenario: Scenario, robot: int, incarnation: int, *, lockstep: bool = True) -> None:
         spec = scenario.spec(robot)
         self.tick = -1
         self.robot, self.incarnation = robot, incarnation
@@ -77,7 +78,7 @@ class Robot:
         self._kept = 0  # version of the roster that this incarnation keeps to
         self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
         self._link, self._awaited = Link(scenario, robot), Awaited(robot)
-        self._attention = Attention(turn(scenario, robot))
+        self._attention = Attention(turn(scenario, robot), lockstep=lockstep)
         self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known

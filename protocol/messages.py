@@ -247,6 +247,7 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
     slices: bytes  # m, norms of their slices as last commanded, one 32-bit float each, little-endian
+    run_number: Count = 0  # as in Clock: ticks are counted anew in each run
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

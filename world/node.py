@@ -279,7 +279,7 @@ class WorldNode:
         self._pacing.begin(run.world.tick, run.scenario.time.step)
         summary = run.world.coordinator.summary
         if summary is not None and summary.tick == run.world.tick:
-            self._publishers.summary(summary)
+            self._publishers.summary(summary, run.number)
         self._publishers.ticks(ticks)  # first: the robots compute while this process judges
         self._inform(due=run.world.tick == 0 or run.is_marked() or not self._lockstep)
         return True
@@ -288,7 +288,7 @@ class WorldNode:
         """What was told may have been lost, the summary too."""
         summary = self._run.world.coordinator.summary
         if summary is not None:
-            self._publishers.summary(summary)
+            self._publishers.summary(summary, self._run.number)
         self._publishers.ticks(ticks)
 
     def _inform(self, *, due: bool) -> None:

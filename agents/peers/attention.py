@@ -11,7 +11,6 @@ from mypy_extensions import mypyc_attr
 from agents.peers.far import FarPicture, Places
 from protocol.interest import LEAD
 
-_GAPS: Final = 32  # that are remembered: a State is under way for a short time only
 _EARLY: Final = 8  # summaries that are kept until they are due: more wait after a long pause only
 
 
@@ -23,6 +22,7 @@ class Attention:
 
     Args:
         turn: ticks after LEAD in which a summary is taken in.
+        lockstep: whether others wait for this robot. Where nobody does, a tick that it misses is no pause.
 
     Attributes:
         everybody: whether all are heard: nobody has said who is near.
@@ -37,6 +37,7 @@ class Attention:
         "_due",
         "_from",
         "_gaps",
+        "_lockstep",
         "_picture",
         "_present",
         "_since",
@@ -47,7 +48,8 @@ class Attention:
         "near",
     )
 
-    def __init__(self, turn: int = 0) -> None:
+    def __init__(self, turn: int = 0, *, lockstep: bool = True) -> None:
+        self._lockstep = lockstep
         self.everybody = True
         self.near: tuple[int, ...] = ()
         self.due = self._due = -1
@@ -71,12 +73,13 @@ class Attention:
 
     def turn(self, tick: int) -> bool:
         """A tick begins; whether others are near from here on."""
-        if tick > self._present + 1:
-            self._gaps = [*self._gaps[1 - _GAPS :], range(self._present + 1, tick)]
+        if self._lockstep and tick > self._present + 1:
+            self._gaps.append(range(self._present + 1, tick))  # as many as a scenario has pauses, at most
             self._absent = tick - 1
         self._present = tick
-        if tick >= self._take:
+        if tick >= self._take and self.due != self._due:
             self.due = self._due
+            self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self.due}
         if self._coming is None or tick < self._from:
             return False
         self.near, self._coming = self._coming, None
@@ -84,16 +87,16 @@ class Attention:
         return True
 
     def counts(self, peer: int, tick: int) -> bool:
-        """Whether a State of `tick` is heard in the present one. Nobody hears what was said in a tick in
-        which they took no part, be it before their life or during a pause: nobody waited until they had it,
-        so that when it arrives is a matter of the wall clock."""
+        """Whether a State of `tick` is heard in the present one. In lock-step nobody hears what was said in a
+        tick in which they took no part, be it before their life or during a pause: nobody waited until they
+        had it, so that when it arrives is a matter of the wall clock."""
         if tick <= self._absent and any(tick in gap for gap in self._gaps):
             return False
         return self.everybody or tick >= self._since.get(peer, tick + 1)
 
     def on_summary(self, places: Places) -> None:
         """The world says where everybody is, for a tick that begins soon."""
-        if places.tick <= self._taken:
+        if places.tick <= self._taken or places.tick < self.due:
             return
         self._arrived[places.tick] = places
         if len(self._arrived) > _EARLY:

@@ -3,10 +3,11 @@
 Both are msgpack maps: the request `{"session": text, "health": Health or nil}`, the reply one of four, told
 apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
 file), `oldest` (by robot, the incarnation below which a State is of an earlier run), `away` (s that the world
-may be gone and still come back) and `founded` (whether the run has begun); `"refused"` has `text`; `"wait"`
-has `after`, s, and `text`; `"finished"` has `verdict`. Which robot asks is said by the key alone, so that a
-router's rules decide who may. Who only watches asks under `world/scenario` and is told `"scenario"`, with
-`scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot that was ordered elsewhere.
+may be gone and still come back), `founded` (whether the run has begun) and `run_number` (a Summary with any
+other is of another run); `"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
+`verdict`. Which robot asks is said by the key alone, so that a router's rules decide who may. Who only
+watches asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
+`GoalStatus` of every robot that was ordered elsewhere.
 
 `session` is a text of the process's own choosing, not empty, and the same for all its requests. Who
 asks again is admitted as the same life, for a reply may be lost, until `health` says that this life is over.
@@ -50,6 +51,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
     away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
     founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
+    run_number: Count = 0  # a Summary with any other is of another run
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):

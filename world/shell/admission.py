@@ -186,7 +186,9 @@ class Admissions:
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
         founded = run.world.coordinator.lives.founded
-        return joining.Admission(slot.granted, self._lockstep, run.scenario, run.oldest, away, founded)
+        return joining.Admission(
+            slot.granted, self._lockstep, run.scenario, run.oldest, away, founded, run.number
+        )
 
     # -- who is there
 

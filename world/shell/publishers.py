@@ -53,9 +53,9 @@ class Publishers:
         for status in news:
             self._goal[status.robot](encode(status))
 
-    def summary(self, summary: Summary) -> None:
-        """Tell all robots where everybody is."""
-        self._summary(encode(summary))
+    def summary(self, summary: Summary, run_number: int) -> None:
+        """Tell all robots of a run where everybody is."""
+        self._summary(encode(msgspec.structs.replace(summary, run_number=run_number)))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
         """Tell each robot its own."""

@@ -29,11 +29,18 @@ def test_nobody_hears_what_was_said_while_they_took_no_part() -> None:
     assert [tick for tick in range(14) if attention.counts(2, tick)] == [7, 8, 11, 13]
 
 
-def test_of_many_pauses_none_is_forgotten_that_matters() -> None:
+def test_of_many_pauses_none_is_forgotten() -> None:
     attention = Attention()
     for tick in range(0, 400, 2):
         attention.turn(tick)
-    assert [tick for tick in range(360, 399) if attention.counts(2, tick)] == list(range(360, 399, 2))
+    assert [tick for tick in range(399) if attention.counts(2, tick)] == list(range(0, 399, 2))
+
+
+def test_where_nobody_waits_a_missed_tick_is_no_pause() -> None:
+    attention = Attention(lockstep=False)
+    for tick in range(1, 40, 2):  # the Ticks between are lost
+        attention.turn(tick)
+    assert all(attention.counts(2, tick) for tick in range(40))
 
 
 def test_who_comes_near_counts_from_a_stated_tick_on() -> None:
@@ -120,6 +127,24 @@ def test_of_a_backlog_the_oldest_and_the_newest_stay() -> None:
     attention.announce(1000, (2,), summed_up=True)
     attention.turn(1000 + LEAD)
     assert taken(attention) == 1000
+
+
+@pytest.mark.parametrize("early", [False, True])
+def test_who_could_not_take_in_any_takes_in_the_one_that_is_due_whether_the_next_has_come_or_not(
+    early: bool,
+) -> None:
+    attention = Attention()
+    for tick in range(0, 200, 10):
+        attention.announce(tick, (2,), summed_up=True)
+        attention.on_summary(summed_up(tick, 2))
+        attention.turn(tick)
+        attention.turn(tick + LEAD)
+        assert attention.has_summary  # and where the robot is it does not know yet
+    if early:
+        attention.on_summary(summed_up(200, 2))
+    attention.announce(200, (2,), summed_up=True)
+    attention.turn(200)
+    assert taken(attention) == 190
 
 
 def test_a_robot_has_the_size_that_is_known_when_the_summary_is_taken_in() -> None:

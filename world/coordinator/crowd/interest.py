@@ -71,8 +71,8 @@ class Interest:
             away = places - np.array([goals[robot] for robot in self._ids], dtype=np.float64)
             gammas = (away**2).sum(axis=1)
             slices = self._norms(2.0 * np.sqrt(gammas))
-            packed = [each.astype("<f4").tobytes() for each in (places, gammas, slices)]
-            self.summary = Summary(tick, runs(self._ids), *packed)
+            where, far, pace = (each.astype("<f4").tobytes() for each in (places, gammas, slices))
+            self.summary = Summary(tick, runs(self._ids), where, far, pace)
 
     def accept(self, command: Command) -> None:
         """A command was taken."""
