@@ -198,9 +198,11 @@ def test_what_is_found_is_kept_as_files_that_show_it(
     violations_ = json.loads((tmp_path / "rows.json").read_text())["violations"]
     assert violations_
     for each in violations_:
-        text = Path(each["file"]).read_text()
+        file = Path(each["file"])
+        text, first = file.read_text(), file.with_name(file.name.replace("-second", "-first"))
         assert text.startswith("# ")
-        shown = observe(resolved(parse_toml(text))).violations
+        before = [] if first == file else [resolved(parse_toml(first.read_text()))]
+        shown = observe(resolved(parse_toml(text)), before=before).violations
         assert each["kind"] in {violation.kind for violation in shown}
     assert violations_[0]["file"].split("/")[-1] in capsys.readouterr().out.replace("\n", "")
 

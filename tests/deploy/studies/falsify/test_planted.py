@@ -54,15 +54,16 @@ def test_every_planted_fault_is_found(fault: Fault, monkeypatch: pytest.MonkeyPa
 def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it(monkeypatch: pytest.MonkeyPatch) -> None:
     planted.plant(planted.not_waiting, monkeypatch)
     monkeypatch.setitem(trial.TRIES, "local", 150)
-    found = planted.first(Plan(0, RUNS, "local"))
+    found = planted.first(Plan(2, RUNS, "local"))
     assert found is not None
-    smallest = Shrinking(found.scenario, found.violation)(Run(2, found.number, "local", ""))
+    smallest = Shrinking(found.scenario, found.violation, found.first)(Run(2, found.number, "local", ""))
     scenario = resolved(parse_toml(smallest["scenario"]))
-    assert found.violation.kind in {each.kind for each in observe(scenario).violations}
+    before = [] if smallest["first"] is None else [resolved(parse_toml(smallest["first"]))]
+    assert found.violation.kind in {each.kind for each in observe(scenario, before=before).violations}
     assert len(scenario.robots) == 2
     assert len(smallest["scenario"]) < len(found.scenario)
     monkeypatch.undo()
-    assert not observe(scenario).violations
+    assert not observe(scenario, before=before).violations
 
 
 def test_nothing_follows_from_what_a_busy_machine_has_said_again(monkeypatch: pytest.MonkeyPatch) -> None:
