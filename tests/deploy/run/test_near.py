@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +16,6 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.events import Event, Sample
-from protocol.bus.local import LocalBus
 from protocol.messages import Summary, Tick
 from protocol.scenario.model import (
     Control,
@@ -149,57 +149,85 @@ def test_processes_make_the_same_trajectory(transport: Transport) -> None:
     assert found["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]
 
 
-def test_a_summary_that_was_under_way_as_its_run_ended_is_none_of_the_next(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+Hear = Callable[[Event], object]
+
+
+class Ear:
+    """Between a robot's bus and its node: decides when the node hears what."""
+
+    def __init__(self, node: RobotNode, passes: Callable[[RobotNode, Event, Hear], object]) -> None:
+        self._node, self._passes = node, passes
+
+    @property
+    def finished(self) -> bool:
+        return self._node.finished
+
+    @property
+    def deadline(self) -> float:
+        return self._node.deadline
+
+    def handle(self, event: Event) -> None:
+        self._passes(self._node, event, self._node.handle)
+
+    def wake(self, now: float) -> None:
+        self._node.wake(now)
+
+
+def lend_ears(fleet: LocalFleet, passes: Callable[[RobotNode, Event, Hear], object]) -> None:
+    for bus in fleet.robots.values():
+        assert isinstance(bus.node, RobotNode)
+        bus.node = Ear(bus.node, passes)
+
+
+def test_a_summary_that_was_under_way_as_its_run_ended_is_none_of_the_next() -> None:
     first, second = (
         replace(crowd(Network("near", 0.02)), time=replace(load("random-14").time, limit=limit))
         for limit in (1.05, 3.0)
     )
     alone = in_process(second)["trajectory_sha256"]
-    put, late = LocalBus.put, defaultdict[LocalBus, list[Sample]](list)
+    late = defaultdict[RobotNode, list[Event]](list)
 
-    def delay(bus: LocalBus, event: Event) -> None:
+    def delay(node: RobotNode, event: Event, hear: Hear) -> None:
         """A robot hears the last Summary of one run and the first of the next at the fifth tick of this."""
-        core = bus.node.core if isinstance(bus.node, RobotNode) else None
+        core = node.core
         if core is None or not isinstance(event, Sample):
-            put(bus, event)
+            hear(event)
             return
-        following, held = core.scenario.time.limit == second.time.limit, late[bus]
+        following, held = core.scenario.time.limit == second.time.limit, late[node]
         if event.key.endswith("/summary"):
             message = decode(event.key, event.payload)
             assert isinstance(message, Summary)
             if message.tick == (0 if following else 20) and len(held) == following:
                 held.append(event)
                 if following:
-                    put(bus, held[0])
+                    hear(held[0])
                 return
         if following and len(held) == 2 and (core.tick >= 5 or event.key.endswith("/summary")):
-            put(bus, held[1])
+            hear(held[1])
             held.append(held[1])
-        put(bus, event)
+        hear(event)
 
-    monkeypatch.setattr(LocalBus, "put", delay)
     with skipped_waits(), LocalFleet([first, second]) as fleet:
+        lend_ears(fleet, delay)
         assert fleet.execute()[1]["trajectory_sha256"] == alone
     assert any(len(held) > 2 for held in late.values())
 
 
-def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    put = LocalBus.put
+def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits() -> None:
+    lost = []
 
-    def lose(bus: LocalBus, event: Event) -> None:
+    def lose(node: RobotNode, event: Event, hear: Hear) -> None:
         """One of the two loses the odd Ticks, the other one the even ones."""
-        core = bus.node.core if isinstance(bus.node, RobotNode) else None
+        core = node.core
         if core is not None and isinstance(event, Sample) and event.key.endswith("/tick"):
             message = decode(event.key, event.payload)
             assert isinstance(message, Tick)
             if not message.over and message.tick > 0 and (message.tick + core.robot) % 2:
+                lost.append(message)
                 return
-        put(bus, event)
+        hear(event)
 
-    monkeypatch.setattr(LocalBus, "put", lose)
     with skipped_waits(), LocalFleet([load("swap-2")], lockstep=False) as fleet:
+        lend_ears(fleet, lose)
         assert fleet.execute()[0]["verdict"] == "arrived"
+    assert lost
