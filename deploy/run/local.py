@@ -240,6 +240,8 @@ class FaultInjector:
         if robot not in fleet.robots:
             return  # it has not come yet
         bus = fleet.robots[robot]
+        if fault.event in ("kill", "restart"):
+            self._paused.pop(robot, None)  # it is not the one that is paused any more
         if fault.event == "kill":
             fleet.kill(robot)
         elif fault.event == "restart":

@@ -169,6 +169,19 @@ def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
             assert [report["verdict"] for report in fleet.execute()] == ["timeout"]
 
 
+def test_who_followed_a_paused_process_is_there_for_the_next_scenario() -> None:
+    """Its robot is removed and added again, and appears as the first scenario ends."""
+    again = SWAP.spec(2)
+    orders = (Order(0.0, remove=2), Order(0.0, add=again))
+    faults = (ProcessFault(2, 0.0, "pause"), ProcessFault(2, 0.0, "restart"))
+    for limit in range(1, 8):
+        time_ = replace(SWAP.time, limit=limit * SWAP.time.step)
+        first = replace(SWAP, time=time_, orders=orders, process=faults)
+        with skipped_waits():
+            reports = LocalFleet([first, SWAP]).execute()
+        assert [report["verdict"] for report in reports] == ["timeout", "arrived"]
+
+
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
     without = replace(SWAP, orders=(Order(0.3, remove=2),))
     reports = LocalFleet([without, SWAP]).execute()
