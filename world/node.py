@@ -248,16 +248,20 @@ class WorldNode:
     def _advance(self) -> None:
         """Do all that can be done now."""
         while self._run.phase is Phase.RUNNING:
-            if not self._run.opened and not self._open():
+            if not self._run.opened and (not self._open() or self._is_idle):
                 return
             if self._run.world.coordinator.waiting or not self._lockstep:
                 return
             self._close()
-            if self._run.scenario.time.endless and not self._run.world.coordinator.active:
-                return  # nobody is there to wait for, nor does it end: hear others, too
         self._conclude_in_time()
         if self._shutdown.is_over(self._run):
             self.finished = True
+
+    @property
+    def _is_idle(self) -> bool:
+        """Whether nobody is there to wait for, nor does the run end: others are heard, too, but not before
+        the tick has opened, with what the scenario does then."""
+        return self._run.scenario.time.endless and not self._run.world.coordinator.active
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""
