@@ -217,7 +217,7 @@ class WorldNode:
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
         refusal = self._admissions.refusal(join, self._run)
-        if isinstance(refusal, joining.Finished):
+        if isinstance(refusal, joining.Finished) and self._admissions.is_newest(join):
             self._run.world.coordinator.dismiss(join.robot)
         if refusal is not None:
             return self._shutdown.instead(refusal, join.robot, self._run)

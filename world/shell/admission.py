@@ -115,6 +115,10 @@ class Admissions:
             )
         return None
 
+    def is_newest(self, join: joining.Join) -> bool:
+        """Whether nobody was admitted for this robot after this process."""
+        return self.processes.newest.get(join.robot) == join.session
+
     def may_come(self, join: joining.Join, run: Run) -> bool:
         """Whether this process may have a life, now or later."""
         return not self._fate(join, run) and self.slots[join.robot].blamed[join.session] < CHANCES

@@ -16,11 +16,21 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
+from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.events import Event, Presence, Request
 from protocol.bus.local import LocalBus
 from protocol.keys import robot_key, world_key
 from protocol.messages import Truth
-from protocol.requests.joining import Admission, Finished, Join, Reply, Wait, decode_reply, encode_request
+from protocol.requests.joining import (
+    Admission,
+    Finished,
+    Join,
+    Refusal,
+    Reply,
+    Wait,
+    decode_reply,
+    encode_request,
+)
 from protocol.scenario.model import Order, ProcessFault, RobotSpec
 from protocol.wire.codec import decode
 from tests.deploy.run.turnover import asked
@@ -249,6 +259,27 @@ def test_a_deaf_process_of_one_run_takes_no_part_in_the_next() -> None:
     assert answer(fleet, node._world._session, 7) == Finished("removed")
     bus.close()
     assert fleet.execute()[-1]["verdict"] == "arrived"
+
+
+def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing() -> None:
+    """It asks while the world waits for somebody else, before that process could be told."""
+    orders, faults = (Order(0.5, remove=2), Order(1.0, add=AGAIN)), (ProcessFault(3, 0.5, "restart"),)
+    scenario, found = replace(SWAP, orders=orders, process=faults), []
+    for stranger in (False, True):
+        with skipped_waits():
+            fleet, told = LocalFleet([scenario]), list[Reply]()
+            ears, world = Overheard(fleet), fleet.world.world
+            ears.when = lambda world=world, fleet=fleet: (  # type: ignore[misc]
+                status(fleet) == "gone" and not world.is_open
+            )
+            if stranger:
+                ears.then = lambda fleet=fleet, told=told: told.append(  # type: ignore[misc]
+                    answer(fleet, "stranger")
+                )
+            report = fleet.execute()[0]
+        assert len(told) == stranger
+        found.append((report["verdict"], report["faults"]["given_up"], report["trajectory_sha256"]))
+    assert found[0] == found[1]
 
 
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
