@@ -101,11 +101,11 @@ class Admissions:
         if status in ("standing", "live"):
             self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
         slot = self.slots.get(robot)
-        if self._fate(join, run) == "removed" or status == "gone":
+        if self._fate(join, run) == "removed":
             return joining.Finished("removed")
         if status == "appearing":
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
-        if slot is None:
+        if slot is None or status == "gone":
             return self._nobody(join, run)
         if slot.present and slot.session not in ("", join.session):
             if self.processes.fate(robot, slot.session, run.world.coordinator.lives.of):
@@ -127,11 +127,11 @@ class Admissions:
         return self.processes.fate(join.robot, join.session, run.world.coordinator.lives.of)
 
     def _nobody(self, join: joining.Join, run: Run) -> joining.Reply:
-        """What the process of a robot is told that is not in the run, or not yet."""
+        """What the process of a robot is told that is not in the run, not yet or no more."""
         robot = join.robot
         if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
             return self._wait(robot, f"robot {robot} has not been added yet")
-        if robot in self._former:
+        if robot in self._former or run.world.coordinator.lives.status_of(robot) == "gone":
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")

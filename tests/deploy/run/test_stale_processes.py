@@ -282,6 +282,18 @@ def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing
     assert found[0] == found[1]
 
 
+def test_who_comes_while_its_robot_is_gone_waits_if_that_is_to_come_again() -> None:
+    comings = Order(0.2, add=GUEST), Order(1.0, remove=7), Order(1.3, add=GUEST)
+    fleet = LocalFleet([replace(SWAP, orders=comings)])
+    fleet.network.run(lambda: fleet.world.world.tick >= 22 or fleet.world.finished)
+    assert status(fleet, 7) == "gone"
+    assert isinstance(answer(fleet, "next", 7), Wait)
+    before = fleet.world._admissions.processes.newest[7]
+    assert answer(fleet, before, 7) == Finished("removed")
+    fleet.network.run(lambda: fleet.world.world.tick >= 27 or fleet.world.finished)
+    assert status(fleet, 7) != "gone"
+
+
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trajectory, "LINK", 20)
     fleet, ticks = kept(tmp_path), list[int]()
