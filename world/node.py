@@ -132,8 +132,7 @@ class WorldNode:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, life in past.run.world.coordinator.lives.of.items():
-            if life.goes_on:
-                self._admissions.resume(robot, life.incarnation)
+            self._admissions.resume(robot, life)
 
     def _begin(self, run: Run) -> None:
         self._run = run

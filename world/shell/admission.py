@@ -17,7 +17,7 @@ from math import inf
 from protocol.errors import JoinError
 from protocol.messages import Health
 from protocol.requests import joining
-from world.coordinator.life import Fate
+from world.coordinator.life import Fate, Life
 from world.shell.journal import Journal, Seated
 from world.shell.processes import Processes
 from world.shell.run import Run
@@ -231,11 +231,13 @@ class Admissions:
         since = self._clock() - at_least
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
-    def resume(self, robot: int, granted: int) -> None:
-        """An earlier world admitted the robot's newest process; its token is to be seen again."""
+    def resume(self, robot: int, life: Life) -> None:
+        """An earlier world admitted the robot's newest process, whose seat nobody takes while it is there; if
+        its life goes on its token is to be seen again."""
         slot = self.slots[robot]
-        slot.session, slot.granted = self.processes.newest.get(robot, ""), granted
-        self.miss(robot)
+        slot.session, slot.granted = self.processes.newest.get(robot, ""), life.incarnation
+        if life.goes_on:
+            self.miss(robot)
 
     def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""

@@ -294,6 +294,33 @@ def test_who_comes_while_its_robot_is_gone_waits_if_that_is_to_come_again() -> N
     assert status(fleet, 7) != "gone"
 
 
+@pytest.mark.parametrize("given_up", [False, True], ids=["between two runs", "given up"])
+def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(
+    tmp_path: Path, given_up: bool
+) -> None:
+    runs = [ENDLESS] if given_up else [SWAP, SWAP]
+    Journal.create(tmp_path / "journal", "local", runs)
+    fleet = LocalFleet(runs, journal=tmp_path / "journal")
+    injector(fleet).node = None
+    if given_up:
+        go(fleet, 10)
+        fleet.world.world.coordinator.lost(2, "hangs")
+    else:
+        dead, ears = list[bool](), Overheard(fleet)
+        ears.when = lambda: fleet.world._run.number == 1
+        ears.then = lambda: dead.append(True)
+        fleet.network.run(lambda: bool(dead))
+    assert not life(fleet).goes_on
+    node = fleet.robots[2].node
+    assert isinstance(node, RobotNode)
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    fleet.kill_world()
+    fleet.start_world()
+    fleet.world_bus.drain()  # the tokens
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    assert isinstance(answer(fleet, node._world._session), Admission)
+
+
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trajectory, "LINK", 20)
     fleet, ticks = kept(tmp_path), list[int]()
