@@ -176,6 +176,10 @@ class WorldNode:
         robot = self._robot_of(event.key)
         if robot is None:
             return
+        if robot not in self._admissions.slots:
+            if not event.alive:
+                self._admissions.forget(robot)
+            return
         if event.alive:
             self._failures.arrive(robot, self._run)
         else:
@@ -183,15 +187,14 @@ class WorldNode:
         self._advance()
 
     def _robot_of(self, key: str) -> int | None:
-        """Whose token this is; None if no robot has it that is there, and counted if none ever had."""
+        """Whose token this is; None, and counted, if no robot ever had it."""
         try:
             robot = parse(key).robot
         except KeyGrammarError:
             self._run.rejected["key"] += 1
             return None
-        if robot not in self._admissions.slots:
-            if robot not in self._publishers:
-                self._run.rejected["identity"] += 1
+        if robot not in self._publishers:
+            self._run.rejected["identity"] += 1
             return None
         return robot
 

@@ -74,7 +74,8 @@ class Admissions:
         processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
-        self._former: set[int] = set()  # of earlier runs, and who was told to wait for its disk
+        self._left: dict[int, Slot] = {}  # of robots that the run does not have yet, whose tokens are there
+        self._former: set[int] = set()  # who was told to wait for its disk
         self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
@@ -82,14 +83,16 @@ class Admissions:
 
     def begin(self, ids: Iterable[int]) -> None:
         """A run of these robots begins; whose process was there in the one before has its slot."""
-        self._former.update(self.slots)
-        self.slots = {robot: self.slots.get(robot) or Slot() for robot in ids}
+        before = self._left | self.slots
+        self.slots = {robot: before.pop(robot, Slot()) for robot in ids}
+        self._left = {robot: slot for robot, slot in before.items() if slot.present}
         for slot in self.slots.values():
             slot.health = None
 
     def expect(self, robot: int) -> None:
         """The disk of a robot that was added is there; a process may join."""
-        self.slots.setdefault(robot, Slot())
+        if robot not in self.slots:
+            self.slots[robot] = self._left.pop(robot, Slot())
 
     # -- who asks
 
@@ -131,7 +134,8 @@ class Admissions:
         robot = join.robot
         if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
             return self._wait(robot, f"robot {robot} has not been added yet")
-        if robot in self._former or run.world.coordinator.lives.status_of(robot) == "gone":
+        gone = run.world.coordinator.lives.status_of(robot) == "gone"
+        if gone or robot in self._former or robot in run.oldest:
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
@@ -210,6 +214,10 @@ class Admissions:
         """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
         slot = self.slots[robot]
         slot.present, slot.missing = False, min(slot.missing, self._clock())
+
+    def forget(self, robot: int) -> None:
+        """The token of a robot is gone that the run does not have."""
+        self._left.pop(robot, None)
 
     def leave(self, robot: int) -> None:
         """The robot's process is taken to be gone."""

@@ -321,6 +321,32 @@ def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_b
     assert isinstance(answer(fleet, node._world._session), Admission)
 
 
+def test_the_guest_of_the_next_run_waits_for_the_token_of_the_one_before() -> None:
+    """It would not be told from its own, and the world would wait for that in vain."""
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),))
+    with skipped_waits():
+        fleet = LocalFleet([guested, guested])
+        fleet.network.run(lambda: fleet.world.finished or fleet.world.world.tick >= 13)
+        bus = fleet.robots[7]
+        bus.node = None
+        fleet.network.run(
+            lambda: fleet.world._run.number == 1 and bool(fleet.world.world.coordinator.newcomers)
+        )
+        assert isinstance(answer(fleet, "next", 7), Wait)
+        bus.close()
+        fleet.world_bus.drain()
+        assert isinstance(answer(fleet, "next", 7), Admission)
+
+
+def test_who_comes_late_for_a_guest_of_the_run_before_is_told_that_it_is_removed() -> None:
+    """Its disk appeared as that run ended, and nobody had asked."""
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),), time=replace(SWAP.time, limit=0.25))
+    fleet = LocalFleet([guested, SWAP])
+    injector(fleet).node = None
+    fleet.network.run(lambda: fleet.world._run.number == 1)
+    assert answer(fleet, "late", 7) == Finished("removed")
+
+
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trajectory, "LINK", 20)
     fleet, ticks = kept(tmp_path), list[int]()
