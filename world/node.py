@@ -132,8 +132,7 @@ class WorldNode:
         """Go on where another process died. Whoever took part then is there until the grace is over."""
         self._failures.expected.update(past.expected)
         for robot, life in past.run.world.coordinator.lives.of.items():
-            if life.goes_on:
-                self._admissions.resume(robot, life.incarnation)
+            self._admissions.resume(robot, life)
 
     def _begin(self, run: Run) -> None:
         self._run = run
@@ -177,6 +176,10 @@ class WorldNode:
         robot = self._robot_of(event.key)
         if robot is None:
             return
+        if robot not in self._admissions.slots:
+            if not event.alive:
+                self._admissions.forget(robot)
+            return
         if event.alive:
             self._failures.arrive(robot, self._run)
         else:
@@ -184,15 +187,14 @@ class WorldNode:
         self._advance()
 
     def _robot_of(self, key: str) -> int | None:
-        """Whose token this is; None if no robot has it that is there, and counted if none ever had."""
+        """Whose token this is; None, and counted, if no robot ever had it."""
         try:
             robot = parse(key).robot
         except KeyGrammarError:
             self._run.rejected["key"] += 1
             return None
-        if robot not in self._admissions.slots:
-            if robot not in self._publishers:
-                self._run.rejected["identity"] += 1
+        if robot not in self._publishers:
+            self._run.rejected["identity"] += 1
             return None
         return robot
 
@@ -217,7 +219,7 @@ class WorldNode:
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
         refusal = self._admissions.refusal(join, self._run)
-        if isinstance(refusal, joining.Finished):
+        if isinstance(refusal, joining.Finished) and self._admissions.is_newest(join):
             self._run.world.coordinator.dismiss(join.robot)
         if refusal is not None:
             return self._shutdown.instead(refusal, join.robot, self._run)
@@ -248,16 +250,20 @@ class WorldNode:
     def _advance(self) -> None:
         """Do all that can be done now."""
         while self._run.phase is Phase.RUNNING:
-            if not self._run.opened and not self._open():
+            if not self._run.opened and (not self._open() or self._is_idle):
                 return
             if self._run.world.coordinator.waiting or not self._lockstep:
                 return
             self._close()
-            if self._run.scenario.time.endless and not self._run.world.coordinator.active:
-                return  # nobody is there to wait for, nor does it end: hear others, too
         self._conclude_in_time()
         if self._shutdown.is_over(self._run):
             self.finished = True
+
+    @property
+    def _is_idle(self) -> bool:
+        """Whether nobody is there to wait for, nor does the run end: others are heard, too, but not before
+        the tick has opened, with what the scenario does then."""
+        return self._run.scenario.time.endless and not self._run.world.coordinator.active
 
     def _open(self) -> bool:
         """Open the next tick, unless somebody who has to be there is not, or it is held back."""

@@ -17,7 +17,7 @@ from math import inf
 from protocol.errors import JoinError
 from protocol.messages import Health
 from protocol.requests import joining
-from world.coordinator.life import Fate
+from world.coordinator.life import Fate, Life
 from world.shell.journal import Journal, Seated
 from world.shell.processes import Processes
 from world.shell.run import Run
@@ -74,7 +74,8 @@ class Admissions:
         processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
-        self._former: set[int] = set()  # of earlier runs, and who was told to wait for its disk
+        self._left: dict[int, Slot] = {}  # of robots that the run does not have yet, whose tokens are there
+        self._former: set[int] = set()  # who was told to wait for its disk
         self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
         self._name, self._lockstep, self._clock = run, lockstep, clock
         self._journal = journal
@@ -82,14 +83,16 @@ class Admissions:
 
     def begin(self, ids: Iterable[int]) -> None:
         """A run of these robots begins; whose process was there in the one before has its slot."""
-        self._former.update(self.slots)
-        self.slots = {robot: self.slots.get(robot) or Slot() for robot in ids}
+        before = self._left | self.slots
+        self.slots = {robot: before.pop(robot, Slot()) for robot in ids}
+        self._left = {robot: slot for robot, slot in before.items() if slot.present}
         for slot in self.slots.values():
             slot.health = None
 
     def expect(self, robot: int) -> None:
         """The disk of a robot that was added is there; a process may join."""
-        self.slots.setdefault(robot, Slot())
+        if robot not in self.slots:
+            self.slots[robot] = self._left.pop(robot, Slot())
 
     # -- who asks
 
@@ -101,11 +104,11 @@ class Admissions:
         if status in ("standing", "live"):
             self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
         slot = self.slots.get(robot)
-        if self._fate(join, run) == "removed" or status == "gone":
+        if self._fate(join, run) == "removed":
             return joining.Finished("removed")
         if status == "appearing":
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
-        if slot is None:
+        if slot is None or status == "gone":
             return self._nobody(join, run)
         if slot.present and slot.session not in ("", join.session):
             if self.processes.fate(robot, slot.session, run.world.coordinator.lives.of):
@@ -115,6 +118,10 @@ class Admissions:
             )
         return None
 
+    def is_newest(self, join: joining.Join) -> bool:
+        """Whether nobody was admitted for this robot after this process."""
+        return self.processes.newest.get(join.robot) == join.session
+
     def may_come(self, join: joining.Join, run: Run) -> bool:
         """Whether this process may have a life, now or later."""
         return not self._fate(join, run) and self.slots[join.robot].blamed[join.session] < CHANCES
@@ -123,11 +130,12 @@ class Admissions:
         return self.processes.fate(join.robot, join.session, run.world.coordinator.lives.of)
 
     def _nobody(self, join: joining.Join, run: Run) -> joining.Reply:
-        """What the process of a robot is told that is not in the run, or not yet."""
+        """What the process of a robot is told that is not in the run, not yet or no more."""
         robot = join.robot
         if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
             return self._wait(robot, f"robot {robot} has not been added yet")
-        if robot in self._former:
+        gone = run.world.coordinator.lives.status_of(robot) == "gone"
+        if gone or robot in self._former or robot in run.oldest:
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
@@ -207,6 +215,10 @@ class Admissions:
         slot = self.slots[robot]
         slot.present, slot.missing = False, min(slot.missing, self._clock())
 
+    def forget(self, robot: int) -> None:
+        """The token of a robot is gone that the run does not have."""
+        self._left.pop(robot, None)
+
     def leave(self, robot: int) -> None:
         """The robot's process is taken to be gone."""
         slot = self.slots[robot]
@@ -227,11 +239,13 @@ class Admissions:
         since = self._clock() - at_least
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
-    def resume(self, robot: int, granted: int) -> None:
-        """An earlier world admitted the robot's newest process; its token is to be seen again."""
+    def resume(self, robot: int, life: Life) -> None:
+        """An earlier world admitted the robot's newest process, whose seat nobody takes while it is there; if
+        its life goes on its token is to be seen again."""
         slot = self.slots[robot]
-        slot.session, slot.granted = self.processes.newest.get(robot, ""), granted
-        self.miss(robot)
+        slot.session, slot.granted = self.processes.newest.get(robot, ""), life.incarnation
+        if life.goes_on:
+            self.miss(robot)
 
     def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""

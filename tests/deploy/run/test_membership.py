@@ -104,6 +104,31 @@ def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_
     assert process.verdict == "arrived"
 
 
+def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part() -> None:
+    """What the scenario does as a tick opens comes before anybody is admitted: here it pauses a guest at
+    once. The others were fenced, and come back while it is paused."""
+    times = (*((robot, 1.0, 2.3) for robot in SWAP.ids), (7, 2.05, 2.55))
+    faults = [ProcessFault(robot, at, "pause") for robot, at, _ in times]
+    faults += [ProcessFault(robot, until, "resume") for robot, _, until in times]
+    orders, time_ = (Order(2.0, add=GUEST),), replace(SWAP.time, endless=True)
+    scenario = replace(SWAP, orders=orders, process=tuple(faults), time=time_)
+    found = []
+    for early in (False, True):
+        with skipped_waits():
+            fleet = LocalFleet([scenario])
+            core = fleet.world.world.coordinator
+            process = fleet.start(7) if early else None
+            fleet.network.run(lambda core=core: bool(core.newcomers))  # type: ignore[misc]
+            assert not core.active
+            if process is not None:
+                process.wake(math.inf)  # asks to join
+            fleet.network.run(lambda core=core: core.tick >= 160)  # type: ignore[misc]
+        fleet.world.interrupt("interrupted", "")
+        assert (41, 7, "pause") in [(tick, fault.robot, fault.event) for tick, fault in core.lives.applied]
+        found.append((core.tick, fleet.reports[0]["trajectory_sha256"]))
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("following", [(), (SWAP,)], ids=["the last run", "a run without it"])
 def test_who_waits_for_an_order_that_never_comes_is_told_so(following: tuple[Scenario, ...]) -> None:
     short = replace(GUESTED, time=replace(SWAP.time, limit=0.15))

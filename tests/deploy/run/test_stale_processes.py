@@ -16,11 +16,21 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
+from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.events import Event, Presence, Request
 from protocol.bus.local import LocalBus
 from protocol.keys import robot_key, world_key
 from protocol.messages import Truth
-from protocol.requests.joining import Admission, Finished, Join, Reply, Wait, decode_reply, encode_request
+from protocol.requests.joining import (
+    Admission,
+    Finished,
+    Join,
+    Refusal,
+    Reply,
+    Wait,
+    decode_reply,
+    encode_request,
+)
 from protocol.scenario.model import Order, ProcessFault, RobotSpec
 from protocol.wire.codec import decode
 from tests.deploy.run.turnover import asked
@@ -249,6 +259,92 @@ def test_a_deaf_process_of_one_run_takes_no_part_in_the_next() -> None:
     assert answer(fleet, node._world._session, 7) == Finished("removed")
     bus.close()
     assert fleet.execute()[-1]["verdict"] == "arrived"
+
+
+def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing() -> None:
+    """It asks while the world waits for somebody else, before that process could be told."""
+    orders, faults = (Order(0.5, remove=2), Order(1.0, add=AGAIN)), (ProcessFault(3, 0.5, "restart"),)
+    scenario, found = replace(SWAP, orders=orders, process=faults), []
+    for stranger in (False, True):
+        with skipped_waits():
+            fleet, told = LocalFleet([scenario]), list[Reply]()
+            ears, world = Overheard(fleet), fleet.world.world
+            ears.when = lambda world=world, fleet=fleet: (  # type: ignore[misc]
+                status(fleet) == "gone" and not world.is_open
+            )
+            if stranger:
+                ears.then = lambda fleet=fleet, told=told: told.append(  # type: ignore[misc]
+                    answer(fleet, "stranger")
+                )
+            report = fleet.execute()[0]
+        assert len(told) == stranger
+        found.append((report["verdict"], report["faults"]["given_up"], report["trajectory_sha256"]))
+    assert found[0] == found[1]
+
+
+def test_who_comes_while_its_robot_is_gone_waits_if_that_is_to_come_again() -> None:
+    comings = Order(0.2, add=GUEST), Order(1.0, remove=7), Order(1.3, add=GUEST)
+    fleet = LocalFleet([replace(SWAP, orders=comings)])
+    fleet.network.run(lambda: fleet.world.world.tick >= 22 or fleet.world.finished)
+    assert status(fleet, 7) == "gone"
+    assert isinstance(answer(fleet, "next", 7), Wait)
+    before = fleet.world._admissions.processes.newest[7]
+    assert answer(fleet, before, 7) == Finished("removed")
+    fleet.network.run(lambda: fleet.world.world.tick >= 27 or fleet.world.finished)
+    assert status(fleet, 7) != "gone"
+
+
+@pytest.mark.parametrize("given_up", [False, True], ids=["between two runs", "given up"])
+def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(
+    tmp_path: Path, given_up: bool
+) -> None:
+    runs = [ENDLESS] if given_up else [SWAP, SWAP]
+    Journal.create(tmp_path / "journal", "local", runs)
+    fleet = LocalFleet(runs, journal=tmp_path / "journal")
+    injector(fleet).node = None
+    if given_up:
+        go(fleet, 10)
+        fleet.world.world.coordinator.lost(2, "hangs")
+    else:
+        dead, ears = list[bool](), Overheard(fleet)
+        ears.when = lambda: fleet.world._run.number == 1
+        ears.then = lambda: dead.append(True)
+        fleet.network.run(lambda: bool(dead))
+    assert not life(fleet).goes_on
+    node = fleet.robots[2].node
+    assert isinstance(node, RobotNode)
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    fleet.kill_world()
+    fleet.start_world()
+    fleet.world_bus.drain()  # the tokens
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    assert isinstance(answer(fleet, node._world._session), Admission)
+
+
+def test_the_guest_of_the_next_run_waits_for_the_token_of_the_one_before() -> None:
+    """It would not be told from its own, and the world would wait for that in vain."""
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),))
+    with skipped_waits():
+        fleet = LocalFleet([guested, guested])
+        fleet.network.run(lambda: fleet.world.finished or fleet.world.world.tick >= 13)
+        bus = fleet.robots[7]
+        bus.node = None
+        fleet.network.run(
+            lambda: fleet.world._run.number == 1 and bool(fleet.world.world.coordinator.newcomers)
+        )
+        assert isinstance(answer(fleet, "next", 7), Wait)
+        bus.close()
+        fleet.world_bus.drain()
+        assert isinstance(answer(fleet, "next", 7), Admission)
+
+
+def test_who_comes_late_for_a_guest_of_the_run_before_is_told_that_it_is_removed() -> None:
+    """Its disk appeared as that run ended, and nobody had asked."""
+    guested = replace(SWAP, orders=(Order(0.2, add=GUEST),), time=replace(SWAP.time, limit=0.25))
+    fleet = LocalFleet([guested, SWAP])
+    injector(fleet).node = None
+    fleet.network.run(lambda: fleet.world._run.number == 1)
+    assert answer(fleet, "late", 7) == Finished("removed")
 
 
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
