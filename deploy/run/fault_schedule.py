@@ -25,7 +25,8 @@ class FaultSchedule:
         """Faults to carry out now, in the order of their ticks; each is returned once.
 
         None before the run has begun: everybody begins it, whatever happens to them in the first tick.
-        None for a run that there is not: the clock is a stranger's.
+        None for a run that there is not: the clock is a stranger's. Nothing happens to a process whose robot
+        is not there, in the world as here: the process of the next one may have come before this is due.
         """
         if clock.verdict or not self._run <= clock.run_number < len(self._scenarios):
             return []
@@ -34,7 +35,9 @@ class FaultSchedule:
             self._begin(clock.run_number)
         faults = self._returns() if begins or (self._run > 0 and not clock.founded) else []
         while clock.founded and self._due and self._due[0][0] <= clock.tick:
-            faults.append(self._due.pop(0)[-1])
+            tick, _, fault = self._due.pop(0)
+            if tick < clock.tick or fault.robot not in clock.passed_over:
+                faults.append(fault)
         for fault in faults:
             self._note(fault)
         return faults

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from msgspec.structs import replace as replaced
+
 from deploy.library.load import load
 from deploy.run.fault_schedule import FaultSchedule
 from protocol.messages import Clock
@@ -33,6 +35,15 @@ def test_who_was_removed_is_started_again_also_if_it_was_paused_and_resumed_then
     schedule.removed(2)
     assert schedule.due(clock(0, 20, founded=True)) == list(faults)
     assert schedule.due(clock(1)) == AGAIN
+
+
+def test_a_process_whose_robot_is_not_there_is_spared() -> None:
+    faults = tuple(ProcessFault(robot, 0.5, "restart") for robot in (2, 3))
+    for late, expected in ((0, faults[1:]), (1, faults)):
+        schedule = FaultSchedule([replace(SWAP, process=faults)])
+        seen = replaced(clock(0, 10 + late, founded=True), passed_over=(2,))
+        assert schedule.due(seen) == list(expected)
+        assert schedule.due(seen) == []
 
 
 def test_who_is_removed_stays_away_for_the_rest_of_the_run() -> None:

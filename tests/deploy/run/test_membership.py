@@ -11,17 +11,19 @@ from typing import Any
 import pytest
 
 from agents.node import RobotNode
-from deploy.library.load import load
+from deploy.library.load import load, resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport
+from deploy.studies.falsify.runs.observe import observe
 from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.requests.fleet import FleetReply, decode_change
 from protocol.requests.joining import Join, Wait
 from protocol.scenario.body import Body
+from protocol.scenario.file import parse_toml
 from protocol.scenario.model import Order, ProcessFault, RobotSpec, Scenario
 from tests.deploy.run.turnover import Turnover, asked
 from tests.world.stopwatch import Stopwatch
@@ -205,6 +207,31 @@ def test_who_followed_a_paused_process_is_there_for_the_next_scenario() -> None:
         with skipped_waits():
             reports = LocalFleet([first, SWAP]).execute()
         assert [report["verdict"] for report in reports] == ["timeout", "arrived"]
+
+
+def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot() -> None:
+    """However late a launcher gets to the first: robot 2 is not there, and its next process comes."""
+    text = """
+        time = { step = 0.05, limit = 0.3 }
+        workspace = { radius = 3.0 }
+        process = [{ robot = 2, at = 0.04, event = "restart" }, { robot = 2, at = 0.053, event = "restart" }]
+        robots = [
+            { id = 1, radius = 0.3, start = [0.0, 1.0], goal = [0.0, 0.0] },
+            { id = 2, radius = 0.3, start = [0.0, 0.0], goal = [0.0, -1.0] },
+        ]
+        [[orders]]
+        at = 0.0
+        remove = 2
+        [[orders]]
+        at = 0.05
+        add = { id = 2, radius = 0.09, start = [0.0, 0.0], goal = [0.0, 1.0] }
+    """
+    scenario = resolved(parse_toml(text))
+    calm = observe(scenario)
+    assert calm.report is not None
+    assert calm.report["faults"]["given_up"] == []
+    assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]
+    assert {observe(scenario, busy=seed).trajectory for seed in range(1, 16)} == {calm.trajectory}
 
 
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
