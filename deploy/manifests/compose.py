@@ -7,12 +7,11 @@ from typing import Any
 
 from deploy.manifests import container
 from deploy.manifests.json_text import json_text
-from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, SCENARIO, Plan, late
-from deploy.security.roster import ROUTER, WORLD, robot_role
+from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, SCENARIO, Plan
+from deploy.security.roster import ROUTER, WORLD
 
 HOSTS = (ROUTER,)  # by which name the router is found
 _FILE = "compose.yaml"
-_LATER = "newcomers"  # a profile: its services start when they are named
 _ENDPOINT = f"tls/{ROUTER}:{PORT}"
 _HEAD = f"""\
 Router, world and robots of the run {{run}}. {container.BUILD}
@@ -24,7 +23,7 @@ The keys are mounted as they are here, so the containers run as their owner."""
 
 def compose(plan: Plan) -> dict[str, str]:
     """Files by name. The user that runs this owns the keys, so the containers run as that user."""
-    members = (WORLD, *plan.robots, *map(robot_role, plan.newcomers))
+    members = (WORLD, *plan.robots)
     content = {
         "name": plan.name,
         "services": {ROUTER: _router(plan), **{role: _member(plan, role) for role in members}},
@@ -34,13 +33,8 @@ def compose(plan: Plan) -> dict[str, str]:
             for name in sorted({name for role in (ROUTER, *members) for name in plan.files(role)})
         },
     }
-    head = "\n".join([_HEAD.format(run=plan.roster.run, image=plan.image), late(starts(plan))])
+    head = _HEAD.format(run=plan.roster.run, image=plan.image)
     return {_FILE: json_text(content, head), SCENARIO: plan.scenario}
-
-
-def starts(plan: Plan) -> tuple[str, ...]:
-    """The command that starts each robot that comes by an order."""
-    return tuple(f"  docker compose up --detach --no-deps {robot_role(each)}" for each in plan.newcomers)
 
 
 def _router(plan: Plan) -> dict[str, Any]:
@@ -58,8 +52,7 @@ def _member(plan: Plan, role: str) -> dict[str, Any]:
     }
     if role == WORLD:  # one that has gone cannot be replaced in the middle of a run
         return {**service, "volumes": [f"./{SCENARIO}:{container.SCENARIO_INSIDE}:ro"]}
-    later = {"profiles": [_LATER]} if role in map(robot_role, plan.newcomers) else {}
-    return {**service, **later, "restart": "on-failure"}
+    return {**service, "restart": "on-failure"}
 
 
 def _healthcheck(command: str, start: float) -> dict[str, Any]:

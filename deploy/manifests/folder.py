@@ -42,12 +42,6 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
         raise
 
 
-def starts(orchestrator: Orchestrator, plan: Plan) -> tuple[str, ...]:
-    """The commands that start the robots that come by orders, one each."""
-    of = {"compose": compose.starts, "kubernetes": kubernetes.starts, "systemd": systemd.starts}
-    return of[orchestrator](plan)
-
-
 def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:
     if orchestrator == "compose":
         return compose.compose(plan)

@@ -1,17 +1,16 @@
-"""Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots,
-and one that waits for each robot that comes by an order."""
+"""Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots."""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from deploy.manifests import container, pods
 from deploy.manifests.container import CONFIG_INSIDE
 from deploy.manifests.json_text import json_text
-from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan, late
-from deploy.security.roster import ROUTER, WORLD, robot_role
+from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
+from deploy.security.roster import ROUTER, WORLD
 
 FLEET, SECRET = "fleet.yaml", "secret.yaml"
 _HEAD = f"""\
@@ -32,14 +31,9 @@ def hosts(plan: Plan) -> tuple[str, ...]:
 
 def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
     """Files by name. `keys` are the files of the directory of keys."""
-    first = [robot for robot in plan.roster.robots if robot not in plan.newcomers]
-    robots = [_robots(plan, "robots", first), *(_robots(plan, robot_role(n), [n]) for n in plan.newcomers)]
-    for job in robots[1:]:
-        job["spec"]["suspend"] = True
-    objects = [_config(plan), _router_service(plan), _router(plan), _world(plan), *robots]
+    objects = [_config(plan), _router_service(plan), _router(plan), _world(plan), _robots(plan)]
     fleet = {"apiVersion": "v1", "kind": "List", "items": objects}
     head = _HEAD.format(run=plan.roster.run, image=plan.image, name=plan.name)
-    head = "\n".join([head, late(starts(plan))])
     secret = {
         "apiVersion": "v1",
         "kind": "Secret",
@@ -48,12 +42,6 @@ def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
         "data": {name: b64encode(content).decode() for name, content in sorted(keys.items())},
     }
     return {FLEET: json_text(fleet, head), SECRET: json_text(secret, _SECRET_HEAD)}
-
-
-def starts(plan: Plan) -> tuple[str, ...]:
-    """The command that starts each robot that comes by an order."""
-    patch = """--type=merge --patch '{"spec":{"suspend":false}}'"""
-    return tuple(f"  kubectl patch job/{plan.name}-{robot_role(n)} {patch}" for n in plan.newcomers)
 
 
 def _config(plan: Plan) -> dict[str, Any]:
@@ -118,8 +106,8 @@ def _world(plan: Plan) -> dict[str, Any]:
     return pods.job(plan, WORLD, {"backoffLimit": 0, "template": template})
 
 
-def _robots(plan: Plan, part: str, robots: Sequence[int]) -> dict[str, Any]:
-    ids = [str(robot) for robot in robots]
+def _robots(plan: Plan) -> dict[str, Any]:
+    ids = [str(robot) for robot in plan.roster.robots]
     command = container.join(plan, "robot-$1", _endpoint(plan))
     running = {
         "name": "robot",
@@ -133,16 +121,17 @@ def _robots(plan: Plan, part: str, robots: Sequence[int]) -> dict[str, Any]:
         # Each sees the folder of its own index, with its own keys alone.
         "volumeMounts": [{**pods.mount("keys", KEYS_INSIDE), "subPathExpr": "$(INDEX)"}, pods.SCRATCH],
     }
-    volume = pods.indexed_keys(plan, [robot_role(robot) for robot in robots])
     return pods.job(
         plan,
-        part,
+        "robots",
         {
             "completions": len(ids),
             "parallelism": len(ids),
             "completionMode": "Indexed",
             "backoffLimit": 3 * len(ids),
-            "template": pods.pod(plan, "robot", running, volume, restart="OnFailure"),
+            "template": pods.pod(
+                plan, "robot", running, pods.indexed_keys(plan, plan.robots), restart="OnFailure"
+            ),
         },
     )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,7 +30,6 @@ class Plan:
     software: tuple[str, ...] = ()  # folders on a host without which that does not run
     router: str = f"tls/127.0.0.1:{PORT}"  # where hosts find the router
     wait: float = 300.0  # s that router, world and robots may take to be there, in any order
-    newcomers: tuple[int, ...] = ()  # of the roster, who come by orders and are started then
 
     @property
     def name(self) -> str:
@@ -40,19 +38,12 @@ class Plan:
 
     @property
     def robots(self) -> tuple[str, ...]:
-        """Roles of the robots that are there from the start."""
-        return tuple(robot_role(robot) for robot in self.roster.robots if robot not in self.newcomers)
+        """Roles of all robots; those that come by orders wait for their disks."""
+        return tuple(robot_role(robot) for robot in self.roster.robots)
 
     def files(self, role: str) -> tuple[str, ...]:
         """All of the keys that a role needs."""
         return (AUTHORITY, ROSTER, certificate_file(role), key_file(role))
-
-
-def late(start: Sequence[str]) -> str:
-    """Lines for the head of a file: how who comes by orders is started, by these commands."""
-    if not start:
-        return ""
-    return "\n".join(["Orders of the scenario add robots; start each once its disk is there:", *start])
 
 
 def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from deploy.manifests.plan import KEYS, SCENARIO, Plan, join, late
+from deploy.manifests.plan import KEYS, SCENARIO, Plan, join
 from deploy.security.roster import ROUTER, WORLD
 
 ETC = "/etc/disknav"  # the folder of a run lies in here
@@ -65,22 +65,13 @@ def _target(plan: Plan, folder: str) -> str:
 #   mkdir -p {folder} && cp -r {KEYS} {SCENARIO} {folder}/
 #   cp {plan.name}* /etc/systemd/system/ && systemctl daemon-reload && systemctl start {plan.name}.target
 # On several, start the services that belong to each; only the keys of those are needed there.
-{_commented(late(starts(plan)))}[Unit]
+[Unit]
 Description=Fleet {plan.roster.run}
 Wants={wanted}
 
 [Install]
 WantedBy=multi-user.target
 """
-
-
-def starts(plan: Plan) -> tuple[str, ...]:
-    """The command that starts each robot that comes by an order."""
-    return tuple(f"  systemctl start {plan.name}-robot@{robot}.service" for robot in plan.newcomers)
-
-
-def _commented(text: str) -> str:
-    return "".join(f"# {line}\n" for line in text.splitlines())
 
 
 def _router(plan: Plan, folder: str) -> str:

@@ -48,8 +48,8 @@ def deploy(
     Example: disknav deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
     from deploy.library.load import load
-    from deploy.manifests.folder import starts, write
-    from deploy.manifests.plan import Plan, installation, late
+    from deploy.manifests.folder import write
+    from deploy.manifests.plan import Plan, installation
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
@@ -78,10 +78,7 @@ def deploy(
         command=command,
         software=installation(),
         wait=wait,
-        newcomers=tuple(sorted(added)),
         **named,
     )
     write(out, orchestrator, plan, days)
     print(f"{out}: the run {roster.run} for {orchestrator}")
-    if text := late(starts(orchestrator, plan)):
-        print(text)

@@ -17,7 +17,7 @@ import yaml
 
 from deploy.library.load import load
 from deploy.manifests import compose, container
-from deploy.manifests.folder import starts, write
+from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.processes.probe import probed_key
 from deploy.security.roster import Roster
@@ -87,41 +87,39 @@ def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str
     assert kinds == ["ConfigMap", "Service", "Deployment", "Job", "Job", "Secret"]
 
 
-def test_robots_that_orders_add_wait_to_be_started(tmp_path: Path) -> None:
-    """Whose disk is not there is refused, so nobody starts its process with the others."""
-    plan = Plan(ROSTER, write_toml(SCENARIO), newcomers=(5,))
-    write(tmp_path / "compose", "compose", plan)
-    text = (tmp_path / "compose" / "compose.yaml").read_text()
-    services = documents(tmp_path / "compose" / "compose.yaml")[0]["services"]
-    assert [name for name, service in services.items() if "profiles" in service] == ["robot-5"]
-    assert "# " + starts("compose", plan)[0] in text.splitlines()
-    write(tmp_path / "kubernetes", "kubernetes", plan)
-    *_, first, late = documents(tmp_path / "kubernetes" / "fleet.yaml")
-    assert [each["spec"].get("suspend", False) for each in (first, late)] == [False, True]
-    found = [each["spec"]["template"]["spec"]["containers"][0]["env"][0]["value"] for each in (first, late)]
-    assert found == ["1 2", "5"]
-    assert f"job/{late['metadata']['name']} " in starts("kubernetes", plan)[0]
-    write(tmp_path / "systemd", "systemd", plan)
-    target = (tmp_path / "systemd" / "disknav-yard-7.target").read_text()
-    (wanted,) = (line for line in target.splitlines() if line.startswith("Wants="))
-    assert "robot@2.service" in wanted
-    assert "robot@5.service" not in wanted
-    assert "# " + starts("systemd", plan)[0] in target.splitlines()
-    for orchestrator in ("compose", "kubernetes", "systemd"):
-        assert (tmp_path / orchestrator / "keys" / "robot-5.key").is_file()
+GUEST = RobotSpec(3, 0.02, (0.0, 0.2), (0.0, 0.25))
+THIRD = {
+    "compose": ("compose.yaml", '"robot-3": {'),
+    "kubernetes": ("fleet.yaml", '"value": "1 2 3"'),
+    "systemd": ("disknav-yard.target", "disknav-yard-robot@3.service"),
+}
 
 
-@pytest.mark.parametrize(("robot", "status"), [(3, 0), (2, 2)])
-def test_deploy_says_how_those_are_started_whom_orders_add(
-    disknav: Forks, tmp_path: Path, robot: int, status: int
-) -> None:
-    guest = RobotSpec(robot, 0.02, (0.0, 0.2), (0.0, 0.25))
+def deployed(
+    disknav: Forks, folder: Path, orchestrator: str, guest: RobotSpec
+) -> subprocess.CompletedProcess[str]:
     scenario = replace(load("swap-2"), orders=(Order(1.0, remove=2), Order(2.0, add=guest)))
-    (tmp_path / "guest.toml").write_text(write_toml(scenario))
-    done = disknav("deploy", "systemd", tmp_path / "guest.toml", "-o", tmp_path / "fleet", "--run", "yard")
-    assert done.returncode == status
-    said = done.stderr if status else done.stdout
-    assert ("robot 2 again" if status else "systemctl start disknav-yard-robot@3.service") in said
+    (folder / "guest.toml").write_text(write_toml(scenario))
+    return disknav("deploy", orchestrator, folder / "guest.toml", "-o", folder / "fleet", "--run", "yard")
+
+
+@pytest.mark.parametrize("orchestrator", THIRD)
+def test_whom_orders_add_is_started_with_the_others(
+    disknav: Forks, tmp_path: Path, orchestrator: str
+) -> None:
+    """It waits for its disk."""
+    assert deployed(disknav, tmp_path, orchestrator, GUEST).returncode == 0
+    assert (tmp_path / "fleet" / "keys" / "robot-3.key").is_file()
+    name, words = THIRD[orchestrator]
+    assert words in (tmp_path / "fleet" / name).read_text()
+
+
+def test_nobody_would_start_a_process_again_that_was_told_that_it_is_removed(
+    disknav: Forks, tmp_path: Path
+) -> None:
+    done = deployed(disknav, tmp_path, "systemd", replace(GUEST, id=2))
+    assert done.returncode == 2
+    assert "robot 2 again" in done.stderr
 
 
 def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:

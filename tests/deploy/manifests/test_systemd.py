@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 
-from deploy.library.load import load
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.manifests.systemd import ETC
@@ -26,9 +25,10 @@ from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.file import write_toml
 from protocol.wire.codec import decode
+from tests.deploy.manifests.guested import ROBOTS, guested
 from tests.deploy.processes.ports import free_ports
 
-SCENARIO = load("figure-2", ["control.speed=0.3"], 4)
+SCENARIO = guested("control.speed=0.3")
 DISKNAV = str(Path(sys.executable).parent / "disknav")
 ANALYZE = shutil.which("systemd-analyze")
 needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is not installed")
@@ -37,9 +37,7 @@ needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is n
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (port,) = free_ports(1)
-    plan = Plan(
-        Roster("yard", SCENARIO.ids), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}"
-    )
+    plan = Plan(Roster("yard", ROBOTS), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}")
     write(tmp_path / "fleet", "systemd", plan)
     return tmp_path / "fleet"
 
@@ -63,7 +61,7 @@ def test_software_in_a_home_is_shown_and_nothing_else_there(tmp_path: Path) -> N
     """Whatever the modes of the folders above it; with spaces, colons and per cent signs in its path."""
     home = "/root/my fleet: 100%"
     plan = Plan(
-        Roster("yard", SCENARIO.ids),
+        Roster("yard", ROBOTS),
         write_toml(SCENARIO),
         command=f"{home}/env/bin/disknav",
         software=(f"{home}/env", "/usr"),
@@ -122,7 +120,7 @@ def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
         bus = stack.enter_context(closing(ZenohBus(monitor)))
         bus.subscribe(world_key("yard", "result"))
         world = stack.enter_context(started(folder, "world"))
-        first, *others = map(str, SCENARIO.ids)
+        first, *others = map(str, ROBOTS)
         robots = [stack.enter_context(started(folder, "robot@", first))]
         probes = []  # they are answered while the world waits for the others; the run itself is a short one
         for role, keys in (("world", "world"), (f"robot-{first}", f"robot@{first}")):
@@ -134,7 +132,7 @@ def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
         robots += [stack.enter_context(started(folder, "robot@", robot)) for robot in others]
         assert [probe.wait(70.0) for probe in probes] == [0, 0]
         report = json.loads(result(bus))
-        assert report["verdict"] == "arrived"
+        assert (report["verdict"], report["robots"]) == ("arrived", list(ROBOTS))
         assert world.wait(10.0) == 0
         assert [robot.wait(10.0) for robot in robots] == [0] * len(robots)
 
