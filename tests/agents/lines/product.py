@@ -18,6 +18,7 @@ _LINES = [
         "ends",
         "tangent",
         "robot_pair",
+        "watch",
         "initial_lines",
         "talk.entries",
         "talk.near",
