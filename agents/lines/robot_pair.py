@@ -26,7 +26,6 @@ class RobotPair:
         own_radius, radius: of this robot and of the peer, m.
         initial: the line obeyed since the start, if both can know one.
         peer_incarnation: the peer's incarnation that begins with it, its first in this run.
-        woken: where this pair puts itself if it was asleep, and has to be looked at again.
 
     Attributes:
         end: this robot's end of the line.
@@ -38,15 +37,12 @@ class RobotPair:
             nx, ny: its normal, away from this robot.
             offset: of the line along that, m.
             limit: of the own centre along that, m.
-        asleep: whether nobody looks at it, for it is ready, and its lines are far (`agents.lines.watch`).
         moved_x, moved_y: how far the peer came in a tick between the last two States of its, m.
         answers_left: States that still have to carry the answer.
     """
 
     __slots__ = (
-        "_woken",
         "answers_left",
-        "asleep",
         "disk",
         "end",
         "excused",
@@ -76,11 +72,10 @@ class RobotPair:
         radius: float,
         initial: Line | None,
         peer_incarnation: int = 0,
-        woken: list[RobotPair] | None = None,
     ) -> None:
         # What is looked at in every tick comes first, so that it lies together in memory.
         self.owns = owns
-        self.settled = self.excused = self.asleep = False
+        self.settled = self.excused = False
         self.heard = 0  # newest incarnation of the peer that was heard
         self.answers_left = 0
         self.state: PeerState | None = None
@@ -88,7 +83,6 @@ class RobotPair:
         self.moved_x = self.moved_y = 0.0
         self.radius, self.own_radius = radius, own_radius
         self.peer = peer
-        self._woken: list[RobotPair] = [] if woken is None else woken
         self.end: Owner | Follower = (Owner if owns else Follower)(incarnation, initial, peer_incarnation)
         self.disk: Tangent | None = None
         self.line_half_planes: tuple[HalfPlane, ...] = ()
@@ -110,15 +104,6 @@ class RobotPair:
         if self.disk is None or self.disk.half_plane is None:
             return self.line_half_planes
         return (*self.line_half_planes, self.disk.half_plane)
-
-    def is_far(self, x: float, y: float, reach: float) -> bool:
-        """Whether the two agree, until `renew`, on lines that are `reach` (m) or more from the own centre at
-        (x, y), m."""
-        if self.settled:
-            return self.limit - self.nx * x - self.ny * y >= reach
-        if self.disk is not None or not self.end.agreed:
-            return False
-        return all(side.slack(x, y) >= reach for side in self.line_half_planes)
 
     def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
         """How far to back off, m, so that a line fits between this robot and a peer's new incarnation, or its
@@ -164,9 +149,6 @@ class RobotPair:
 
     def renew(self) -> None:
         """What is obeyed has changed."""
-        if self.asleep:
-            self.asleep = False
-            self._woken.append(self)
         self.line_half_planes = tuple([line.side(self.own_radius, self.owns) for line in self.end.obeyed])
         if self.end.agreed:
             self.disk = None

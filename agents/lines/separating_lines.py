@@ -14,7 +14,6 @@ from agents.lines.placement import Disk, initial_line
 from agents.lines.robot_pair import RobotPair
 from agents.lines.talk.far import FarTalk
 from agents.lines.talk.near import ANSWER_TICKS, NearTalk
-from agents.lines.watch import Watch
 from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
@@ -67,8 +66,7 @@ class SeparatingLines:
         self._reach = reach if reach > 0.0 else max_step
         self._founding = {each.robot: each.founding for each in members}
         self._pairs: dict[int, RobotPair] = {}
-        self._watch = Watch(AHEAD * max_step)
-        self._each = self._watch.each
+        self._each: list[RobotPair] = []
         self._near_talk = NearTalk(max_step, period, berth)
         self._far_talk = None if urgent is None else FarTalk(urgent)
         self._initial: InitialLines | None = None
@@ -101,11 +99,10 @@ class SeparatingLines:
                 radius=self._radii[peer] if founding else 0.0,
                 initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
                 peer_incarnation=self._founding.get(peer, 0) if founding else 0,
-                woken=self._watch.woken,
             )
-            self._watch.add(pair)
+            self._each.append(pair)
             if self._initial is not None:
-                self._watch.sort()
+                self._each.sort(key=_peer_of)  # as if all had been there from the beginning
                 self._initial.leave(peer)
         return pair
 
@@ -172,8 +169,7 @@ class SeparatingLines:
     @property
     def ready(self) -> bool:
         """Whether every peer that is there is behind something; who is not ready must stand still."""
-        # several times in a tick; a generator costs five times as much
-        for pair in self._watch.awake():  # noqa: SIM110
+        for pair in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
             if not (pair.settled or pair.ready):
                 return False
         return True
@@ -203,7 +199,7 @@ class SeparatingLines:
         near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
         self._look(x, y, near)
         found = []
-        for pair in self._watch.near(x, y, near):
+        for pair in self._each:
             if pair.settled:
                 if pair.limit - pair.nx * x - pair.ny * y < near:
                     found.append(own.kept_in(pair.nx, pair.ny, pair.limit))
@@ -219,7 +215,7 @@ class SeparatingLines:
         self._look(x, y, radius)
         return [
             (pair.peer, side)
-            for pair in self._watch.near(x, y, radius)
+            for pair in self._each
             for side in pair.half_planes
             if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
         ]
@@ -331,3 +327,7 @@ class SeparatingLines:
     def _fits(self, line: Line, owner: bool) -> bool:
         """Whether the own disk surely satisfies a line now and until every command that is out has ended."""
         return line.is_unit and self._own.satisfies(line.side(self._radius, owner))
+
+
+def _peer_of(pair: RobotPair) -> int:
+    return pair.peer

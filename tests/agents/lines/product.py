@@ -18,7 +18,6 @@ _LINES = [
         "ends",
         "tangent",
         "robot_pair",
-        "watch",
         "initial_lines",
         "talk.entries",
         "talk.near",

@@ -400,30 +400,21 @@ def _copied_seat(seat: Seat, owner: Track) -> Seat:
 
 def _copied_ledger(ledger: Any) -> Any:
     twin = _twin(ledger)
-    watch = twin._watch = _slotted_twin(ledger._watch)
-    watch.woken = []
-    twin._pairs = {peer: _copied_bond(pair, watch.woken) for peer, pair in ledger._pairs.items()}
-    twin._each = twin._talking = watch.each = list(twin._pairs.values())
-    watch._awake = [pair for pair in watch.each if not pair.asleep]
+    twin._pairs = {peer: _copied_bond(pair) for peer, pair in ledger._pairs.items()}
+    twin._each = twin._talking = list(twin._pairs.values())
     return twin
 
 
-def _copied_bond(pair: Any, woken: list[Any]) -> Any:
-    twin = _slotted_twin(pair)
-    twin._woken = woken
+def _copied_bond(pair: Any) -> Any:
+    kind = type(pair)
+    twin = kind.__new__(kind)
+    for name in kind.__slots__:
+        setattr(twin, name, getattr(pair, name))
     twin.end = _twin(pair.end)
     if pair.owns:
         twin.end.proposed = dict(pair.end.proposed)
     if pair.disk is not None:
         twin.disk = _twin(pair.disk)
-    return twin
-
-
-def _slotted_twin(thing: Any) -> Any:
-    kind = type(thing)
-    twin = kind.__new__(kind)
-    for name in kind.__slots__:
-        setattr(twin, name, getattr(thing, name))
     return twin
 
 

@@ -25,7 +25,7 @@ Modules = dict[str, ModuleType]
 _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
-    *("agents.lines.ends", "agents.lines.robot_pair", "agents.lines.watch"),
+    *("agents.lines.ends", "agents.lines.robot_pair"),
     *("agents.lines.talk.entries", "agents.lines.talk.near", "agents.lines.talk.far"),
     "agents.lines.separating_lines",
     *(
@@ -124,30 +124,6 @@ def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
         self._inherited = ()
 
     owner._begin = begin
-
-
-def sleeping_on(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """Pairs that sleep are not looked at again, however far the robot has gone."""
-    watch = modules["agents.lines.watch"].Watch
-    before = watch.near
-
-    def near(self: Any, x: float, y: float, reach: float) -> Any:
-        return before(self, x if self._reach < 0.0 else self._x, y if self._reach < 0.0 else self._y, reach)
-
-    watch.near = near
-
-
-def sleeping_deep(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """Pairs that sleep are not looked at again when they agree on another line."""
-    pair = modules["agents.lines.robot_pair"].RobotPair
-    before = pair.renew
-
-    def renew(self: Any) -> None:
-        asleep, self.asleep = self.asleep, False
-        before(self)
-        self.asleep = asleep
-
-    pair.renew = renew
 
 
 def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:

@@ -34,8 +34,6 @@ FAULTS: dict[Fault, tuple[int, set[str]]] = {  # a seed that shows it soon, and 
     planted.trusting_initial_lines: (48, {"contact"}),
     planted.forgetting_the_dead: (30, {"contact"}),
     planted.growing_blindly: (27, {"contact"}),
-    planted.sleeping_on: (1, {"contact"}),
-    planted.sleeping_deep: (4, {"contact"}),
     planted.not_waiting: (0, {"contact"}),
     planted.drawing_as_it_comes: (33, {"order"}),
     planted.failing: (0, {"error"}),
