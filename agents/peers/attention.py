@@ -53,10 +53,9 @@ class Attention:
         self.everybody = True
         self.near: tuple[int, ...] = ()
         self.due = self._due = -1
-        self._present = (
-            self._absent
-        ) = -1  # newest tick in which this life took part; newest before it when not
-        self._gaps: list[range] = []  # ticks in which it did not
+        self._present = -1  # newest tick in which this life took part
+        self._absent = -1  # newest before it in which it did not
+        self._gaps: list[range] = []  # all of those
         self._turn, self._take = turn, 0  # from that tick on, the summary of `_due` has to be there
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is near
         self._coming: tuple[int, ...] | None = None
