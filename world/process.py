@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from protocol.bus.connection import Connection
-from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.drive import Stop, drive, stop_on_signal, uninterrupted
 from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
@@ -85,7 +85,12 @@ def main(
 def supervised(*arguments: Any) -> int:
     """As `main`; the last argument takes every report as JSON text, whatever becomes of the network."""
     *others, say = arguments
-    return main(*others, tell=lambda report: say(json.dumps(report)))
+
+    def tell(report: dict[str, Any]) -> None:
+        with uninterrupted():  # half a report is none
+            say(json.dumps(report))
+
+    return main(*others, tell=tell)
 
 
 def _say_where(past: Resumed) -> None:

@@ -161,10 +161,12 @@ class _Server:
     def _relay(self, descriptor: int) -> None:
         life, pipe = self._reports[descriptor]
         try:
-            self._tell(Report(life, pipe.recv()))
-        except EOFError:
+            text = pipe.recv()
+        except (EOFError, OSError):  # it has ended, perhaps in the middle of a report
             del self._reports[descriptor]
             pipe.close()
+        else:
+            self._tell(Report(life, text))
 
     def _collect(self) -> None:
         unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss is in bytes there, in KiB here

@@ -55,14 +55,13 @@ def world(
     restarts: int = 0,
     journal: Path | None = None,
 ) -> Process:
-    """The world of a run; `restarts` as its robots' rows have it.
+    """The world of a run, which tells every report as JSON; `restarts` as its robots' rows have it.
 
-    With a `journal` it can be started again as often, too, and reports every report as JSON.
+    With a `journal` it can be started again as often, too.
     """
-    arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts)
-    if journal is None:
-        return Process(WORLD, "world.process:main", arguments, vital=True)
-    return Process(WORLD, "world.process:supervised", (*arguments, journal), True, restarts, reports=True)
+    arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts, journal)
+    again = 0 if journal is None else restarts
+    return Process(WORLD, "world.process:supervised", arguments, True, again, reports=True)
 
 
 def robot(

@@ -25,7 +25,7 @@ from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import MessageError
 from protocol.keys import world_key
-from protocol.messages import Clock, Result
+from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.wire.codec import decode
@@ -33,7 +33,6 @@ from protocol.wire.codec import decode
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
-_ECHO = 0.5  # s for messages of a process that has ended
 _POLL = 0.02  # s
 ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
 
@@ -108,8 +107,7 @@ class Fleet:
     def _listen(self, stack: ExitStack) -> None:
         self._bus = ZenohBus(self.topology.observer())
         stack.callback(self._bus.close)
-        for stream in ("clock", "result"):
-            self._bus.subscribe(world_key(self._options.run, stream))
+        self._bus.subscribe(world_key(self._options.run, "clock"))
 
     def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
         """Watch until every scenario has its report, or it is `enough`.
@@ -164,8 +162,6 @@ class Fleet:
             return
         try:
             message = decode(event.key, event.payload)
-            if isinstance(message, Result):
-                self._reports.add(message.report)
         except MessageError as error:
             self.rejected[error.reason] += 1
             return
@@ -173,8 +169,8 @@ class Fleet:
             self._follow(message)
 
     def _poll(self) -> list[Exit]:
-        """Who has ended. A world that can be started again has told its reports here, too: what it publishes
-        may be lost with a router."""
+        """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
+        than its end."""
         exits = self._supervisor.poll()
         for text in self._supervisor.heard(table.WORLD):
             self._reports.add(text)
@@ -224,8 +220,6 @@ class Fleet:
                 LOG.warning(f"{exit_}; it is started again")
             if exit_.again:
                 continue
-            if exit_.process.vital:
-                self._listen_on()
             if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
@@ -239,12 +233,6 @@ class Fleet:
     @property
     def _complete(self) -> bool:
         return len(self._reports.all) == len(self._scenarios)
-
-    def _listen_on(self) -> None:
-        """What a process said before it ended may still be on its way."""
-        deadline = time.monotonic() + _ECHO
-        while not self._complete and time.monotonic() < deadline:
-            self._take(self._bus.receive(_POLL))
 
     def _cut(self, verdict: str, reason: str) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the

@@ -1,4 +1,4 @@
-"""The reports of a fleet's runs, as they come in: over the network, and from the world's own process."""
+"""The reports of a fleet's runs, as the world's process tells them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PROMISED = {
 
 
 class Reports:
-    """One a run, in their order, whatever arrives twice.
+    """One a run, in their order, whatever is told twice.
 
     Attributes:
         all: those there are; the list stays the same.
@@ -35,7 +35,7 @@ class Reports:
         self._on_report, self._digest = on_report, digest
 
     def add(self, text: str) -> None:
-        """Take one, a JSON object, unless its run has one: a world may tell it, and a later life again.
+        """Take one, a JSON object, unless its run has one: a later life of the world may tell it again.
 
         Raises:
             MessageError: it is not JSON, or not what a world reports.

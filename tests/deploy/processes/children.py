@@ -6,6 +6,7 @@ import os
 import signal
 from collections.abc import Callable
 from contextlib import closing
+from multiprocessing.connection import Connection as Channel
 from typing import NoReturn
 
 from deploy.processes.spawn import Spawner
@@ -74,6 +75,14 @@ def print_and_report(report: Callable[[str], None]) -> int:
     print("printed")
     report("reported")
     return 0
+
+
+def die_while_reporting(report: Callable[[str], None]) -> NoReturn:
+    """Be killed in the middle of a report that no pipe holds at once."""
+    channel: Channel[str, str] = report.__self__  # type: ignore[attr-defined]
+    os.write(channel.fileno(), (1 << 20).to_bytes(4, "big") + b"half of")
+    signal.raise_signal(signal.SIGKILL)
+    wait()
 
 
 def supervise(path: str, names: list[str]) -> None:

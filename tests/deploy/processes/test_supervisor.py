@@ -18,6 +18,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import ProcessError
 from tests.deploy.processes.children import (
     announce,
+    die_while_reporting,
     divide_by_zero,
     give,
     row,
@@ -155,6 +156,16 @@ def test_reports_that_nobody_asks_for_do_not_pile_up() -> None:
     mute = Life(Process("robot-3", "m:f"), 2)
     mute.hear("a lie")
     assert (mute.report, mute.unheard) == (None, [])
+
+
+def test_who_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -> None:
+    supervisor.start([waiting("well"), row("torn", die_while_reporting, reports=True)])
+    (exit_,) = exits(supervisor, 1)
+    assert (exit_.process.name, exit_.code) == ("torn", -signal.SIGKILL)
+    assert supervisor.heard("torn") == []
+    assert supervisor.report("well", PATIENCE) == "waiting"
+    supervisor.restart("well")
+    assert supervisor.report("well", PATIENCE) == "waiting"
 
 
 def test_names_are_unique_and_known(supervisor: Supervisor) -> None:

@@ -14,10 +14,12 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from deploy.run.reports import Reports
+from deploy.run.unjudged import unjudged
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError
+from protocol.errors import BusError, MessageError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.requests.joining import Refusal, decode_reply
@@ -67,10 +69,10 @@ def test_a_watcher_counts_strangers() -> None:
     "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
 )
 def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
-    launcher = Fleet([SWAP], RunOptions())
-    launcher._take(Sample(world_key("r", "result"), encode(Result(report))))
-    assert launcher.rejected == {"shape": 1}
-    assert not launcher._complete
+    reports = Reports()
+    with pytest.raises(MessageError, match="result: the report"):
+        reports.add(report)
+    assert reports.all == []
 
 
 def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:
@@ -102,11 +104,13 @@ class Disturbed(Fleet):
         keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")
         keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
         self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]
+        self._judge = stranger.publisher(STREAMS["result"], f"{prefix}/world/result")
         return super()._robots()
 
     def _disturb(self, clock: Clock) -> None:
         for say in self._say:
             say(b"\x91\xa7state/2")
+        self._judge(encode(Result(json.dumps(unjudged(self._scenarios[0], clock, 0.0)))))
         if clock.tick < 20:
             self._say[0](HUGE)
 
