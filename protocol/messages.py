@@ -237,7 +237,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
     parts: tuple[PartPlace, ...] = ()  # where the parts of the scenario are
-    passed_over: tuple[Id, ...] = ()  # not there, so that nothing happens to their processes in this tick
+    passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault so far that finds no disk
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):

@@ -16,6 +16,7 @@ from deploy.processes.fork_messages import Exited, News, Report, Started
 from deploy.processes.row import Exit, Life, Usage
 from deploy.processes.spawn import ProcessStarter, Spawner
 from deploy.processes.table import Process
+from protocol.bus.drive import uninterrupted
 from protocol.errors import ProcessError
 
 _POLL = 0.05  # s
@@ -182,9 +183,10 @@ class Supervisor:
             self._read(min(_POLL, remaining))
 
     def _read(self, timeout: float) -> None:
-        for news in self._spawner.news(min([timeout, *self._waits()])):
-            if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
-                self._take(life, news)
+        with uninterrupted():  # what is read, and half of it, would be lost
+            for news in self._spawner.news(min([timeout, *self._waits()])):
+                if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
+                    self._take(life, news)
         for life in self._lives.values():
             if life.due is not None and time.monotonic() >= life.due:
                 self._again(life)

@@ -27,16 +27,19 @@ class FaultSchedule:
         None before the run has begun: everybody begins it, whatever happens to them in the first tick.
         None for a run that there is not: the clock is a stranger's. Nothing happens to a process whose robot
         is not there, in the world as here: the process of the next one may have come before this is due.
+        A clock that is lost is made up for by any later one of its run, the last included.
         """
-        if clock.verdict or not self._run <= clock.run_number < len(self._scenarios):
+        if not self._run <= clock.run_number < len(self._scenarios):
             return []
         begins = clock.run_number > self._run
         if begins:
             self._begin(clock.run_number)
-        faults = self._returns() if begins or (self._run > 0 and not clock.founded) else []
-        while clock.founded and self._due and self._due[0][0] <= clock.tick:
+        gathers = not clock.verdict and (begins or (self._run > 0 and not clock.founded))
+        faults = self._returns() if gathers else []
+        until = clock.tick - 1 if clock.verdict else clock.tick  # the last tick that was open
+        while clock.founded and self._due and self._due[0][0] <= until:
             tick, _, fault = self._due.pop(0)
-            if tick < clock.tick or fault.robot not in clock.passed_over:
+            if (tick, fault.robot) not in clock.passed_over:
                 faults.append(fault)
         for fault in faults:
             self._note(fault)

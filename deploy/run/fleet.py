@@ -21,6 +21,7 @@ from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
 from deploy.run.topology import Topology
 from deploy.run.unjudged import INTERRUPTED, unjudged
+from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import MessageError
@@ -171,9 +172,13 @@ class Fleet:
     def _poll(self) -> list[Exit]:
         """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
         than its end."""
-        exits = self._supervisor.poll()
-        for text in self._supervisor.heard(table.WORLD):
-            self._reports.add(text)
+        with uninterrupted():  # it does not tell them again
+            exits = self._supervisor.poll()
+            for text in self._supervisor.heard(table.WORLD):
+                try:
+                    self._reports.add(text)
+                except MessageError as error:  # of a host that was taken over
+                    self.rejected[error.reason] += 1
         return exits
 
     def _follow(self, clock: Clock) -> None:
@@ -238,13 +243,14 @@ class Fleet:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
         run does not wait for it, the launcher does."""
         LOG.info(f"{verdict}: {reason}")
+        self._poll()
         with suppress(KeyboardInterrupt):
             self._await_last_words()
         reports = self._reports.all
-        if not reports:
-            reports.append(self._unjudged())
-        if reports[-1]["verdict"] != "collision":
+        if reports and reports[-1]["verdict"] == "interrupted":
             reports[-1].update(verdict=verdict, reason=reason)
+        elif not self._complete:
+            reports.append({**self._unjudged(), "verdict": verdict, "reason": reason})
 
     def _await_last_words(self) -> None:
         if self._options.restarts:
@@ -252,13 +258,16 @@ class Fleet:
         if table.WORLD in self._supervisor.running():
             self._supervisor.signal(table.WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
-            already = len(self._reports.all)
-            while len(self._reports.all) == already and time.monotonic() < deadline:
+            while table.WORLD in self._supervisor.running() and time.monotonic() < deadline:
                 self._take(self._bus.receive(_POLL))
                 self._poll()
 
     def _unjudged(self) -> Report:
-        return unjudged(self._scenarios[0], self._clock, time.monotonic() - self._began)
+        """Of the first run that has no report."""
+        number, clock = len(self._reports.all), self._clock
+        last = clock if clock is not None and clock.run_number == number else None
+        report = unjudged(self._scenarios[number], last, time.monotonic() - self._began)
+        return {**report, "run_number": number}
 
 
 def _row(usage: Usage, host: str | None) -> dict[str, Any]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import Final, NoReturn
 
@@ -43,12 +44,26 @@ def _stop(number: int, _frame: FrameType | None) -> NoReturn:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Inside, SIGTERM and SIGINT wait: for what must not be left half done, and does not take long."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-    try:
+    """Inside, SIGTERM and SIGINT wait: for what must not be left half done, and does not take long.
+
+    They are held back where Python handles them, which is in the main thread: to block them in one thread
+    leaves them to others, of which a session has many.
+    """
+    if threading.current_thread() is not threading.main_thread():
         yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        return
+    held: list[int] = []
+    with ExitStack() as stack:
+        stack.callback(_deliver, held)
+        for number in _SIGNALS:
+            before = signal.signal(number, lambda number, _: held.append(number))
+            stack.callback(signal.signal, number, before)
+        yield
+
+
+def _deliver(held: list[int]) -> None:
+    if held:
+        signal.raise_signal(held[0])
 
 
 def drive(

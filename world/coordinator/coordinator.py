@@ -91,8 +91,9 @@ class Coordinator:
 
     @property
     def newcomers(self) -> tuple[int, ...]:
-        """Robots that were added, whose disks are there, and whose processes have not joined yet."""
-        return tuple(robot for robot in sorted(self.membership.newcomers) if not self.lives.of[robot].killed)
+        """Robots that were added, whose disks are there, and whose processes have not joined yet, and may."""
+        of = self.lives.of
+        return tuple(r for r in sorted(self.membership.newcomers) if not (of[r].killed or of[r].paused))
 
     @property
     def ended(self) -> tuple[int, ...]:

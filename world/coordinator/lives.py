@@ -38,7 +38,7 @@ class Lives:
         self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0, returning: float = 0.0
     ) -> None:
         self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
-        self._passed_over: tuple[int, frozenset[int]] = (-1, frozenset())  # tick, whose faults did not
+        self.passed_over: tuple[tuple[int, int], ...] = ()  # tick and robot of each fault that did not happen
         self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
         self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
         self._earlier = dict(incarnations)
@@ -250,15 +250,10 @@ class Lives:
         while self._schedule and self._schedule[0][0] <= tick:
             _, fault = self._schedule.pop(0)
             if self._roster.status(fault.robot) not in ("live", "standing"):
-                self._passed_over = tick, self.passed_over(tick) | {fault.robot}
+                self.passed_over += ((tick, fault.robot),)
                 continue
             self.applied.append((tick, fault))
             _EVENTS[fault.event](self.of[fault.robot])
-
-    def passed_over(self, tick: int) -> frozenset[int]:
-        """Robots to whose processes nothing happened in `tick`, whatever the scenario says: their disks were
-        not there."""
-        return self._passed_over[1] if self._passed_over[0] == tick else frozenset()
 
     def fence(self, tick: int, robot: int, position: Vector, bound: float) -> None:
         """Announce a life as down, within `bound` of `position`, m, if it has been silent for long enough at

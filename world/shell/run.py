@@ -80,7 +80,7 @@ class Run:
             world.coordinator.lives.things.changes,
             world.coordinator.newcomers,
             world.coordinator.parts.places,
-            tuple(sorted(world.coordinator.lives.passed_over(world.tick))),
+            world.coordinator.lives.passed_over,
         )
 
     def is_marked(self) -> bool:

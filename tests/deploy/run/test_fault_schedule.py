@@ -39,11 +39,21 @@ def test_who_was_removed_is_started_again_also_if_it_was_paused_and_resumed_then
 
 def test_a_process_whose_robot_is_not_there_is_spared() -> None:
     faults = tuple(ProcessFault(robot, 0.5, "restart") for robot in (2, 3))
-    for late, expected in ((0, faults[1:]), (1, faults)):
+    for late in (0, 1, 5):
         schedule = FaultSchedule([replace(SWAP, process=faults)])
-        seen = replaced(clock(0, 10 + late, founded=True), passed_over=(2,))
-        assert schedule.due(seen) == list(expected)
+        seen = replaced(clock(0, 10 + late, founded=True), passed_over=((9, 3), (10, 2)))
+        assert schedule.due(seen) == [faults[1]]
         assert schedule.due(seen) == []
+
+
+def test_what_happened_in_the_last_tick_is_carried_out_though_only_the_verdict_was_heard() -> None:
+    faults = tuple(ProcessFault(robot, 0.5 + 0.05 * robot, "kill") for robot in (1, 2))
+    schedule = FaultSchedule([replace(SWAP, process=faults), SWAP])
+    assert schedule.due(clock(0, 9, founded=True)) == []
+    ended = replaced(clock(0, 12, founded=True), verdict="timeout")  # tick 11 was the last that was open
+    assert schedule.due(ended) == [faults[0]]
+    assert schedule.due(ended) == []
+    assert schedule.due(clock(1)) == [ProcessFault(1, 0.0, "restart")]
 
 
 def test_who_is_removed_stays_away_for_the_rest_of_the_run() -> None:

@@ -23,7 +23,7 @@ from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import Mode, RunOptions, fresh_run_name, restarts
+from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
@@ -271,6 +271,36 @@ def test_a_signal_stops_everything_and_leaves_a_result(
     assert process.wait(20.0) == EXIT_INTERRUPTED
     assert json.loads(target.read_text())["verdict"] == "interrupted"
     assert all(gone(each.pid) for each in family)
+
+
+@pytest.mark.parametrize("tick", [0, 3])
+@pytest.mark.parametrize("transport", ["routed", "mesh"])
+def test_ctrl_c_in_the_second_run_leaves_the_report_of_the_first(transport: Transport, tick: int) -> None:
+    scenario = load("swap-2")
+    first = replace(scenario, time=replace(scenario.time, limit=5 * scenario.time.step))
+
+    interruptions = iter([KeyboardInterrupt])
+
+    def watch(clock: Clock) -> None:
+        if clock.run_number == 1 and clock.tick >= tick:
+            for interruption in interruptions:
+                raise interruption
+
+    options = RunOptions(transport, speed=1.0)
+    with Fleet([first, replace(scenario, name="second")], options, watch=watch) as fleet:
+        reports = fleet.execute()
+    told = [(report["scenario"], report["run_number"], report["verdict"]) for report in reports]
+    assert told == [("swap-2", 0, "timeout"), ("second", 1, "interrupted")]
+
+
+def test_ctrl_c_while_a_report_is_taken_changes_nothing_about_it() -> None:
+    def digest(report: dict[str, Any]) -> dict[str, Any]:
+        signal.raise_signal(signal.SIGINT)
+        return report
+
+    with Fleet([load("swap-2")], RunOptions("mesh"), digest=digest) as fleet:
+        (report,) = fleet.execute()
+    assert report["verdict"] == "arrived"
 
 
 def test_a_malformed_scenario_starts_nothing(tmp_path: Any) -> None:

@@ -120,7 +120,7 @@ def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part(
             fleet = LocalFleet([scenario])
             core = fleet.world.world.coordinator
             process = fleet.start(7) if early else None
-            fleet.network.run(lambda core=core: bool(core.newcomers))  # type: ignore[misc]
+            fleet.network.run(lambda core=core: bool(core.membership.newcomers))  # type: ignore[misc]
             assert not core.active
             if process is not None:
                 process.wake(math.inf)  # asks to join
@@ -232,6 +232,28 @@ def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot(
     assert calm.report["faults"]["given_up"] == []
     assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]
     assert {observe(scenario, busy=seed).trajectory for seed in range(1, 16)} == {calm.trajectory}
+
+
+@pytest.mark.parametrize("event", ["restart", "kill", "resume"])
+def test_a_newcomer_that_is_paused_has_no_process_before_it_may_join(event: str) -> None:
+    """One that were started, and waited, might be ended by the next fault, or join just before."""
+    text = f"""
+        time = {{ step = 0.05, limit = 1.0 }}
+        workspace = {{ radius = 3.0 }}
+        process = [{{ robot = 2, at = 0.05, event = "pause" }}, {{ robot = 2, at = 0.25, event = "{event}" }}]
+        robots = [
+            {{ id = 1, radius = 0.3, start = [0.0, -1.0], goal = [0.0, -1.5] }},
+            {{ id = 3, radius = 0.3, start = [1.0, -1.0], goal = [1.0, -1.5] }},
+        ]
+        [[orders]]
+        at = 0.0
+        add = {{ id = 2, radius = 0.09, start = [0.0, 0.0], goal = [0.0, 1.0] }}
+    """
+    scenario = resolved(parse_toml(text))
+    calm = observe(scenario)
+    assert calm.report is not None
+    assert calm.report["faults"]["given_up"] == []
+    assert {observe(scenario, busy=seed).trajectory for seed in range(1, 9)} == {calm.trajectory}
 
 
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:

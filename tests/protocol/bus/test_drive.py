@@ -1,11 +1,18 @@
 """The main loop of a process: what has arrived comes before a deadline, and a flood does not hold one off."""
 
+import os
+import signal
+import threading
+import time
 from math import inf
 
-from protocol.bus.drive import follow
+import pytest
+
+from protocol.bus.drive import Stop, follow, stop_on_signal, uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 
+PATIENCE = 20.0  # s
 KEY = "disknav/r/robot/1/state"
 
 
@@ -54,3 +61,54 @@ def test_who_has_finished_is_left_alone() -> None:
     follow(diary, full_bus(3))
     assert len(diary.heard) == 2
     assert diary.woken == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_waits_for_what_must_not_be_left_half_done(number: int) -> None:
+    """Also where there are other threads, to one of which the system may give it."""
+    done, idle = [], threading.Event()
+    other = threading.Thread(target=idle.wait, args=(PATIENCE,))
+
+    def work() -> None:
+        with uninterrupted():
+            with uninterrupted():
+                os.kill(os.getpid(), number)
+                time.sleep(0.05)
+                done.append("inner")
+            done.append("outer")
+        done.append("after")
+
+    other.start()
+    try:
+        with pytest.raises(Stop), stop_on_signal():
+            work()
+    finally:
+        idle.set()
+        other.join()
+    assert done == ["inner", "outer"]
+
+
+def test_a_signal_is_handled_as_before_once_nothing_waits() -> None:
+    before = signal.getsignal(signal.SIGINT)
+
+    def fail() -> None:
+        with uninterrupted():
+            assert signal.getsignal(signal.SIGINT) is not before
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_elsewhere_than_in_the_main_thread_nothing_has_to_wait() -> None:
+    handlers = []
+
+    def work() -> None:
+        with uninterrupted():
+            handlers.append(signal.getsignal(signal.SIGINT))
+
+    other = threading.Thread(target=work)
+    other.start()
+    other.join(PATIENCE)
+    assert handlers == [signal.getsignal(signal.SIGINT)]
