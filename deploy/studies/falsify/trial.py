@@ -24,7 +24,8 @@ Result = dict[str, Any]
 Task = Callable[[Run], Result]
 Source = Callable[[int], tuple[Scenario, int]]  # from a number a scenario, and how many draws were refused
 
-# one in so many is run again with the robots joining in another order, and another one as the second of a run
+# one in so many fresh draws, and mutants, is run again with the robots joining in another order, and another
+# one as the second of a run
 REPEATED = 8
 TRIES: dict[Transport, int] = {"local": 600, "routed": 40, "mesh": 40}  # of one shrinking
 
@@ -63,10 +64,11 @@ class Trial:
         """In plain types; `niche` and `score` are None for what is no near miss but a violation."""
         began = time.monotonic()
         scenario, refused = self.scenario(run.seed)
-        repeated = run.seed % REPEATED == 0
+        turn = run.seed // 2 % REPEATED  # odd numbers are mutants
+        repeated = turn == 0
         seen = observe(scenario)
         found = examined(scenario, seen, run.transport, repeated=repeated)
-        follows = run.seed % REPEATED == REPEATED // 2 and seen.report is not None
+        follows = turn == REPEATED // 2 and seen.report is not None
         first = self.first(scenario, run.seed) if follows else None
         if first is not None:
             found += as_second(first, scenario, seen.trajectory)
