@@ -77,7 +77,7 @@ class Fleet:
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report, digest)
+        self._reports = Reports(on_report, digest, lambda: self._assembly.expired)
         self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started

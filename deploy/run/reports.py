@@ -29,10 +29,12 @@ class Reports:
         self,
         on_report: Callable[[Report], None] | None = None,
         digest: Callable[[Report], Report] = lambda report: report,
+        expired: Callable[[], str] = lambda: "",
     ) -> None:
-        """`on_report` is told each as soon as it is there; what `digest` makes of it is kept."""
+        """`on_report` is told each as soon as it is there; what `digest` makes of it is kept. `expired` says
+        what to add to the reason of one that was aborted."""
         self.all: list[Report] = []
-        self._on_report, self._digest = on_report, digest
+        self._on_report, self._digest, self._expired = on_report, digest, expired
 
     def add(self, text: str) -> None:
         """Take one, a JSON object, unless its run has one: a later life of the world may tell it again.
@@ -43,6 +45,8 @@ class Reports:
         report = _read(text)
         if any(report["run_number"] == other["run_number"] for other in self.all):
             return
+        if report["verdict"] == "aborted":
+            report["reason"] = f"{report['reason']}{self._expired()}"
         self.all.append(self._digest(report))
         self.all.sort(key=lambda each: int(each["run_number"]))
         if self._on_report is not None:

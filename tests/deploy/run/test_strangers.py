@@ -14,12 +14,11 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.reports import Reports
 from deploy.run.unjudged import unjudged
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, MessageError
+from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.requests.joining import Refusal, decode_reply
@@ -63,16 +62,6 @@ def test_a_watcher_counts_strangers() -> None:
     assert watcher.rejected == {"key": 3, "oversize": 1}
     fleet.execute()
     assert {row["id"] for row in watcher.snapshot()["robots"]} == {1, 2}
-
-
-@pytest.mark.parametrize(
-    "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
-)
-def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
-    reports = Reports()
-    with pytest.raises(MessageError, match="result: the report"):
-        reports.add(report)
-    assert reports.all == []
 
 
 def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:

@@ -1,0 +1,48 @@
+"""Reports as a launcher takes them: one a run, and nothing else."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from deploy.library.load import load
+from deploy.run.reports import Report, Reports
+from deploy.run.unjudged import unjudged
+from protocol.errors import MessageError
+
+SWAP = load("swap-2")
+
+
+def told(run: int, verdict: str) -> str:
+    return json.dumps(unjudged(SWAP, None, 0.0) | {"run_number": run, "verdict": verdict, "reason": "so"})
+
+
+@pytest.mark.parametrize(
+    "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
+)
+def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
+    reports = Reports()
+    with pytest.raises(MessageError, match="result: the report"):
+        reports.add(report)
+    assert reports.all == []
+
+
+def test_what_is_told_twice_is_one_report_of_each_run_in_their_order() -> None:
+    heard: list[Report] = []
+    reports = Reports(heard.append)
+    for run, verdict in ((1, "arrived"), (0, "timeout"), (1, "collision")):
+        reports.add(told(run, verdict))
+    assert [(report["run_number"], report["verdict"]) for report in reports.all] == [
+        (0, "timeout"),
+        (1, "arrived"),
+    ]
+    assert [report["run_number"] for report in heard] == [1, 0]
+
+
+def test_who_was_aborted_once_certificates_had_ended_is_told_so() -> None:
+    """It is a matter of milliseconds whether the world gives up its robots first, or is cut off itself."""
+    reports = Reports(expired=lambda: "; they ended")
+    reports.add(told(0, "aborted"))
+    reports.add(told(1, "timeout"))
+    assert [report["reason"] for report in reports.all] == ["so; they ended", "so"]
