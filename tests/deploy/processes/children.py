@@ -79,7 +79,7 @@ def print_and_report(report: Callable[[str], None]) -> int:
 
 def die_while_reporting(report: Callable[[str], None]) -> NoReturn:
     """Be killed in the middle of a report that no pipe holds at once."""
-    channel: Channel[str, str] = report.__self__  # type: ignore[attr-defined]
+    channel: Channel[str, str] = report.__self__  # type: ignore[attr-defined]  # a method, of that
     os.write(channel.fileno(), (1 << 20).to_bytes(4, "big") + b"half of")
     signal.raise_signal(signal.SIGKILL)
     wait()

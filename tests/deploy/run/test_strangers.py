@@ -99,7 +99,8 @@ class Disturbed(Fleet):
     def _disturb(self, clock: Clock) -> None:
         for say in self._say:
             say(b"\x91\xa7state/2")
-        self._judge(encode(Result(json.dumps(unjudged(self._scenarios[0], clock, 0.0)))))
+        report = unjudged(self._scenarios[0], clock, 0.0) | {"verdict": "aborted"}
+        self._judge(encode(Result(json.dumps(report))))
         if clock.tick < 20:
             self._say[0](HUGE)
 
