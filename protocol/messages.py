@@ -64,7 +64,7 @@ class Letter(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A fenced robot: that life never moves again, its disk stands where it is."""
+    """A robot whose disk stands where it is: no life up to this one moves again."""
 
     robot: Id  # who stands there
     incarnation: Count  # the life that ended
@@ -224,7 +224,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the tick that begins, or that is waited for
     time: Size  # s, simulated time at its start
     active: tuple[Id, ...]  # robots that state and command this tick
-    standing: tuple[Standing, ...]  # fenced robots
+    standing: tuple[Standing, ...]  # robots that are fenced, or that no process has joined for
     verdict: str  # empty while the run goes on
     run_number: Count = 0  # which of the scenarios that this world judges one after another
     clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap

@@ -31,7 +31,7 @@ def serve(
         typer.Option(min=0.0, help="Simulated seconds per second in lock-step; 1 unless given."),
     ] = None,
     listen: Annotated[
-        str | None, typer.Option(help="Endpoint of the router; port 7447 of this host unless given.")
+        str | None, typer.Option(help="Endpoint of the router; port 7447 on the loopback unless given.")
     ] = None,
     router: options.RouterThere = None,
     secure: options.Secure = None,

@@ -68,7 +68,9 @@ def _robots(view: View, now: float) -> Iterator[Metric]:
     )
     restarts = CounterMetricFamily("disknav_restarts", "Lives after the first.", labels=["robot"])
     present = GaugeMetricFamily("disknav_present", "Whether its liveliness token is there.", labels=["robot"])
-    fenced = GaugeMetricFamily("disknav_fenced", "Whether its life has been ended for it.", labels=["robot"])
+    fenced = GaugeMetricFamily(
+        "disknav_fenced", "Whether its disk stands, for no life moves it.", labels=["robot"]
+    )
     lines = GaugeMetricFamily("disknav_lines", "Separating lines that it obeys.", labels=["robot"])
     age = GaugeMetricFamily("disknav_state_age_seconds", "Since its newest state.", labels=["robot"])
     distance = GaugeMetricFamily("disknav_goal_distance_meters", "To its goal.", labels=["robot"])

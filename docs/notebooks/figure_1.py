@@ -13,7 +13,7 @@
 # %% [markdown]
 # # Figure 1 in ten lines
 #
-# Robot 1 passes between robots 2 to 5, which stand at their goals, give way, and return.
+# Robot 1 passes between robots 2 to 5, which start 10 mm from their goals, give way, and return.
 # `jupytext --to ipynb figure_1.py` makes a notebook of this file; Jupyter with jupytext opens it as one.
 
 # %%

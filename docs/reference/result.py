@@ -33,7 +33,7 @@ FIELDS = {
     "ticks_per_second": "ticks over wall time",
     "missed_commands": "how often a robot that took part had no command in time",
     "rejected_commands": "commands refused by the world, by reason",
-    "down": "ids of robots that are fenced at the end: their disks stand",
+    "down": "ids of robots whose disks stand at the end, for no life moves them",
     "orders": "the scenario's `orders` that were due, each with its `tick` and why it was `refused`, if so",
     "faults": "what was injected: `process` faults, `fenced` lives, whom the world has `given_up`, "
     "`measurements` (`delayed`, `missing`, `dropped`), and the scenario's `sensing`, `link` and `actuation`",

@@ -1,9 +1,9 @@
 """The emergency stop: a request under `world/halt`, which the world answers.
 
-`{"halt": true}` has everybody stand from the next tick on, `{"halt": false}` releases them; an empty request
-asks how things stand. The reply has `halted` and the present `tick`. Maps in msgpack, or JSON text; the reply
-comes in the form of the request. Robots go on talking about their lines meanwhile, and a robot that is not
-released does not move, whoever commands it.
+`{"halt": true}` has everybody brake in the present tick, bases outside in the next, and stand;
+`{"halt": false}` releases them; an empty request asks how things stand. The reply has `halted` and the
+present `tick`. Maps in msgpack, or JSON text; the reply comes in the form of the request. Robots go on
+talking about their lines meanwhile, and a robot that is not released does not move, whoever commands it.
 """
 
 from __future__ import annotations

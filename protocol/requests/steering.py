@@ -1,7 +1,7 @@
 """Steering a lock-step run from outside: a request under `world/steering`, which the world answers.
 
-`{"pause": true}` holds the clock, `{"pause": false}` lets it go on, `{"step": n}` allows n ticks while
-held, `{"speed": x}` limits simulated seconds per second (0: as fast as the machine allows). Maps in
+`{"pause": true}` holds the clock, `{"pause": false}` lets it go on, `{"step": n}` holds it after n
+more ticks, `{"speed": x}` limits simulated seconds per second (0: as fast as the machine allows). Maps in
 msgpack, or JSON text; the reply, in msgpack, is what is in force: `paused`, `steps` still allowed, and
 `speed`. It changes when ticks happen, never what happens in them; in real time nothing.
 """

@@ -9,7 +9,9 @@ from deploy.commands.operate.operating import Run, operating
 
 
 def stop(run: Run, router: options.Router = None, secure: options.Secure = None) -> None:
-    """Emergency stop: every robot brakes from the next tick on, and stands until [b]disknav release[/b].
+    """Emergency stop: every robot brakes at once, and stands until [b]disknav release[/b].
+
+    It brakes in the present tick, outside the simulation in the next.
 
     Example: disknav stop yard
 
