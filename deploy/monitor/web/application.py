@@ -126,6 +126,7 @@ async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *
     """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
     look, is told and ignored."""
     while True:
+        await asyncio.sleep(0)  # what has arrived is read without a pause: nobody else would have a turn
         try:
             text = await socket.receive_text()
             asked = msgspec.json.decode(text, type=Asked)
