@@ -52,8 +52,7 @@ class Supervisor:
         for process in table:
             if process.name in self._lives:
                 raise ProcessError(f"{process.name} is in the table twice; names must be unique")
-            life = self._lives[process.name] = Life(process, 0)
-            self._spawn(life)
+            self._spawn(Life(process, 0))
 
     def report(self, name: str, timeout: float) -> str:
         """The first text that a reporting process sends.
@@ -161,12 +160,14 @@ class Supervisor:
 
     def _spawn(self, life: Life) -> None:
         process = life.process
-        life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
-        life.began, life.due = time.monotonic(), None
-        life.number = self._spawner.start(
-            process.name, process.entry, process.arguments, reports=process.reports, log=self._log
-        )
-        self._by_number[life.number] = life
+        with uninterrupted():  # else its end may be nobody's
+            self._lives[process.name] = life
+            life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
+            life.began, life.due = time.monotonic(), None
+            life.number = self._spawner.start(
+                process.name, process.entry, process.arguments, reports=process.reports, log=self._log
+            )
+            self._by_number[life.number] = life
 
     def _again(self, life: Life) -> None:
         life.restarts += 1

@@ -17,12 +17,12 @@ class FaultSchedule:
     def __init__(self, scenarios: Sequence[Scenario]) -> None:
         self._scenarios = scenarios
         self._run = -1
-        self._due: list[tuple[int, int, ProcessFault]] = []
+        self._due: list[tuple[int, ProcessFault]] = []
         self._ended: set[int] = set()  # robots that are killed or removed
         self._paused: set[int] = set()
 
     def due(self, clock: Clock) -> list[ProcessFault]:
-        """Faults to carry out now, in the order of their ticks; each is returned once.
+        """Faults to carry out now, in the order of their times; each is returned once.
 
         None before the run has begun: everybody begins it, whatever happens to them in the first tick.
         None for a run that there is not: the clock is a stranger's. Nothing happens to a process whose robot
@@ -38,7 +38,7 @@ class FaultSchedule:
         faults = self._returns() if gathers else []
         until = clock.tick - 1 if clock.verdict else clock.tick  # the last tick that was open
         while clock.founded and self._due and self._due[0][0] <= until:
-            tick, _, fault = self._due.pop(0)
+            tick, fault = self._due.pop(0)
             if (tick, fault.robot) not in clock.passed_over:
                 faults.append(fault)
         for fault in faults:
@@ -63,7 +63,8 @@ class FaultSchedule:
     def _begin(self, run: int) -> None:
         scenario = self._scenarios[run]
         self._run = run
-        self._due = sorted((scenario.ticks(fault.at), n, fault) for n, fault in enumerate(scenario.process))
+        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
+        self._due = [(scenario.ticks(fault.at), fault) for fault in faults]
 
     def _returns(self) -> list[ProcessFault]:
         """Whom the present run has, and an earlier one left out: perhaps its process ended only now."""

@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,11 @@ from deploy.processes.row import Exit, Usage
 from deploy.recording.writer_process import Writer
 from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.interruption import counted
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
 from deploy.run.topology import Topology
 from deploy.run.unjudged import INTERRUPTED, unjudged
-from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import MessageError
@@ -77,7 +77,7 @@ class Fleet:
         self._schedule = FaultSchedule(scenarios)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(on_report, digest, lambda: self._assembly.expired)
+        self._reports = Reports(len(scenarios), on_report, digest, lambda: self._assembly.expired)
         self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
@@ -113,20 +113,19 @@ class Fleet:
     def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
         """Watch until every scenario has its report, or it is `enough`.
 
-        Ctrl-C and lost processes end the run too, and the last report says so.
+        Ctrl-C and lost processes end the run too, and the last report says so; another Ctrl-C has nobody wait
+        for it.
         """
-        try:
-            while not self._complete:
-                if enough():
-                    self._cut("interrupted", ENOUGH)
-                    break
-                self._take(self._bus.receive(_POLL))
-                self._check(self._poll())
-        except KeyboardInterrupt:
-            self._cut("interrupted", INTERRUPTED)
-        except FleetLostError as loss:
-            self._cut("aborted", str(loss))
-        return self._reports.all
+        with counted() as interruptions:
+            try:
+                while not (self._complete or interruptions() or enough()):
+                    self._take(self._bus.receive(_POLL))
+                    self._check(self._poll())
+                if not self._complete:
+                    self._cut("interrupted", INTERRUPTED if interruptions() else ENOUGH, interruptions)
+            except FleetLostError as loss:
+                self._cut("aborted", str(loss), interruptions)
+            return self._reports.all
 
     def signal(self, name: str, number: int) -> None:
         """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
@@ -172,13 +171,12 @@ class Fleet:
     def _poll(self) -> list[Exit]:
         """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
         than its end."""
-        with uninterrupted():  # it does not tell them again
-            exits = self._supervisor.poll()
-            for text in self._supervisor.heard(table.WORLD):
-                try:
-                    self._reports.add(text)
-                except MessageError as error:  # of a host that was taken over
-                    self.rejected[error.reason] += 1
+        exits = self._supervisor.poll()
+        for text in self._supervisor.heard(table.WORLD):
+            try:
+                self._reports.add(text)
+            except MessageError as error:  # of a host that was taken over
+                self.rejected[error.reason] += 1
         return exits
 
     def _follow(self, clock: Clock) -> None:
@@ -211,6 +209,8 @@ class Fleet:
         if name not in self._supervisor.names:
             return  # it has not come yet
         (self._frozen.add if fault.event == "pause" else self._frozen.discard)(fault.robot)
+        if fault.event in ("kill", "pause"):
+            self._started.discard(fault.robot)  # whoever is added under its id has a process of its own
         actions[fault.event](name)
 
     def _check(self, exits: Sequence[Exit]) -> None:
@@ -239,26 +239,26 @@ class Fleet:
     def _complete(self) -> bool:
         return len(self._reports.all) == len(self._scenarios)
 
-    def _cut(self, verdict: str, reason: str) -> None:
+    def _cut(self, verdict: str, reason: str, interruptions: Callable[[], int]) -> None:
         """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
         run does not wait for it, the launcher does."""
         LOG.info(f"{verdict}: {reason}")
         self._poll()
-        with suppress(KeyboardInterrupt):
-            self._await_last_words()
+        before = interruptions()
+        self._await_last_words(lambda: interruptions() > before)
         reports = self._reports.all
         if reports and reports[-1]["verdict"] == "interrupted":
             reports[-1].update(verdict=verdict, reason=reason)
         elif not self._complete:
             reports.append({**self._unjudged(), "verdict": verdict, "reason": reason})
 
-    def _await_last_words(self) -> None:
+    def _await_last_words(self, in_vain: Callable[[], bool]) -> None:
         if self._options.restarts:
             self._leaving = 0.0  # robots wait for a world that will not be back
         if table.WORLD in self._supervisor.running():
             self._supervisor.signal(table.WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
-            while table.WORLD in self._supervisor.running() and time.monotonic() < deadline:
+            while table.WORLD in self._supervisor.running() and time.monotonic() < deadline and not in_vain():
                 self._take(self._bus.receive(_POLL))
                 self._poll()
 

@@ -1,11 +1,12 @@
-"""What Ctrl-C must not cut short."""
+"""What Ctrl-C must not cut short, and what it ends in good order."""
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -22,3 +23,33 @@ def undisturbed() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def counted() -> Iterator[Callable[[], int]]:
+    """Inside, what raises KeyboardInterrupt elsewhere is counted: what this gives says how often it came.
+
+    For a loop that looks at it and ends: an exception might come between any two of its steps.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: 0
+        return
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    count = 0
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal count
+        count += 1
+        handler = before[signal.Signals(number)]
+        with suppress(KeyboardInterrupt):
+            if callable(handler):
+                handler(number, frame)
+
+    heard = [number for number in _SIGNALS if callable(before[number])]
+    try:
+        for number in heard:
+            signal.signal(number, note)
+        yield lambda: count
+    finally:
+        for number in reversed(heard):
+            signal.signal(number, before[number])

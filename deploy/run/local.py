@@ -242,6 +242,8 @@ class FaultInjector:
         bus = fleet.robots[robot]
         if fault.event in ("kill", "restart"):
             self._paused.pop(robot, None)  # it is not the one that is paused any more
+        if fault.event in ("kill", "pause"):
+            self._started.discard(robot)  # whoever is added under its id has a node of its own
         if fault.event == "kill":
             fleet.kill(robot)
         elif fault.event == "restart":

@@ -21,19 +21,25 @@ _PROMISED = {
 class Reports:
     """One a run, in their order, whatever is told twice.
 
+    Args:
+        runs: how many there are.
+        on_report: is told each as soon as it is there.
+        digest: what is kept of each.
+        expired: what to add to the reason of one that did not arrive.
+
     Attributes:
         all: those there are; the list stays the same.
     """
 
     def __init__(
         self,
+        runs: int,
         on_report: Callable[[Report], None] | None = None,
         digest: Callable[[Report], Report] = lambda report: report,
         expired: Callable[[], str] = lambda: "",
     ) -> None:
-        """`on_report` is told each as soon as it is there; what `digest` makes of it is kept. `expired` says
-        what to add to the reason of one that was aborted."""
         self.all: list[Report] = []
+        self._runs = runs
         self._on_report, self._digest, self._expired = on_report, digest, expired
 
     def add(self, text: str) -> None:
@@ -43,10 +49,12 @@ class Reports:
             MessageError: it is not JSON, or not what a world reports.
         """
         report = _read(text)
+        if report["run_number"] not in range(self._runs):
+            raise MessageError("shape", f"result: there is no run {report['run_number']}")
         if any(report["run_number"] == other["run_number"] for other in self.all):
             return
-        if report["verdict"] == "aborted":
-            report["reason"] = f"{report['reason']}{self._expired()}"
+        if report["verdict"] != "arrived":
+            report["reason"] = f"{report['reason']}{self._expired()}".removeprefix("; ")
         self.all.append(self._digest(report))
         self.all.sort(key=lambda each: int(each["run_number"]))
         if self._on_report is not None:
@@ -60,4 +68,6 @@ def _read(text: str) -> Report:
         raise MessageError("shape", f"result: the report is not JSON ({error})") from None
     if not isinstance(report, dict) or not report.keys() >= _PROMISED or report["verdict"] not in VERDICTS:
         raise MessageError("shape", f"result: the report lacks one of {', '.join(sorted(_PROMISED))}")
+    if type(report["run_number"]) is not int:
+        raise MessageError("type", "result: the report's `run_number` is no integer")
     return report

@@ -14,6 +14,7 @@ from protocol.bus.bus import Bus, Node
 
 _TOGETHER: Final = 256  # events that are handled before the clock is looked at again
 _SIGNALS = (signal.SIGTERM, signal.SIGINT)
+_HELD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Stop(BaseException):
@@ -44,7 +45,7 @@ def _stop(number: int, _frame: FrameType | None) -> NoReturn:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Inside, SIGTERM and SIGINT wait: for what must not be left half done, and does not take long.
+    """Inside, SIGINT, SIGTERM and SIGHUP wait: for what must not be left half done, and does not take long.
 
     They are held back where Python handles them, which is in the main thread: to block them in one thread
     leaves them to others, of which a session has many.
@@ -53,17 +54,17 @@ def uninterrupted() -> Iterator[None]:
         yield
         return
     held: list[int] = []
-    with ExitStack() as stack:
-        stack.callback(_deliver, held)
-        for number in _SIGNALS:
-            before = signal.signal(number, lambda number, _: held.append(number))
-            stack.callback(signal.signal, number, before)
+    before = [(number, signal.getsignal(number)) for number in _HELD]
+    try:
+        for number in _HELD:
+            signal.signal(number, lambda number, _: held.append(number))
         yield
-
-
-def _deliver(held: list[int]) -> None:
-    if held:
-        signal.raise_signal(held[0])
+    finally:
+        for number, handler in reversed(before):
+            signal.signal(number, handler)
+        with ExitStack() as stack:  # each, also if the one before it ends what is done here
+            for waited in reversed(held):
+                stack.callback(signal.raise_signal, waited)
 
 
 def drive(

@@ -49,8 +49,8 @@ class Lives:
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
         self._returning = max(self._silence, scenario.ticks(returning))
-        schedule = [(scenario.ticks(fault.at), fault) for fault in scenario.process]
-        self._schedule = sorted(schedule, key=lambda entry: entry[0])  # stable: as written within a tick
+        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
+        self._schedule = [(scenario.ticks(fault.at), fault) for fault in faults]
 
     @property
     def incarnations(self) -> dict[int, int]:

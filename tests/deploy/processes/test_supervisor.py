@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from deploy.processes.fork_messages import Exited, News
 from deploy.processes.row import Exit, Life
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
@@ -207,3 +208,48 @@ def test_64_processes_are_up_soon(supervisor: Supervisor, capsys: pytest.Capture
         print(f"\n64 processes, each with a session of its own, up in {elapsed:.2f} s")
     assert up == set(keys)
     assert len(supervisor.running()) == 65
+
+
+class InterruptedServer:
+    """A fork server in small, with a Ctrl-C while it starts the second process; what is told to end ends."""
+
+    gone = False
+
+    def __init__(self, *, before: bool) -> None:
+        self._before, self._started = before, 0
+        self._news: list[News] = []
+        self.alive: set[int] = set()
+
+    def start(self, *_: object, **__: object) -> int:
+        number = self._started + 1
+        if number == 2 and self._before:
+            signal.raise_signal(signal.SIGINT)
+        self._started = number
+        self.alive.add(number)
+        if number == 2 and not self._before:
+            signal.raise_signal(signal.SIGINT)
+        return number
+
+    def signal(self, life: int, number: int) -> None:
+        if life in self.alive and number in (signal.SIGTERM, signal.SIGKILL):
+            self.alive.remove(life)
+            self._news.append(Exited(life, -number, 0.0, 0.0))
+
+    def news(self, _timeout: float) -> Iterator[News]:
+        while self._news:
+            yield self._news.pop(0)
+
+    def close(self) -> None:
+        """Nothing is left."""
+
+
+@pytest.mark.parametrize("again", [False, True])
+@pytest.mark.parametrize("before", [False, True])
+def test_ctrl_c_while_a_process_is_started_leaves_none_behind(before: bool, again: bool) -> None:
+    server = InterruptedServer(before=before)
+    supervisor = Supervisor(server)  # type: ignore[arg-type]
+    supervisor.start([waiting("a")])
+    with pytest.raises(KeyboardInterrupt):
+        supervisor.restart("a") if again else supervisor.start([waiting("b")])
+    supervisor.stop()
+    assert (server.alive, supervisor.running()) == (set(), [])

@@ -8,6 +8,7 @@ from msgspec.structs import replace as replaced
 
 from deploy.library.load import load
 from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.local import LocalFleet
 from protocol.messages import Clock
 from protocol.scenario.model import Order, ProcessFault
 
@@ -62,3 +63,14 @@ def test_who_is_removed_stays_away_for_the_rest_of_the_run() -> None:
     schedule.removed(2)
     assert schedule.due(clock(0)) == schedule.due(clock(0, 9, founded=True)) == []
     assert schedule.due(clock(1, 1, founded=True)) == AGAIN  # nothing was heard of its beginning
+
+
+def test_what_happens_within_a_tick_happens_in_the_order_of_its_times() -> None:
+    faults = (ProcessFault(2, 0.52, "resume"), ProcessFault(2, 0.51, "pause"))
+    schedule = FaultSchedule([replace(SWAP, process=faults)])
+    assert schedule.due(clock(0, 20, founded=True)) == [faults[1], faults[0]]
+    written, in_order = (
+        LocalFleet([replace(SWAP, process=each)]).execute()[0] for each in (faults, tuple(reversed(faults)))
+    )
+    assert written["verdict"] == "arrived"
+    assert written["trajectory_sha256"] == in_order["trajectory_sha256"]

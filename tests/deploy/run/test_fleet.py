@@ -279,12 +279,12 @@ def test_ctrl_c_in_the_second_run_leaves_the_report_of_the_first(transport: Tran
     scenario = load("swap-2")
     first = replace(scenario, time=replace(scenario.time, limit=5 * scenario.time.step))
 
-    interruptions = iter([KeyboardInterrupt])
+    interruptions = iter([signal.SIGINT])
 
     def watch(clock: Clock) -> None:
         if clock.run_number == 1 and clock.tick >= tick:
-            for interruption in interruptions:
-                raise interruption
+            for number in interruptions:
+                signal.raise_signal(number)
 
     options = RunOptions(transport, speed=1.0)
     with Fleet([first, replace(scenario, name="second")], options, watch=watch) as fleet:

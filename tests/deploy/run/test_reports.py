@@ -14,23 +14,27 @@ from protocol.errors import MessageError
 SWAP = load("swap-2")
 
 
-def told(run: int, verdict: str) -> str:
-    return json.dumps(unjudged(SWAP, None, 0.0) | {"run_number": run, "verdict": verdict, "reason": "so"})
+def told(run: object, verdict: str, reason: str = "so") -> str:
+    return json.dumps(unjudged(SWAP, None, 0.0) | {"run_number": run, "verdict": verdict, "reason": reason})
 
 
 @pytest.mark.parametrize(
-    "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
+    "report",
+    [
+        *("", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})),
+        *(told(run, "arrived") for run in (-1, 2, 0.0, True, "0", None, [0])),
+    ],
 )
 def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
-    reports = Reports()
-    with pytest.raises(MessageError, match="result: the report"):
+    reports = Reports(2)
+    with pytest.raises(MessageError, match=r"result: (there is no run|the report)"):
         reports.add(report)
     assert reports.all == []
 
 
 def test_what_is_told_twice_is_one_report_of_each_run_in_their_order() -> None:
     heard: list[Report] = []
-    reports = Reports(heard.append)
+    reports = Reports(2, heard.append)
     for run, verdict in ((1, "arrived"), (0, "timeout"), (1, "collision")):
         reports.add(told(run, verdict))
     assert [(report["run_number"], report["verdict"]) for report in reports.all] == [
@@ -40,9 +44,12 @@ def test_what_is_told_twice_is_one_report_of_each_run_in_their_order() -> None:
     assert [report["run_number"] for report in heard] == [1, 0]
 
 
-def test_who_was_aborted_once_certificates_had_ended_is_told_so() -> None:
-    """It is a matter of milliseconds whether the world gives up its robots first, or is cut off itself."""
-    reports = Reports(expired=lambda: "; they ended")
-    reports.add(told(0, "aborted"))
-    reports.add(told(1, "timeout"))
-    assert [report["reason"] for report in reports.all] == ["so; they ended", "so"]
+def test_whose_run_failed_once_certificates_had_ended_is_told_so() -> None:
+    """It is a matter of milliseconds whether the world gives up its robots first, or is cut off itself; and
+    of the scenario what it makes of a fleet that stands."""
+    reports = Reports(4, expired=lambda: "; they ended")
+    for run, verdict in enumerate(("aborted", "deadlock", "arrived")):
+        reports.add(told(run, verdict))
+    reports.add(told(3, "timeout", ""))
+    reasons = ["so; they ended", "so; they ended", "so", "they ended"]
+    assert [report["reason"] for report in reports.all] == reasons

@@ -1,10 +1,15 @@
 """The main loop of a process: what has arrived comes before a deadline, and a flood does not hold one off."""
 
+import inspect
 import os
 import signal
+import sys
 import threading
 import time
+from contextlib import suppress
 from math import inf
+from types import FrameType
+from typing import Any
 
 import pytest
 
@@ -112,3 +117,49 @@ def test_elsewhere_than_in_the_main_thread_nothing_has_to_wait() -> None:
     other.start()
     other.join(PATIENCE)
     assert handlers == [signal.getsignal(signal.SIGINT)]
+
+
+def test_each_signal_that_had_to_wait_is_heard() -> None:
+    """Also a closed terminal; and one that ends the process although another is ignored."""
+    heard: list[int] = []
+    signals = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM)
+    before = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in signals}
+    try:
+        with uninterrupted():
+            for number in signals:
+                signal.raise_signal(number)
+            assert heard == []
+        assert heard == list(signals)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def test_a_signal_at_any_step_leaves_all_handlers_as_they_were() -> None:
+    """Ctrl-C at the n-th line of `uninterrupted` itself, for every n."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    code, outer = inspect.unwrap(uninterrupted).__code__, sys.gettrace()
+
+    def interrupted_at(moment: int) -> bool:
+        """Whether there was such a line."""
+        lines = iter(range(moment + 1))
+
+        def trace(frame: FrameType, event: str, _arg: object) -> Any:
+            if frame.f_code is code and event == "line" and next(lines, None) == moment:
+                signal.raise_signal(signal.SIGINT)
+            return trace if frame.f_code is code else None
+
+        sys.settrace(trace)
+        try:
+            with suppress(KeyboardInterrupt), uninterrupted():
+                pass
+        finally:
+            sys.settrace(outer)
+        return next(lines, None) is None
+
+    assert before[signal.SIGINT] is signal.default_int_handler
+    moments = 0
+    while interrupted_at(moments):
+        assert {number: signal.getsignal(number) for number in before} == before, moments
+        moments += 1
+    assert moments > 10
