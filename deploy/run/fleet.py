@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -114,7 +114,7 @@ class Fleet:
         """Watch until every scenario has its report, or it is `enough`.
 
         Ctrl-C and lost processes end the run too, and the last report says so; another Ctrl-C has nobody wait
-        for it.
+        for it. A KeyboardInterrupt of who watches counts as one.
         """
         with counted() as interruptions:
             try:
@@ -123,6 +123,8 @@ class Fleet:
                     self._check(self._poll())
                 if not self._complete:
                     self._cut("interrupted", INTERRUPTED if interruptions() else ENOUGH, interruptions)
+            except KeyboardInterrupt:
+                self._cut("interrupted", INTERRUPTED, interruptions)
             except FleetLostError as loss:
                 self._cut("aborted", str(loss), interruptions)
             return self._reports.all
@@ -245,7 +247,8 @@ class Fleet:
         LOG.info(f"{verdict}: {reason}")
         self._poll()
         before = interruptions()
-        self._await_last_words(lambda: interruptions() > before)
+        with suppress(KeyboardInterrupt):
+            self._await_last_words(lambda: interruptions() > before)
         reports = self._reports.all
         if reports and reports[-1]["verdict"] == "interrupted":
             reports[-1].update(verdict=verdict, reason=reason)

@@ -273,18 +273,23 @@ def test_a_signal_stops_everything_and_leaves_a_result(
     assert all(gone(each.pid) for each in family)
 
 
+def interrupt() -> None:
+    """As a callback may, rather than the terminal."""
+    raise KeyboardInterrupt
+
+
 @pytest.mark.parametrize("tick", [0, 3])
 @pytest.mark.parametrize("transport", ["routed", "mesh"])
 def test_ctrl_c_in_the_second_run_leaves_the_report_of_the_first(transport: Transport, tick: int) -> None:
     scenario = load("swap-2")
     first = replace(scenario, time=replace(scenario.time, limit=5 * scenario.time.step))
 
-    interruptions = iter([signal.SIGINT])
+    interruptions = iter([interrupt if tick else lambda: signal.raise_signal(signal.SIGINT)])
 
     def watch(clock: Clock) -> None:
         if clock.run_number == 1 and clock.tick >= tick:
-            for number in interruptions:
-                signal.raise_signal(number)
+            for interruption in interruptions:
+                interruption()
 
     options = RunOptions(transport, speed=1.0)
     with Fleet([first, replace(scenario, name="second")], options, watch=watch) as fleet:

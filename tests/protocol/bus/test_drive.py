@@ -1,13 +1,16 @@
 """The main loop of a process: what has arrived comes before a deadline, and a flood does not hold one off."""
 
+import importlib.util
 import inspect
 import os
 import signal
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import AbstractContextManager, suppress
 from math import inf
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -135,10 +138,23 @@ def test_each_signal_that_had_to_wait_is_heard() -> None:
             signal.signal(number, handler)
 
 
+def _as_written() -> Callable[[], AbstractContextManager[None]]:
+    """`uninterrupted` without what a compiler may have made of it, which has no lines."""
+    source = Path(__file__).parents[3] / "protocol" / "bus" / "drive.py"
+    spec = importlib.util.spec_from_file_location("drive_as_written", source)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found: Callable[[], AbstractContextManager[None]] = module.uninterrupted
+    return found
+
+
 def test_a_signal_at_any_step_leaves_all_handlers_as_they_were() -> None:
     """Ctrl-C at the n-th line of `uninterrupted` itself, for every n."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    code, outer = inspect.unwrap(uninterrupted).__code__, sys.gettrace()
+    as_written = _as_written()
+    code, outer = inspect.unwrap(as_written).__code__, sys.gettrace()
 
     def interrupted_at(moment: int) -> bool:
         """Whether there was such a line."""
@@ -151,7 +167,7 @@ def test_a_signal_at_any_step_leaves_all_handlers_as_they_were() -> None:
 
         sys.settrace(trace)
         try:
-            with suppress(KeyboardInterrupt), uninterrupted():
+            with suppress(KeyboardInterrupt), as_written():
                 pass
         finally:
             sys.settrace(outer)
