@@ -110,7 +110,7 @@ def test_ctrl_c_leaves_a_file_to_go_on_from(here: Path) -> None:
         finally:
             process.kill()
     found = fetch(path)
-    assert found.frontier is not None
+    assert found.slabs or found.frontier is not None  # it may come just as one slab is proven
     before = found.proven
     assert call("certify", "figure-2", "--k", "100", "--quiet").exit_code == 0
     after = fetch(path).proven
