@@ -11,6 +11,7 @@ from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
 from protocol.process.installation import is_checkout
 from protocol.process.log import LAUNCHER, LOG, begin
+from protocol.process.signals import ENDING
 
 _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 
@@ -35,7 +36,7 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     finally:
-        for number in (signal.SIGINT, signal.SIGTERM):  # it ends anyway, with the status that it has
+        for number in ENDING:  # it ends anyway, with the status that it has
             signal.signal(number, signal.SIG_IGN)
 
 

@@ -24,6 +24,7 @@ from deploy.recording.parts import Parts, next_free
 from deploy.recording.rotation import Rotation
 from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
+from protocol.process.signals import ENDING
 from protocol.process.title import entitle
 from protocol.scenario.model import Scenario
 
@@ -165,7 +166,7 @@ def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     entitle("writer", run)
     inherited.close()
     os.nice(_NICENESS)
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ENDING:
         signal.signal(number, signal.SIG_IGN)  # the other process ends this one, by finishing
     try:
         file = Parts(path)

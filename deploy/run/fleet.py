@@ -17,11 +17,12 @@ from deploy.processes.row import Exit, Usage
 from deploy.recording.writer_process import Writer
 from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
-from deploy.run.interruption import counted
+from deploy.run.interruption import counted, undisturbed
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report, Reports
 from deploy.run.topology import Topology
 from deploy.run.unjudged import INTERRUPTED, unjudged
+from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import MessageError
@@ -117,17 +118,30 @@ class Fleet:
         for it. A KeyboardInterrupt of who watches counts as one.
         """
         with counted() as interruptions:
-            try:
-                while not (self._complete or interruptions() or enough()):
-                    self._take(self._bus.receive(_POLL))
-                    self._check(self._poll())
-                if not self._complete:
-                    self._cut("interrupted", INTERRUPTED if interruptions() else ENOUGH, interruptions)
-            except KeyboardInterrupt:
-                self._cut("interrupted", INTERRUPTED, interruptions)
-            except FleetLostError as loss:
-                self._cut("aborted", str(loss), interruptions)
+            verdict, reason = self._ending(enough, interruptions)
+            if verdict:
+                patience = 1 if reason == INTERRUPTED else 0  # Ctrl-C that were heard of
+                with suppress(KeyboardInterrupt):
+                    LOG.info(f"{verdict}: {reason}")
+                    self._await_last_words(lambda: interruptions() > patience)
+                with undisturbed():
+                    self._cut(verdict, reason)
             return self._reports.all
+
+    def _ending(self, enough: Callable[[], bool], interruptions: Callable[[], int]) -> tuple[str, str]:
+        """Watch until every scenario has its report, or for what reason, and with what verdict, they are cut
+        short; none if they are not."""
+        try:
+            while not (self._complete or interruptions() or enough()):
+                self._take(self._bus.receive(_POLL))
+                self._check(self._poll())
+        except KeyboardInterrupt:
+            return "interrupted", INTERRUPTED
+        except FleetLostError as loss:
+            return "aborted", str(loss)
+        if self._complete:
+            return "", ""
+        return "interrupted", INTERRUPTED if interruptions() else ENOUGH
 
     def signal(self, name: str, number: int) -> None:
         """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
@@ -173,12 +187,13 @@ class Fleet:
     def _poll(self) -> list[Exit]:
         """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
         than its end."""
-        exits = self._supervisor.poll()
-        for text in self._supervisor.heard(table.WORLD):
-            try:
-                self._reports.add(text)
-            except MessageError as error:  # of a host that was taken over
-                self.rejected[error.reason] += 1
+        with uninterrupted():  # it does not tell them again
+            exits = self._supervisor.poll()
+            for text in self._supervisor.heard(table.WORLD):
+                try:
+                    self._reports.add(text)
+                except MessageError as error:  # of a host that was taken over
+                    self.rejected[error.reason] += 1
         return exits
 
     def _follow(self, clock: Clock) -> None:
@@ -241,14 +256,9 @@ class Fleet:
     def _complete(self) -> bool:
         return len(self._reports.all) == len(self._scenarios)
 
-    def _cut(self, verdict: str, reason: str, interruptions: Callable[[], int]) -> None:
-        """End the run before its time. The world says what it saw so far; if it cannot, or whoever stops the
-        run does not wait for it, the launcher does."""
-        LOG.info(f"{verdict}: {reason}")
-        self._poll()
-        before = interruptions()
-        with suppress(KeyboardInterrupt):
-            self._await_last_words(lambda: interruptions() > before)
+    def _cut(self, verdict: str, reason: str) -> None:
+        """End the run before its time: with what the world said that it saw so far; if it said nothing, the
+        launcher does."""
         reports = self._reports.all
         if reports and reports[-1]["verdict"] == "interrupted":
             reports[-1].update(verdict=verdict, reason=reason)
@@ -256,6 +266,8 @@ class Fleet:
             reports.append({**self._unjudged(), "verdict": verdict, "reason": reason})
 
     def _await_last_words(self, in_vain: Callable[[], bool]) -> None:
+        """Have the world report, unless whoever stops the run does not wait for it."""
+        self._poll()
         if self._options.restarts:
             self._leaving = 0.0  # robots wait for a world that will not be back
         if table.WORLD in self._supervisor.running():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -11,10 +10,10 @@ from types import FrameType
 from typing import Final, NoReturn
 
 from protocol.bus.bus import Bus, Node
+from protocol.process.signals import heard_by
 
 _TOGETHER: Final = 256  # events that are handled before the clock is looked at again
 _SIGNALS = (signal.SIGTERM, signal.SIGINT)
-_HELD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Stop(BaseException):
@@ -50,21 +49,14 @@ def uninterrupted() -> Iterator[None]:
     They are held back where Python handles them, which is in the main thread: to block them in one thread
     leaves them to others, of which a session has many.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
     held: list[int] = []
-    before = [(number, signal.getsignal(number)) for number in _HELD]
     try:
-        for number in _HELD:
-            signal.signal(number, lambda number, _: held.append(number))
-        yield
+        with heard_by(lambda number, _: held.append(number)):
+            yield
     finally:
-        for number, handler in reversed(before):
-            signal.signal(number, handler)
         with ExitStack() as stack:  # each, also if the one before it ends what is done here
-            for waited in reversed(held):
-                stack.callback(signal.raise_signal, waited)
+            for number in reversed(held):
+                stack.callback(signal.raise_signal, number)
 
 
 def drive(

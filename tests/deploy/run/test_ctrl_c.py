@@ -144,3 +144,34 @@ def test_who_counts_interruptions_keeps_them_from_nobody() -> None:
     finally:
         signal.signal(signal.SIGINT, before)
         signal.signal(signal.SIGHUP, ignored)
+
+
+def test_ctrl_c_that_nobody_looks_at_is_followed_by_one_that_raises() -> None:
+    """Where something holds up the loop that counts."""
+    with counted() as interruptions:
+        for count in (1, 2):
+            signal.raise_signal(signal.SIGINT)
+            assert interruptions() == count
+        signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+
+
+def test_two_ctrl_c_at_once_have_nobody_wait() -> None:
+    fleet = Fleet([SWAP, SWAP], RunOptions("routed"))
+    fleet._supervisor = World("goes on")  # type: ignore[assignment]
+    fleet._assembly = Assembled()  # type: ignore[assignment]
+
+    class Impatient:
+        asked = 0
+
+        def receive(self, _timeout: float) -> None:
+            self.asked += 1
+            if self.asked == 4:
+                signal.raise_signal(signal.SIGINT)
+                signal.raise_signal(signal.SIGINT)
+
+    fleet._bus = bus = Impatient()  # type: ignore[assignment]
+    reports = fleet.execute()
+    assert [report["verdict"] for report in reports] == ["arrived", "interrupted"]
+    assert bus.asked == 4  # and none while the world would have reported

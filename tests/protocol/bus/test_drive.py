@@ -1,18 +1,10 @@
 """The main loop of a process: what has arrived comes before a deadline, and a flood does not hold one off."""
 
-import importlib.util
-import inspect
 import os
 import signal
-import sys
 import threading
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
 from math import inf
-from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import pytest
 
@@ -136,46 +128,3 @@ def test_each_signal_that_had_to_wait_is_heard() -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _as_written() -> Callable[[], AbstractContextManager[None]]:
-    """`uninterrupted` without what a compiler may have made of it, which has no lines."""
-    source = Path(__file__).parents[3] / "protocol" / "bus" / "drive.py"
-    spec = importlib.util.spec_from_file_location("drive_as_written", source)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    found: Callable[[], AbstractContextManager[None]] = module.uninterrupted
-    return found
-
-
-def test_a_signal_at_any_step_leaves_all_handlers_as_they_were() -> None:
-    """Ctrl-C at the n-th line of `uninterrupted` itself, for every n."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    as_written = _as_written()
-    code, outer = inspect.unwrap(as_written).__code__, sys.gettrace()
-
-    def interrupted_at(moment: int) -> bool:
-        """Whether there was such a line."""
-        lines = iter(range(moment + 1))
-
-        def trace(frame: FrameType, event: str, _arg: object) -> Any:
-            if frame.f_code is code and event == "line" and next(lines, None) == moment:
-                signal.raise_signal(signal.SIGINT)
-            return trace if frame.f_code is code else None
-
-        sys.settrace(trace)
-        try:
-            with suppress(KeyboardInterrupt), as_written():
-                pass
-        finally:
-            sys.settrace(outer)
-        return next(lines, None) is None
-
-    assert before[signal.SIGINT] is signal.default_int_handler
-    moments = 0
-    while interrupted_at(moments):
-        assert {number: signal.getsignal(number) for number in before} == before, moments
-        moments += 1
-    assert moments > 10
