@@ -62,7 +62,7 @@ def study(
     """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
 
     [b]falsify[/b] is no table: it searches for a scenario that breaks what is promised, half of --runs (1000)
-    drawn anew, half mutants of near misses, and shrinks what it finds to small files in --out.
+    drawn anew, half mutants of near misses, and keeps what it finds as files in --out, shrunk.
     One in eight is also run after another scenario on the same robots, and kept with it if that shows more.
     With --transport routed or mesh each is run on real processes too, and compared.
 
