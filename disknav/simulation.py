@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from deploy.recording.reader import Said, Truths
+from deploy.run.interruption import undisturbed
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from disknav.orders import Orders
@@ -77,7 +78,8 @@ class Simulation:
             while self.step():
                 pass
         except KeyboardInterrupt:
-            self._fleet.world.interrupt("interrupted", "stopped by the user")
+            with undisturbed():
+                self._fleet.world.interrupt("interrupted", "stopped by the user")
         (report,) = self._fleet.execute()
         return report
 

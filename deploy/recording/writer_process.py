@@ -127,13 +127,27 @@ class WriterProcess(Writer):
         self._process.start()
         other.close()
         self._pipe = pipe
-        if refused := self._answer():
+        try:
+            refused = self._answer()
+        except BaseException:  # nobody has the writer, to close it
+            self.close()
+            raise
+        if refused:
             raise UsageError(refused)
 
     def finish(self, result: str | None = None) -> None:
         """See `Parts.finish`."""
-        super().finish(result)
+        try:
+            super().finish(result)
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """End the other process, which writes what it was told; in vain, it is killed."""
+        if self._pipe is not None:
+            self._pipe.close()
         self._process.join(_PATIENCE)
+        self._process.kill()
 
 
 def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], None]) -> int:

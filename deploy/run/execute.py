@@ -53,14 +53,14 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
             try:
                 fleet = _fleet(scenario, options, recording, progress)
                 running.enter_context(fleet)
+                LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
+                page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             except KeyboardInterrupt:
                 with undisturbed():
                     report = interrupted(unjudged(scenario, None, time.monotonic() - began))
                     result = complete(report, options, [])
                     json_output.write_json(result, extras.json)
                 return result
-            LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
-            page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             reports = fleet.execute()
             with undisturbed():
                 processes, recordings = fleet.processes(), fleet.recordings()
@@ -68,6 +68,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                 LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
                 json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
                 fleet.record(result)
+                running.close()
         if extras.plot is not None:
             first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
             draw(Path(recordings[first]), extras.plot)

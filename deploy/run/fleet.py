@@ -99,7 +99,8 @@ class Fleet:
         return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
-        self._stack.close()
+        with undisturbed():
+            self._stack.close()
 
     @property
     def topology(self) -> Topology:
@@ -120,7 +121,7 @@ class Fleet:
         with counted() as interruptions:
             verdict, reason = self._ending(enough, interruptions)
             if verdict:
-                patience = 1 if reason == INTERRUPTED else 0  # Ctrl-C that were heard of
+                patience = min(1, interruptions())  # two at once: nobody waits
                 with suppress(KeyboardInterrupt):
                     LOG.info(f"{verdict}: {reason}")
                     self._await_last_words(lambda: interruptions() > patience)
@@ -153,10 +154,11 @@ class Fleet:
 
     def processes(self) -> list[dict[str, Any]]:
         """Let all leave, stop whoever does not; what each process cost. The recording's writer stays."""
-        deadline = time.monotonic() + self._leaving
-        while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
-            self._supervisor.poll(_POLL)
-        self._supervisor.stop(spare=(table.WRITER,))
+        with undisturbed():
+            deadline = time.monotonic() + self._leaving
+            while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
+                self._supervisor.poll(_POLL)
+            self._supervisor.stop(spare=(table.WRITER,))
         hosts = {} if self._options.hosts is None else places(self._options.hosts)
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 

@@ -20,6 +20,7 @@ from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
 from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.interruption import undisturbed
 from deploy.run.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
@@ -78,11 +79,17 @@ class LocalFleet:
         self.reports: list[dict[str, Any]] = []
         self.start_world()
         self._writer = None if record is None else WriterProcess(record, run)
-        self._recorder = None if self._writer is None else self._hear(self._writer)
+        self._recorder: Recorder | None = None
         self.robots: dict[int, LocalBus] = {}
         self._joining = joining
-        for robot in joining or scenarios[0].ids:
-            self.start(robot)
+        try:
+            if self._writer is not None:
+                self._recorder = self._hear(self._writer)
+            for robot in joining or scenarios[0].ids:
+                self.start(robot)
+        except BaseException:  # nobody has the fleet, to close it
+            self.__exit__()
+            raise
         faults = self.network.connect()
         faults.subscribe(world_key(run, "clock"))
         faults.node = FaultInjector(self, FaultSchedule(scenarios), watch)
@@ -136,7 +143,8 @@ class LocalFleet:
         return self
 
     def __exit__(self, *details: object) -> None:
-        self._finish(None)
+        with undisturbed():
+            self._finish(None)
 
     def recordings(self) -> list[str]:
         """The files of the recording."""
@@ -172,9 +180,11 @@ class LocalFleet:
             with seldom_collecting():
                 self.network.run(lambda: self.world.finished)
         except KeyboardInterrupt:
-            self.world.interrupt("interrupted", INTERRUPTED)
+            with undisturbed():
+                self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
-            self._recorder.close()
+            with undisturbed():
+                self._recorder.close()
         return self.reports
 
     def step(self) -> bool:

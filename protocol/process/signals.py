@@ -19,7 +19,8 @@ def heard_by(handler: Handler, numbers: Iterable[int] = ENDING) -> Iterator[None
     """Inside, `handler` hears of these signals; afterwards whoever did before, whatever comes meanwhile.
 
     Nothing changes in a thread that is not the main one, which alone hears of signals, nor for a signal
-    whose handler is not Python's.
+    whose handler is not Python's. A handler that was set inside stays: who ends at the first signal has
+    further ones ignored, and the first may come as handlers change.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -31,16 +32,18 @@ def heard_by(handler: Handler, numbers: Iterable[int] = ENDING) -> Iterator[None
             signal.signal(number, handler)
         yield
     finally:
-        _give_back(before)
+        _give_back(before, handler)
 
 
-def _give_back(before: list[tuple[int, Handler]]) -> None:
+def _give_back(before: list[tuple[int, Handler]], handler: Handler) -> None:
     """Each signal to its handler, the last first, though one of them raise before all have theirs."""
     raised: BaseException | None = None
     while before:
         try:
             while before:
-                signal.signal(*before[-1])
+                number, earlier = before[-1]
+                if signal.getsignal(number) == handler:
+                    signal.signal(number, earlier)
                 before.pop()
         except BaseException as error:  # noqa: BLE001  # whatever a handler raises
             raised = error

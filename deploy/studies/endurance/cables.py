@@ -13,6 +13,7 @@ from typing import Any
 from deploy.run.topology import Routed
 from deploy.studies.endurance.cable import HERE, Cable
 from deploy.studies.endurance.side_process import SideProcess
+from protocol.process.signals import ENDING
 from protocol.process.title import entitle
 
 
@@ -44,7 +45,8 @@ class Cables(SideProcess):
 def main(channel: Channel[Any, Any], router: tuple[str, int], robots: tuple[int, ...], run: str) -> None:
     """Lay the cables, tell their ports, and pull those that the other end says, until that is gone."""
     entitle("cables", run)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
     gc.freeze()  # a cable searches for garbage when a connection ends: not among what is there for good
     asyncio.run(_serve(channel, {robot: Cable(router) for robot in robots}))
 

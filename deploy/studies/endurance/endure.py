@@ -16,6 +16,7 @@ from rich.table import Table
 
 from deploy.processes.table import ROUTER, WORLD
 from deploy.run.fleet import ENOUGH, Fleet
+from deploy.run.interruption import undisturbed
 from deploy.run.options import RunOptions
 from deploy.run.reports import Report
 from deploy.run.topology import Routed, Topology
@@ -84,6 +85,8 @@ def endure(trial: Trial, tell: Callable[[float], None]) -> dict[str, Any]:
 
             reports = fleet.execute(enough)
             fleet.processes()
+        with undisturbed():
+            stack.close()
     return result(trial, reports, samples, scenarios[0].time.step, observation.recovery, observation.blows)
 
 

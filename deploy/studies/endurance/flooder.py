@@ -14,6 +14,7 @@ from deploy.studies.endurance.garbage import garbage
 from deploy.studies.endurance.side_process import SideProcess
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.process.signals import ENDING
 from protocol.process.title import entitle
 from protocol.streams import STREAMS
 
@@ -40,7 +41,11 @@ class Flooder(SideProcess):
         super().__init__("flooder", main, connection, run, robots, rate)
 
     def __enter__(self) -> Self:
-        self._hear()
+        try:
+            self._hear()
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
         return self
 
     def begin(self) -> None:
@@ -59,7 +64,8 @@ def main(
 ) -> None:
     """Flood between two words of the other end, until that is gone."""
     entitle("flooder", run)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)  # the parent alone decides what a Ctrl-C means
     os.nice(_NICENESS)
     bus = ZenohBus(connection)
     try:

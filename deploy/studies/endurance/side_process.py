@@ -7,6 +7,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
+from deploy.run.interruption import undisturbed
 from protocol.errors import ProcessError
 
 _PATIENCE = 30.0  # s for the process to say something, and to end
@@ -34,10 +35,11 @@ class SideProcess:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._channel.close()
-        self._process.join(_PATIENCE)
-        self._process.kill()
-        self._process.join()
+        with undisturbed():
+            self._channel.close()
+            self._process.join(_PATIENCE)
+            self._process.kill()
+            self._process.join()
 
     @property
     def pid(self) -> int:

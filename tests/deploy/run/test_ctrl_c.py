@@ -175,3 +175,24 @@ def test_two_ctrl_c_at_once_have_nobody_wait() -> None:
     reports = fleet.execute()
     assert [report["verdict"] for report in reports] == ["arrived", "interrupted"]
     assert bus.asked == 4  # and none while the world would have reported
+
+
+def test_one_after_that_of_who_watches_has_nobody_wait() -> None:
+    fleet = Fleet([SWAP, SWAP], RunOptions("routed"))
+    fleet._supervisor = World("goes on")  # type: ignore[assignment]
+    fleet._assembly = Assembled()  # type: ignore[assignment]
+
+    class Interrupted:
+        asked = 0
+
+        def receive(self, _timeout: float) -> None:
+            self.asked += 1
+            if self.asked == 4:
+                raise KeyboardInterrupt
+            if self.asked == 6:
+                signal.raise_signal(signal.SIGINT)
+
+    fleet._bus = bus = Interrupted()  # type: ignore[assignment]
+    reports = fleet.execute()
+    assert [report["verdict"] for report in reports] == ["arrived", "interrupted"]
+    assert bus.asked == 6 < PROMPT - 1

@@ -72,3 +72,10 @@ def test_what_is_ignored_or_left_to_the_system_is_so_again() -> None:
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
+
+
+def test_a_handler_that_is_set_inside_stays(handlers: dict[int, Any]) -> None:
+    with heard_by(lambda _number, _frame: None):
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    now = {each: signal.getsignal(each) for each in ENDING}
+    assert now == handlers | {signal.SIGTERM: signal.SIG_IGN}

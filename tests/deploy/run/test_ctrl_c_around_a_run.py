@@ -1,0 +1,102 @@
+"""Ctrl-C while a run is put together, says its last words, and is taken down."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import signal
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load
+from deploy.recording.recorder import Recorder
+from deploy.run import execute as execution
+from deploy.run.execute import Extras, execute
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from world.node import WorldNode
+
+SWAP = load("swap-2")
+
+
+def ctrl_c(*_: object) -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def _run(tmp_path: Path, **options: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What is returned, and what is written."""
+    target = tmp_path / "result.json"
+    result = execute(SWAP, RunOptions("local"), Extras(json=target, **options), quiet=True)
+    return result, json.loads(target.read_text())
+
+
+def test_as_the_robots_of_a_recorded_run_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(LocalFleet, "start", ctrl_c)
+    _, written = _run(tmp_path, record=tmp_path / "run.mcap")
+    assert written["verdict"] == "interrupted"
+    assert not [each for each in multiprocessing.active_children() if each.is_alive()]
+
+
+def test_as_the_page_starts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    @contextmanager
+    def live_page(*_: object) -> Any:
+        ctrl_c()
+        yield
+
+    monkeypatch.setattr(execution, "live_page", live_page)
+    _, written = _run(tmp_path, web=True)
+    assert written["verdict"] == "interrupted"
+
+
+@pytest.mark.parametrize("place", [(WorldNode, "interrupt"), (Recorder, "close")])
+def test_another_at_the_last_words(
+    place: tuple[type, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    owner, name = place
+    usual = getattr(owner, name)
+
+    def interrupted(node: Any, *arguments: str) -> None:
+        ctrl_c()
+        usual(node, *arguments)
+
+    interruptions = iter([ctrl_c])
+
+    def watch(_: object) -> None:
+        for each in interruptions:
+            each()
+
+    monkeypatch.setattr(owner, name, interrupted)
+    with LocalFleet([SWAP], watch=watch, record=tmp_path / "run.mcap") as fleet:
+        (report,) = fleet.execute()
+    assert report["verdict"] == "interrupted"
+
+
+def test_as_the_fleet_is_taken_down(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = LocalFleet._finish
+
+    def interrupted(fleet: LocalFleet, result: str | None) -> None:
+        if result is None:
+            ctrl_c()
+        usual(fleet, result)
+
+    monkeypatch.setattr(LocalFleet, "_finish", interrupted)
+    result, written = _run(tmp_path)
+    assert (result["verdict"], written["verdict"]) == ("arrived", "arrived")
+
+
+def test_as_processes_leave(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who has all reports has what the processes cost, and ends them, too."""
+    with Fleet([SWAP], RunOptions("mesh")) as fleet:
+        (report,) = fleet.execute()
+        poll = fleet._supervisor.poll
+        stop = fleet._supervisor.stop
+        monkeypatch.setattr(fleet._supervisor, "poll", lambda *given: (ctrl_c(), poll(*given))[1])
+        monkeypatch.setattr(fleet._supervisor, "stop", lambda **given: (ctrl_c(), stop(**given))[1])
+        rows = fleet.processes()
+        fleet._stack.callback(ctrl_c)
+    assert report["verdict"] == "arrived"
+    assert len(rows) == len(SWAP.robots) + 1
