@@ -84,7 +84,8 @@ def test_nothing_is_kept_of_connections_that_have_ended(router: tuple[str, int])
                 cable.pull(0.01)
             await asyncio.to_thread(use, port, number)
             counts.append(len(gc.get_objects()))
-        assert counts[-1] < counts[CONNECTIONS // 4] + CONNECTIONS
+        while len(gc.get_objects()) >= counts[CONNECTIONS // 4] + CONNECTIONS:
+            await asyncio.sleep(0.01)  # a connection ends some time after its robot
 
     gc.collect()
     gc.freeze()
