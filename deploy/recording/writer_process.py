@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection as Pipe
 from multiprocessing.connection import wait
+from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
@@ -122,18 +123,18 @@ class WriterProcess(Writer):
 
     def __init__(self, path: Path, run: str = "") -> None:
         pipe, other = _FORK.Pipe()
+        Finalize(self, pipe.close, exitpriority=0)  # at exit, whom nobody closed would be waited for
         super().__init__(path, lambda: pipe)
         self._process = _FORK.Process(target=_forked, args=(pipe, other, path, run), daemon=True)
         self._process.start()
         other.close()
         self._pipe = pipe
         try:
-            refused = self._answer()
+            if refused := self._answer():
+                raise UsageError(refused)
         except BaseException:  # nobody has the writer, to close it
             self.close()
             raise
-        if refused:
-            raise UsageError(refused)
 
     def finish(self, result: str | None = None) -> None:
         """See `Parts.finish`."""
@@ -146,8 +147,10 @@ class WriterProcess(Writer):
         """End the other process, which writes what it was told; in vain, it is killed."""
         if self._pipe is not None:
             self._pipe.close()
-        self._process.join(_PATIENCE)
-        self._process.kill()
+        try:
+            self._process.join(_PATIENCE)
+        finally:
+            self._process.kill()
 
 
 def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], None]) -> int:

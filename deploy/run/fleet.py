@@ -99,7 +99,7 @@ class Fleet:
         return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
-        with undisturbed():
+        with self._stack, undisturbed():  # closed also by a Ctrl-C that comes first
             self._stack.close()
 
     @property
@@ -121,7 +121,7 @@ class Fleet:
         with counted() as interruptions:
             verdict, reason = self._ending(enough, interruptions)
             if verdict:
-                patience = min(1, interruptions())  # two at once: nobody waits
+                patience = min(1, interruptions()) if reason == INTERRUPTED else 0  # two: nobody waits
                 with suppress(KeyboardInterrupt):
                     LOG.info(f"{verdict}: {reason}")
                     self._await_last_words(lambda: interruptions() > patience)

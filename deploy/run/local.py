@@ -79,17 +79,11 @@ class LocalFleet:
         self.reports: list[dict[str, Any]] = []
         self.start_world()
         self._writer = None if record is None else WriterProcess(record, run)
-        self._recorder: Recorder | None = None
+        self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
         self._joining = joining
-        try:
-            if self._writer is not None:
-                self._recorder = self._hear(self._writer)
-            for robot in joining or scenarios[0].ids:
-                self.start(robot)
-        except BaseException:  # nobody has the fleet, to close it
-            self.__exit__()
-            raise
+        for robot in joining or scenarios[0].ids:
+            self.start(robot)
         faults = self.network.connect()
         faults.subscribe(world_key(run, "clock"))
         faults.node = FaultInjector(self, FaultSchedule(scenarios), watch)

@@ -41,11 +41,7 @@ class Flooder(SideProcess):
         super().__init__("flooder", main, connection, run, robots, rate)
 
     def __enter__(self) -> Self:
-        try:
-            self._hear()
-        except BaseException:
-            self.__exit__(None, None, None)
-            raise
+        self._hear()
         return self
 
     def begin(self) -> None:

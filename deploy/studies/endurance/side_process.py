@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 from collections.abc import Callable
+from multiprocessing.util import Finalize
 from types import TracebackType
 from typing import Any, Self
 
@@ -25,6 +26,7 @@ class SideProcess:
     def __init__(self, name: str, main: Callable[..., None], *arguments: Any) -> None:
         context = multiprocessing.get_context("spawn")
         self._channel, theirs = context.Pipe()
+        Finalize(self, self._channel.close, exitpriority=0)  # at exit, who is left would be waited for
         self._process = context.Process(target=main, args=(theirs, *arguments), name=name, daemon=True)
         self._process.start()
         theirs.close()

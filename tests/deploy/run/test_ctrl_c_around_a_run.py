@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 import signal
+import subprocess
+import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import pytest
 
 from deploy.library.load import load
+from deploy.output.exit_status import EXIT_INTERRUPTED
 from deploy.recording.recorder import Recorder
 from deploy.run import execute as execution
 from deploy.run.execute import Extras, execute
@@ -34,11 +36,23 @@ def _run(tmp_path: Path, **options: Any) -> tuple[dict[str, Any], dict[str, Any]
     return result, json.loads(target.read_text())
 
 
-def test_as_the_robots_of_a_recorded_run_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(LocalFleet, "start", ctrl_c)
-    _, written = _run(tmp_path, record=tmp_path / "run.mcap")
-    assert written["verdict"] == "interrupted"
-    assert not [each for each in multiprocessing.active_children() if each.is_alive()]
+@pytest.mark.parametrize("moment", ["LocalFleet.start", "FaultSchedule.__init__"])
+def test_as_a_recorded_run_is_put_together(moment: str, tmp_path: Path) -> None:
+    """Who writes is left to the end of the command, which waits for it."""
+    target = tmp_path / "result.json"
+    command = f"""
+import signal, sys
+from deploy import cli
+from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.local import LocalFleet
+{moment} = lambda *given: signal.raise_signal(signal.SIGINT)
+cli.main()
+"""
+    options = f"run swap-2 --transport local --quiet --record {tmp_path}/run.mcap --json {target}".split()
+    done = subprocess.run([sys.executable, "-c", command, *options], timeout=30, check=False)
+    assert done.returncode == EXIT_INTERRUPTED
+    assert json.loads(target.read_text())["verdict"] == "interrupted"
+    assert (tmp_path / "run.mcap").stat().st_size > 0
 
 
 def test_as_the_page_starts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
