@@ -59,6 +59,11 @@ class Parts:
         self._do(lambda file: file.finish(result), result)
         self._file = None
 
+    def abandon(self, reason: str) -> None:
+        """See `RecordingFile.abandon`; nothing happens if it is finished."""
+        self._do(lambda file: file.abandon(reason))
+        self._file = None
+
     def _open(self, path: Path) -> None:
         self._file, self._since = RecordingFile(path), time.monotonic()
         self._ready(str(path))

@@ -184,7 +184,8 @@ def _scenario(path: Path, found: Contents | Series) -> Scenario:
         _ = scenario.k  # a number, in all that was run
         return scenario
     except KeyError:
-        what = "was cut before it began" if found.cut else "holds no scenario, so disknav did not write it"
+        ours = found.cut or "recorder" in found.metadata
+        what = "was cut before it began" if ours else "holds no scenario, so disknav did not write it"
         raise RecordingError(f"{path} {what}: there is nothing to show") from None
     except (*DAMAGED, ScenarioError) as error:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error

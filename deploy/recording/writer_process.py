@@ -25,15 +25,16 @@ from deploy.recording.parts import Parts, next_free
 from deploy.recording.rotation import Rotation
 from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
+from protocol.process.beside import ForkedBeside
 from protocol.process.signals import ENDING
 from protocol.process.title import entitle
 from protocol.scenario.model import Scenario
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
+_GONE = (EOFError, OSError)  # in the middle of a message, too
 _NICENESS = 10  # the fleet first, and yet a share of a busy machine
 _pack = msgspec.msgpack.encode  # cheaper than pickling each pair
 _UNPACK = msgspec.msgpack.Decoder(list[tuple[str, bytes]])
-_FORK = multiprocessing.get_context("fork")  # at once, and with everything imported already
 
 
 class Writer:
@@ -115,18 +116,19 @@ class Writer:
 
 
 class WriterProcess(Writer):
-    """One that is forked from this process, for it alone.
+    """One that is forked from this process, for it alone: at once, and with everything imported already.
 
     Raises:
         UsageError: the file cannot be created.
     """
 
     def __init__(self, path: Path, run: str = "") -> None:
-        pipe, other = _FORK.Pipe()
+        pipe, other = multiprocessing.Pipe()
         Finalize(self, pipe.close, exitpriority=0)  # at exit, whom nobody closed would be waited for
         super().__init__(path, lambda: pipe)
-        self._process = _FORK.Process(target=_forked, args=(pipe, other, path, run), daemon=True)
-        self._process.start()
+        self._process = ForkedBeside(_PATIENCE, _forked, (pipe, other, path, run))
+        with uninterrupted():  # whoever has begun is known
+            self._process.start()
         other.close()
         self._pipe = pipe
         try:
@@ -147,10 +149,7 @@ class WriterProcess(Writer):
         """End the other process, which writes what it was told; in vain, it is killed."""
         if self._pipe is not None:
             self._pipe.close()
-        try:
-            self._process.join(_PATIENCE)
-        finally:
-            self._process.kill()
+        self._process.join()
 
 
 def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], None]) -> int:
@@ -189,6 +188,7 @@ def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
         file = Parts(path)
         pipe.send("")
         _serve(file, [pipe])
+        file.abandon("whoever recorded is gone")  # unless it is finished
     except DisknavError as error:
         pipe.send(str(error))
 
@@ -208,7 +208,7 @@ def _obey(file: Parts, pipe: Pipe, pipes: list[Pipe]) -> bool:
     with uninterrupted():
         try:
             method, arguments = pipe.recv()
-        except (EOFError, ConnectionError):
+        except _GONE:
             pipes.remove(pipe)
             file.flush()  # what has been said is kept, whatever comes
             return False
@@ -223,7 +223,7 @@ def _obey(file: Parts, pipe: Pipe, pipes: list[Pipe]) -> bool:
 def _take_rest(file: Parts, pipes: list[Pipe]) -> None:
     """Do what is still to be read of those who have handed over all."""
     for pipe in pipes:
-        with suppress(EOFError, ConnectionError):
+        with suppress(*_GONE):
             while pipe.poll():
                 _call(file, *pipe.recv())
 

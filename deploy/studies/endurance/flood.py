@@ -99,6 +99,7 @@ def _measure(
     with Fleet(scenarios, options, watch=watch) as fleet:
         connection = _connection(plan, options, fleet.topology.observer(), scenarios[0].ids)
         with Flooder(connection, options.run, scenarios[0].ids, plan.rate) as flooder:
+            flooder.connected()
             reports = fleet.execute(over)
         fleet.processes()
     return intervals, floods, reports

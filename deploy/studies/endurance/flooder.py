@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from itertools import cycle, islice
 from multiprocessing.connection import Connection as Channel
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 from deploy.studies.endurance.garbage import garbage
 from deploy.studies.endurance.side_process import SideProcess
@@ -40,9 +40,9 @@ class Flooder(SideProcess):
         """Connect, without waiting for it; `rate` in messages per second."""
         super().__init__("flooder", main, connection, run, robots, rate)
 
-    def __enter__(self) -> Self:
+    def connected(self) -> None:
+        """Wait until it is; comes first."""
         self._hear()
-        return self
 
     def begin(self) -> None:
         """Let it flood from now on."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable
+from multiprocessing import Pipe
 from multiprocessing.util import Finalize
 from types import TracebackType
 from typing import Any, Self
 
 from deploy.run.interruption import undisturbed
+from protocol.bus.drive import uninterrupted
 from protocol.errors import ProcessError
+from protocol.process.beside import SpawnedBeside
 
-_PATIENCE = 30.0  # s for the process to say something, and to end
+_PATIENCE = 30.0  # s for the process to say something
+_LEAVING = 5.0  # s for it to end; nothing is lost if it is killed
 
 
 class SideProcess:
@@ -24,11 +27,11 @@ class SideProcess:
     """
 
     def __init__(self, name: str, main: Callable[..., None], *arguments: Any) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._channel, theirs = context.Pipe()
+        self._channel, theirs = Pipe()
         Finalize(self, self._channel.close, exitpriority=0)  # at exit, who is left would be waited for
-        self._process = context.Process(target=main, args=(theirs, *arguments), name=name, daemon=True)
-        self._process.start()
+        self._process = SpawnedBeside(_LEAVING, main, (theirs, *arguments), name)
+        with uninterrupted():  # whoever has begun is known
+            self._process.start()
         theirs.close()
 
     def __enter__(self) -> Self:
@@ -39,8 +42,6 @@ class SideProcess:
     ) -> None:
         with undisturbed():
             self._channel.close()
-            self._process.join(_PATIENCE)
-            self._process.kill()
             self._process.join()
 
     @property

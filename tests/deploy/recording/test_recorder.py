@@ -1,6 +1,7 @@
 """The recorder: what it writes, what it refuses, and when it ends."""
 
 import json
+import os
 import time
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from protocol.streams import STREAMS
 from protocol.wire.codec import encode
 from tests.deploy.recording.fake_world import FakeWorld
 from tests.deploy.recording.recorded import said_by, scenario
+from tests.scripts import ended
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingFile]:
@@ -124,6 +126,44 @@ def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
     child.join(10)
     with pytest.raises(RecordingError, match=r"cannot go on recording to .*x\.mcap"):
         file.begin("r", scenario())
+
+
+@pytest.mark.parametrize("more", [b"", b"\0\0\4\0half a message"], ids=["", "in the middle of a message"])
+def test_the_end_of_who_tells_ends_the_file_with_all_that_was_told(tmp_path, more):
+    file = WriterProcess(tmp_path / "x.mcap")
+    file.begin("r", scenario())
+    file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
+    os.write(file._pipe.fileno(), more)
+    file.close()
+    found = read(tmp_path / "x.mcap")
+    assert said_by(found, Command, 1) == [Command(1, 1, 0, (0.1, 0.2))]
+    assert (found.result, found.cut) == (None, True)
+    with (tmp_path / "x.mcap").open("rb") as stream:
+        assert make_reader(stream).get_summary() is not None
+
+
+def test_ctrl_c_as_the_process_that_writes_starts_leaves_nobody(tmp_path):
+    os.mkfifo(tmp_path / "stuck.mcap")  # nobody reads it, so to open it takes for ever
+    done = ended(
+        """
+import multiprocessing.popen_fork, signal, sys
+from pathlib import Path
+from deploy.recording import writer_process
+popen = multiprocessing.popen_fork.Popen
+launch = popen._launch
+def interrupted(*given):
+    launch(*given)
+    signal.raise_signal(signal.SIGINT)
+popen._launch = interrupted
+writer_process._PATIENCE = 0.1
+try:
+    writer_process.WriterProcess(Path(sys.argv[1]))
+except KeyboardInterrupt:
+    print("interrupted")
+""",
+        tmp_path / "stuck.mcap",
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
 def test_a_world_that_never_appears_ends_the_wait(tmp_path):

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import json
 import signal
-import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import make_reader
 
 from deploy.library.load import load
 from deploy.output.exit_status import EXIT_INTERRUPTED
+from deploy.recording.reader import read
 from deploy.recording.recorder import Recorder
 from deploy.run import execute as execution
 from deploy.run.execute import Extras, execute
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from protocol.errors import RecordingError
+from tests.scripts import ended
 from world.node import WorldNode
 
 SWAP = load("swap-2")
@@ -38,21 +40,41 @@ def _run(tmp_path: Path, **options: Any) -> tuple[dict[str, Any], dict[str, Any]
 
 @pytest.mark.parametrize("moment", ["LocalFleet.start", "FaultSchedule.__init__"])
 def test_as_a_recorded_run_is_put_together(moment: str, tmp_path: Path) -> None:
-    """Who writes is left to the end of the command, which waits for it."""
+    """Who writes closes the file by itself, and the command waits for that."""
+    _interrupted(moment, "pass", tmp_path)
+    with (tmp_path / "run.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_summary() is not None
+        (end,) = reader.iter_metadata()
+    assert (end.name, end.metadata["messages"]) == ("recorder", "0")
+    with pytest.raises(RecordingError, match="was cut before it began"):
+        read(tmp_path / "run.mcap")
+
+
+def test_as_a_recorded_run_is_put_together_and_its_disk_is_stuck(tmp_path: Path) -> None:
+    stuck = "(writer,) = active_children(); writer._patience = 0.1; os.kill(writer.pid, SIGSTOP)"
+    _interrupted("LocalFleet.start", stuck, tmp_path)
+
+
+def _interrupted(moment: str, before: str, tmp_path: Path) -> None:
+    """Have Ctrl-C come at a moment of a recorded run, after something else."""
     target = tmp_path / "result.json"
     command = f"""
-import signal, sys
+import os
+from multiprocessing import active_children
+from signal import SIGINT, SIGSTOP, raise_signal
 from deploy import cli
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.local import LocalFleet
-{moment} = lambda *given: signal.raise_signal(signal.SIGINT)
+def interrupted(*given):
+    {before}
+    raise_signal(SIGINT)
+{moment} = interrupted
 cli.main()
 """
     options = f"run swap-2 --transport local --quiet --record {tmp_path}/run.mcap --json {target}".split()
-    done = subprocess.run([sys.executable, "-c", command, *options], timeout=30, check=False)
-    assert done.returncode == EXIT_INTERRUPTED
+    assert ended(command, *options).returncode == EXIT_INTERRUPTED
     assert json.loads(target.read_text())["verdict"] == "interrupted"
-    assert (tmp_path / "run.mcap").stat().st_size > 0
 
 
 def test_as_the_page_starts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,36 @@
+"""Short programs, each in an interpreter of its own, of which nothing is left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+
+def ended(script: str, *arguments: object, timeout: float = 30.0) -> subprocess.CompletedProcess[str]:
+    """What became of a program once it has ended, and whoever it started; all are killed in any case.
+
+    Raises:
+        subprocess.TimeoutExpired: one of them has not ended within `timeout` s.
+    """
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,  # which all of them hold
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        try:
+            said = process.communicate(timeout=timeout)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    return subprocess.CompletedProcess(command, process.returncode, *said)
