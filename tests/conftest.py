@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import closing
 
@@ -28,6 +29,8 @@ def pytest_configure() -> None:
         compiled.check()
     except UsageError as error:
         pytest.exit(str(error), returncode=2)
+    # A shell that puts the tests in the background has them, and all that they start, ignore Ctrl-C.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_finish() -> None:
