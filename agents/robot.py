@@ -13,6 +13,7 @@ from typing import Final
 
 from agents.bodies.choice import body_of
 from agents.estimate import Estimate
+from agents.fleet import fleet_of
 from agents.laws import Law, View, choose
 from agents.laws.turns import turn_of
 from agents.movers.mover import Mover
@@ -32,7 +33,6 @@ from protocol.messages import (
     Handling,
     Health,
     Letter,
-    Member,
     Proposal,
     Report,
     Roster,
@@ -71,12 +71,11 @@ class Robot:
         self.goal = self._first_goal = spec.goal
         self._ordered: Vector | None = None  # where to go instead, as last told
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
-        self._radii = {peer.id: peer.radius for peer in scenario.robots}
         self._body = body_of(scenario, robot)
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
-        self._neighbours = Neighbours({peer: self._radii[peer] for peer in self._radii if peer != robot})
+        self._neighbours = Neighbours(fleet_of(scenario.robots).radii)
         self._link, self._awaited = Link(scenario, robot), Awaited(robot)
         self._attention = Attention(turn(scenario, robot), lockstep=lockstep)
         self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)
@@ -148,24 +147,24 @@ class Robot:
         for member in news:
             self._neighbours.on_member(member)
         if self._filter is None:
-            self._filter = self._first_filter(news)
+            self._filter = self._first_filter(self._roster)
             self._filter.locate(self.tick, self._estimate, blind=self._blind)
             news = []
         self._filter.on_roster(news, self._roster.things)
 
-    def _first_filter(self, members: list[Member]) -> SafetyFilter:
+    def _first_filter(self, roster: KnownRoster) -> SafetyFilter:
         """What this incarnation obeys from the first roster on."""
-        own = self._roster.member(self.robot)
-        if own is not None:
-            self._radii[self.robot] = own.radius  # an earlier life may have taken up a part
+        radii, own = fleet_of(self._scenario.robots).radii, roster.member(self.robot)
+        if own is not None and own.radius != radii.get(self.robot):
+            radii = {**radii, self.robot: own.radius}  # an earlier life may have taken up a part
         return SafetyFilter(
             self._scenario,
             self.robot,
             self.incarnation,
-            self._radii,
+            radii,
             self._body,
-            members,
-            self._roster.founding,
+            roster.members,
+            roster.founding,
         )
 
     def _attend(self, tick: Tick) -> None:
@@ -333,7 +332,7 @@ class Robot:
             return
         filter_.lines.survey(picture)
         known = {self.robot, *self._attention.near, *self._neighbours.standing}
-        self._neighbours.far = picture.field(position, self._radii[self.robot], known)
+        self._neighbours.far = picture.field(position, filter_.radius, known)
 
     def _summed_up(self) -> float | None:
         """What the next tick's summary is to say of this robot's pace, if there is one."""

@@ -3,9 +3,17 @@ the coordinator's; this robot only follows its versions, and never an older one 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import final
 
 from protocol.messages import Member, PartPlace, Roster, Thing
+
+
+@lru_cache(maxsize=1)
+def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
+    """What robots of one process are told alike is kept once; nobody changes it."""
+    return {each.robot: each for each in members}
 
 
 @final
@@ -18,6 +26,7 @@ class KnownRoster:
 
     Attributes:
         version: of it; 0 as long as there is none.
+        members: everybody that it names, by id, in its order.
         things: that came or went, as it says.
         parts: where each is.
     """
@@ -27,26 +36,28 @@ class KnownRoster:
         self.things: tuple[Thing, ...] = ()
         self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._incarnation = robot, incarnation
-        self._members: dict[int, Member] = {}
+        self.members: Mapping[int, Member] = {}
 
     def update(self, roster: Roster) -> list[Member]:
         """Take over a roster if it is newer; what it says anew of others, in the order of their ids."""
         if roster.version <= self.version:
             return []
-        before, self._members = self._members, {each.robot: each for each in roster.members}
+        before, self.members = self.members, _by_id(roster.members)
         self.version, self.things, self.parts = roster.version, roster.things, roster.parts
         return [
-            each for each in roster.members if each.robot != self._robot and before.get(each.robot) != each
+            each
+            for each in self.members.values()
+            if each.robot != self._robot and before.get(each.robot) != each
         ]
 
     def member(self, robot: int) -> Member | None:
         """What it says of an id."""
-        return self._members.get(robot)
+        return self.members.get(robot)
 
     @property
     def founding(self) -> bool:
         """Whether this incarnation was there before the first tick, and so knows the initial lines."""
-        own = self._members.get(self._robot)
+        own = self.members.get(self._robot)
         return own is not None and own.founding == self._incarnation > 0
 
 

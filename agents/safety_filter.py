@@ -12,6 +12,7 @@ from typing import Final, final
 
 from agents.bodies.body import Body
 from agents.estimate import Estimate
+from agents.fleet import fleet_of
 from agents.lines.boundary import boundary_of
 from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
@@ -35,7 +36,7 @@ class SafetyFilter:
         incarnation: own incarnation.
         radii: of every robot, m, own included.
         body: what carries the robot.
-        members: the others in the first roster that this incarnation hears.
+        members: of the first roster that this incarnation hears, by id.
         founding: whether it began the run: if so, disks were where the scenario lets them begin.
 
     Attributes:
@@ -52,11 +53,11 @@ class SafetyFilter:
         incarnation: int,
         radii: Mapping[int, float],
         body: Body,
-        members: Sequence[Member],
+        members: Mapping[int, Member],
         founding: bool,
     ) -> None:
         speed = scenario.control.speed * (1.0 + scenario.actuation.bound)
-        starts = {peer.id: peer.start for peer in scenario.robots}
+        starts = fleet_of(scenario.robots).starts
         self.obeyed = scenario.control.filter == "separating-lines"
         self.radius = radii[robot]
         self.things = Things(

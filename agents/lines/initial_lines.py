@@ -13,9 +13,10 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.peers.far import FarPicture
+from agents.peers.far import FarPicture, Places, shift
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Vector = tuple[float, float]
 
 _ROUNDING: Final = 1e-6  # m, more than the same line computed one by one may differ by
@@ -29,7 +30,10 @@ class InitialLines:
         robot: own id.
         starts: where every robot begins, m.
         radii: of every robot, m.
-        ahead: way (m) that the own centre may go before lines are looked at again.
+        ahead: way (m) that the own centre, or a peer, may go before all lines are looked at again.
+
+    Attributes:
+        unusable: peers with whom there may be no line, for they may touch.
     """
 
     def __init__(
@@ -47,16 +51,15 @@ class InitialLines:
         gap: Array = length - radii[robot] - np.array([radii[peer] for peer in ids])
         self._limits: Array = self._normals @ np.asarray(starts[robot]) + 0.5 * gap  # of the own centre
         self._theirs: Array = (self._normals * there).sum(axis=1) - 0.5 * gap  # of the peers' centres
-        self._gaps = gap
+        self.unusable: list[int] = self._peers[gap < _ROUNDING].tolist()
+        self._owned = int(np.searchsorted(self._peers, robot))  # from there on, the lines are this robot's
+        self._watched: Places | None = None  # by which it was looked which peers may reach a line,
+        self._within = 0.0  # m,
+        self._rows = self._peers[:0]  # and found these lines,
+        self._there = self._rows  # and where the summary has their peers
 
     def __len__(self) -> int:
         return len(self._peers)
-
-    @property
-    def unusable(self) -> list[int]:
-        """Peers with whom there may be no line, for they may touch."""
-        ids: list[int] = self._peers[self._gaps < _ROUNDING].tolist()
-        return ids
 
     def approached(self, x: float, y: float, reach: float) -> list[int]:
         """Every peer whose line may be less than `reach` (m) from the own centre at (x, y), m, and some more.
@@ -76,20 +79,32 @@ class InitialLines:
 
     def reached(self, picture: FarPicture, reach: float) -> list[int]:
         """Every peer that this robot owns the line with and that was less than `reach` (m) from it."""
-        first = int(np.searchsorted(self._peers, self._robot))
-        peers, normals, theirs = self._peers[first:], self._normals[first:], self._theirs[first:]
-        if not len(peers) or not len(picture.robots):
-            return []
-        index = np.minimum(np.searchsorted(picture.robots, peers), len(picture.robots) - 1)
-        places = picture.places[index]
-        slack = normals[:, 0] * places[:, 0] + normals[:, 1] * places[:, 1] - theirs
-        found = (slack < reach + _ROUNDING) & (picture.robots[index] == peers)
-        ids: list[int] = peers[found].tolist()
+        said = picture.said
+        if self._watched is None or shift(self._watched, said) + reach > self._within:
+            self._watch(said, reach + self._ahead)
+        rows = self._rows
+        ids: list[int] = self._peers[rows[self._slack(rows, self._there, said) < reach + _ROUNDING]].tolist()
         return ids
+
+    def _watch(self, said: Places, within: float) -> None:
+        """Note which peers of own lines were less than `within` (m) from it: the others have to go that far
+        before they can reach it."""
+        self._watched, self._within = said, within
+        rows = np.arange(self._owned if len(said.robots) else len(self._peers), len(self._peers))
+        there = np.minimum(np.searchsorted(said.robots, self._peers[rows]), len(said.robots) - 1)
+        close = (said.robots[there] == self._peers[rows]) & (
+            self._slack(rows, there, said) < within + 2.0 * _ROUNDING
+        )
+        self._rows, self._there = rows[close], there[close]
+
+    def _slack(self, rows: Indices, there: Indices, said: Places) -> Array:
+        """How far peers are from some lines, m."""
+        normals = self._normals[rows]
+        return normals[:, 0] * said.x[there] + normals[:, 1] * said.y[there] - self._theirs[rows]
 
     def leave(self, peer: int) -> None:
         """More is known of this peer: look at its line no more."""
         index = int(np.searchsorted(self._peers, peer))
         if index < len(self._peers) and self._peers[index] == peer:
-            self._gaps[index] = self._limits[index] = np.inf  # farther than any reach
+            self._limits[index] = np.inf  # farther than any reach
             self._theirs[index] = -np.inf

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from agents.lines.ends import Follower, Owner
@@ -40,7 +40,7 @@ class SeparatingLines:
         reach: the longest way from the beginning of a tick until the body stands, m; unless given, that of a
             tick at full speed.
         berth: room that own lines leave at either side, m, as far as there is any.
-        members: the others in the first roster that this incarnation hears.
+        members: of the first roster that this incarnation hears, by id.
         starts: where every robot begins, m, if this incarnation is a founding one.
         urgent: gap (m) to a line below which a far peer is offered another; None where nobody is far. Then
             initial lines are looked at one by one only when somebody may come near them.
@@ -56,7 +56,7 @@ class SeparatingLines:
         period: float,
         reach: float = 0.0,
         berth: float = 0.0,
-        members: Sequence[Member] = (),
+        members: Mapping[int, Member] = {},
         starts: Mapping[int, tuple[float, float]] | None = None,
         urgent: float | None = None,
     ) -> None:
@@ -64,7 +64,7 @@ class SeparatingLines:
         self._radius, self._radii, self._starts = radii[robot], radii, starts
         self._period, max_step = period, speed * period
         self._reach = reach if reach > 0.0 else max_step
-        self._founding = {each.robot: each.founding for each in members}
+        self._first = members
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []
         self._near_talk = NearTalk(max_step, period, berth)
@@ -81,7 +81,9 @@ class SeparatingLines:
         self.wanted = 0.0  # m, radius of the disk for which own lines leave room, if that is larger
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
-        for member in members:
+        for member in members.values():
+            if member.robot == robot:
+                continue
             founding = member.robot in radii and member.incarnation == member.founding
             if member.status != "live" or not founding:
                 self.on_member(member)
@@ -98,7 +100,7 @@ class SeparatingLines:
                 own_radius=self._radius,
                 radius=self._radii[peer] if founding else 0.0,
                 initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
-                peer_incarnation=self._founding.get(peer, 0) if founding else 0,
+                peer_incarnation=self._first[peer].founding if founding and peer in self._first else 0,
             )
             self._each.append(pair)
             if self._initial is not None:

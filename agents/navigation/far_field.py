@@ -48,7 +48,8 @@ NOTHING = FarField()
 def far_field(
     tick: int,
     position: Vector,
-    places: Array,
+    x: Array,
+    y: Array,
     contacts: Array,
     gammas: Array,
     slices: Array,
@@ -59,7 +60,7 @@ def far_field(
     Args:
         tick: of the places.
         position: around which, m.
-        places: of the disks, m; shape (n, 2).
+        x, y: places of the disks, m.
         contacts: distance at which each touches, m.
         gammas: squared distances to their goals, m^2.
         slices: norms of their own slices, m.
@@ -70,20 +71,24 @@ def far_field(
     if field.count <= 0:
         return field
     squares = contacts * contacts
-    away = np.asarray(position) - places
-    ax, ay = away[:, 0], away[:, 1]
-    beta = ax * ax + ay * ay - squares
-    beta[beta <= squares] = np.inf
-    others, norms = gammas.copy(), slices.copy()
+    ax, ay = position[0] - x, position[1] - y
+    beta = ax * ax
+    beta += ay * ay
+    beta -= squares
+    np.copyto(beta, np.inf, where=beta <= squares)
+    inverse = np.reciprocal(beta)
+    others, norms = gammas, slices
     if known:
-        beta[known], others[known], norms[known] = np.inf, 0.0, 0.0
-    inverse = 1.0 / beta
-    slope = -2.0 * inverse * inverse
+        others, norms = gammas.copy(), slices.copy()
+        inverse[known] = others[known] = norms[known] = 0.0
+    slope = inverse * inverse
+    slope *= -2.0
+    trace = float(np.add.reduce(inverse))
+    field.log_x, field.log_y = float(ax.dot(inverse)), float(ay.dot(inverse))
     along = slope * ax
-    trace = float(inverse.sum())
-    field.log_x, field.log_y = float(ax @ inverse), float(ay @ inverse)
-    field.xx, field.xy = trace + float(along @ ax), float(along @ ay)
-    field.yy = trace + float((slope * ay) @ ay)
-    field.gamma, field.largest = float(others.sum()), float(others.max())
-    field.slice = float(norms.max())
+    field.xx, field.xy = trace + float(along.dot(ax)), float(along.dot(ay))
+    slope *= ay
+    field.yy = trace + float(slope.dot(ay))
+    field.gamma, field.largest = float(np.add.reduce(others)), float(np.maximum.reduce(others))
+    field.slice = float(np.maximum.reduce(norms))
     return field

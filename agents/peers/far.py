@@ -7,6 +7,7 @@ A process with one robot reads each summary once, too.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from functools import lru_cache
 from typing import final
@@ -47,14 +48,14 @@ class Places:
         runs: who is in it, as in the summary.
         robots: the same, ascending.
         index: of each in the arrays.
-        places: m; shape (n, 2).
+        x, y: their places, m; shape (n,).
         gammas, slices: as in the summary, m^2 and m.
 
     Raises:
         MessageError: it is not made as a summary is.
     """
 
-    __slots__ = ("gammas", "index", "places", "robots", "runs", "slices", "tick")
+    __slots__ = ("_radii", "_sizes", "gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
 
     def __init__(self, summary: Summary) -> None:
         self.tick, self.runs = summary.tick, summary.robots
@@ -64,18 +65,37 @@ class Places:
             raise MessageError(
                 "shape", "summary: as many positions as squared distances and slices are needed"
             )
-        self.places: Array = _numbers(summary.positions).reshape(-1, 2)
+        places = _numbers(summary.positions).reshape(-1, 2)
+        self.x, self.y = _column(places, 0), _column(places, 1)
         self.gammas: Array = _numbers(summary.gammas)
         self.slices: Array = _numbers(summary.slices)
         sound = (self.gammas >= 0.0).all() and (self.slices >= 0.0).all()
-        if not (sound and (np.abs(self.places) <= LARGEST).all()):
+        if not (sound and (np.abs(places) <= LARGEST).all()):
             raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
         robots, index = _ids(summary.robots, count)
         self.robots: NDArray[np.int64] = robots
         self.index: Mapping[int, int] = index
+        self._radii: Mapping[int, float] | None = None
+        self._sizes = self.x
+
+    def sizes(self, radii: Mapping[int, float]) -> Array:
+        """Radii of `robots`, m, from those of everybody, by id; 0 of whom it lacks. Robots of one process
+        share them."""
+        if self._radii is not radii:
+            self._radii = radii
+            self._sizes = np.array([radii.get(robot, 0.0) for robot in self.index], dtype=np.float64)
+        return self._sizes
 
 
 places_of = lru_cache(maxsize=1)(Places)
+
+
+@lru_cache(maxsize=16)  # robots of one process go back to a few summaries
+def shift(before: Places, after: Places) -> float:
+    """The farthest that anybody is from where a summary before has it, m; infinite if not all are in both."""
+    if before.runs != after.runs:
+        return math.inf
+    return float(np.hypot(after.x - before.x, after.y - before.y).max(initial=0.0))
 
 
 @final
@@ -89,25 +109,22 @@ class FarPicture:
 
     Attributes:
         tick: that it is of.
-        robots: who is in it, ascending.
-        places: of them, m; shape (n, 2).
+        said: by the summary.
     """
 
     def __init__(self, said: Places, radii: Mapping[int, float], before: FarPicture | None = None) -> None:
-        self.tick = said.tick
-        self.robots: NDArray[np.int64] = said.robots
-        self.places: Array = said.places
-        self._said = said
-        if before is not None and before._said.runs == said.runs:
-            sizes = before._radii
+        self.tick, self.said, self._radii = said.tick, said, radii
+        self._sizes: Array
+        if before is not None and before._radii is radii and before.said.runs == said.runs:
+            self._sizes = before._sizes
         else:
-            sizes = np.array([radii.get(robot, 0.0) for robot in said.index], dtype=np.float64)
-        self._radii: Array = sizes
+            self._sizes = said.sizes(radii)
 
     def place(self, robot: int) -> Vector | None:
         """Where a robot was, m; None if nobody knows."""
-        index = self._said.index.get(robot)
-        return None if index is None else (self.places.item(2 * index), self.places.item(2 * index + 1))
+        said = self.said
+        index = said.index.get(robot)
+        return None if index is None else (said.x.item(index), said.y.item(index))
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """What all of them but the `known` add to a robot's slice near its own position.
@@ -117,8 +134,9 @@ class FarPicture:
             radius: own, m.
             known: robots that are known better, own id included, each once.
         """
-        index = [self._said.index[robot] for robot in known if robot in self._said.index]
-        terms = (self.places, radius + self._radii, self._said.gammas, self._said.slices)
+        said = self.said
+        index = [said.index[robot] for robot in known if robot in said.index]
+        terms = (said.x, said.y, radius + self._sizes, said.gammas, said.slices)
         return far_field(self.tick, position, *terms, index)
 
 
@@ -127,6 +145,13 @@ def _numbers(payload: bytes) -> Array:
     numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
     numbers.setflags(write=False)
     return numbers
+
+
+def _column(numbers: Array, index: int) -> Array:
+    """In one piece, to be read only."""
+    column: Array = numbers[:, index].copy()
+    column.setflags(write=False)
+    return column
 
 
 @lru_cache(maxsize=1)  # they seldom change

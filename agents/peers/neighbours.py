@@ -15,11 +15,12 @@ class Neighbours:
     incarnation.
 
     Args:
-        radii: radius (m) of every peer, by id.
+        radii: radius (m) of everybody, by id; it is not changed.
 
     Attributes:
         standing: disks that stand, or that will appear in a place kept free, by id.
         far: what all those add to the slice who are not heard.
+        radii: as last known.
     """
 
     def __init__(self, radii: Mapping[int, float]) -> None:
@@ -27,7 +28,7 @@ class Neighbours:
         self.far = NOTHING
         self._attends = False  # whether some are not heard
         self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
-        self.radii = dict(radii)  # of all, by id, m
+        self.radii = radii
         self._radii = list(radii.items())  # of those whose States are kept
         self._index = {peer: index for index, peer in enumerate(radii)}
         self._states: list[PeerState | None] = [None] * len(radii)
@@ -73,7 +74,8 @@ class Neighbours:
 
     def _meet(self, member: Member) -> None:
         """Have a place for a peer that the scenario did not name; its radius is the roster's."""
-        self.radii[member.robot] = member.radius
+        if self.radii.get(member.robot) != member.radius:
+            self.radii = {**self.radii, member.robot: member.radius}  # the others share the one given
         index = self._index.setdefault(member.robot, len(self._radii))
         if index == len(self._radii):
             self._radii.append((member.robot, member.radius))

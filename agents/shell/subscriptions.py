@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final, final
 
+from agents.fleet import fleet_of
 from agents.peers.reader import PeerReader
 from protocol.bus.bus import Bus
 from protocol.keys import robot_key
@@ -30,7 +31,7 @@ class Subscriptions:
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
-        self._peers: set[int] = set()  # all others
+        self._fleet: frozenset[int] = frozenset()  # everybody
         self._oldest: Mapping[int, int] = {}  # first incarnations in this run
         self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
         self._before = self._near  # who was named before them
@@ -41,11 +42,11 @@ class Subscriptions:
     def begin(self, admission: Admission) -> None:
         """An incarnation begins: hear everybody, unless the world will say who is near."""
         scenario = admission.scenario
-        self._peers = {robot for robot in scenario.ids if robot != self._robot}
+        self._fleet = fleet_of(scenario.robots).ids
         self._oldest, self._near = admission.oldest, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}
-        for peer in () if scenario.hears_near else sorted(self._peers):
+        for peer in () if scenario.hears_near else sorted(self._fleet - {self._robot}):
             self._know(peer)
         self._subscribe(self.readers)
 
@@ -54,9 +55,9 @@ class Subscriptions:
         heard."""
         for member in roster.members:
             peer = member.robot
-            if peer == self._robot or peer in self._peers:
+            if peer == self._robot or peer in self._fleet:
                 continue
-            self._peers.add(peer)
+            self._fleet |= {peer}
             if everybody:
                 self._subscribe((self._know(peer),))
 
@@ -78,7 +79,7 @@ class Subscriptions:
         for peer in sorted(self._near):
             key = self._key(peer)
             kept.add(key)
-            if peer in self._peers and key not in self.readers:
+            if peer in self._fleet and peer != self._robot and key not in self.readers:
                 self._know(peer)
         self._subscribe([key for key in self.readers if key in kept])
         self._dropped = self._heard - kept

@@ -103,7 +103,7 @@ class Ride:
         for peer in PEERS:
             angle = self.rng.uniform(0.0, math.tau)
             starts[peer] = (0.5 * math.cos(angle), 0.5 * math.sin(angle))
-        members = tuple(Member(peer, 1, "live", self.radius, founding=1) for peer in PEERS)
+        members = {peer: Member(peer, 1, "live", self.radius, founding=1) for peer in PEERS}
         return self.product.lines.SeparatingLines(
             OWN,
             1,

@@ -12,13 +12,12 @@ RADII = dict.fromkeys(range(1, ROBOTS + 1), 0.02)
 STARTS = {
     i: (0.8 * math.cos(math.tau * i / ROBOTS), 0.8 * math.sin(math.tau * i / ROBOTS)) for i in RADII
 }  # far apart
-MEMBERS = [Member(i, 7, "live", RADII[i], founding=7) for i in RADII]
+MEMBERS = {i: Member(i, 7, "live", RADII[i], founding=7) for i in RADII}
 DESIRED = (0.05, 0.02)
 
 
 def ledger(robot: int) -> SeparatingLines:
-    others = [member for member in MEMBERS if member.robot != robot]
-    made = SeparatingLines(robot, 7, RADII, speed=0.1, period=0.05, members=others, starts=STARTS)
+    made = SeparatingLines(robot, 7, RADII, speed=0.1, period=0.05, members=MEMBERS, starts=STARTS)
     made.locate(0, STARTS[robot], 0.0)
     return made
 

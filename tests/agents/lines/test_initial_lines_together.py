@@ -37,7 +37,7 @@ def fleet(seed: int, count: int) -> tuple[dict[int, Vector], dict[int, float]]:
 def ledger(
     robot: int, starts: dict[int, Vector], radii: dict[int, float], urgent: float | None
 ) -> SeparatingLines:
-    members = [Member(peer, 1, "live", radii[peer], founding=1) for peer in starts if peer != robot]
+    members = {peer: Member(peer, 1, "live", radii[peer], founding=1) for peer in starts}
     return SeparatingLines(
         robot, 1, radii, speed=SPEED, period=PERIOD, members=members, starts=starts, urgent=urgent
     )
@@ -73,6 +73,28 @@ def test_every_line_that_a_peer_may_reach_is_found_by_its_owner(seed: int, count
         assert line is not None
         slack = line.side(radii[peer], owner=False).slack(*places[peer])
         assert (peer in found) == (slack < reach) or abs(slack - reach) < 1e-5
+
+
+@given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_who_may_reach_a_line_is_found_whether_all_were_looked_at_or_some(
+    seed: int, count: int, reach: float, ahead: float
+) -> None:
+    """One summary after another, also where robots leap, come and go."""
+    starts, radii = fleet(seed, count)
+    robot, random = 1 + seed % count, Random(seed)
+    watching, places = InitialLines(robot, starts, radii, ahead), starts
+    for tick in range(20):
+        far = random.choice((0.02, 0.02, 0.02, 0.5))
+        places = {
+            peer: (x + random.uniform(-far, far), y + random.uniform(-far, far))
+            for peer, (x, y) in places.items()
+        }
+        there = sorted(places if random.random() < 0.8 else random.sample(sorted(places), count - 1))
+        flat = np.array([places[peer] for peer in there], dtype="<f4").reshape(-1)
+        nothing = np.zeros(len(there), dtype="<f4").tobytes()
+        picture = FarPicture(places_of(Summary(tick, runs(there), flat.tobytes(), nothing, nothing)), radii)
+        looking = InitialLines(robot, starts, radii)
+        assert watching.reached(picture, reach) == looking.reached(picture, reach)
 
 
 @given(st.integers(0, 2**32), st.integers(2, 40), st.floats(0.0, 3.0))

@@ -57,7 +57,7 @@ class Fleet(RuleBasedStateMachine):
             RADII,
             speed=SPEED,
             period=PERIOD,
-            members=[self.down.get(each.robot, each) for each in live if each.robot != robot],
+            members={each.robot: self.down.get(each.robot, each) for each in live},
             starts=starts,
         )
         ledger.locate(self.tick, self.estimate(robot), self.bound)

@@ -15,7 +15,7 @@ STILL = (0.0, 0.0)
 
 def robot(identity: int) -> SeparatingLines:
     """One that has begun with its peer, and has heard nothing of it."""
-    members = [Member(peer, 1, "live", 0.04, founding=1) for peer in RADII if peer != identity]
+    members = {peer: Member(peer, 1, "live", 0.04, founding=1) for peer in RADII}
     return SeparatingLines(identity, 1, RADII, speed=0.1, period=0.05, members=members, starts=STARTS)
 
 

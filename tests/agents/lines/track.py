@@ -298,7 +298,7 @@ class Track:
             self.radii,
             speed=4.0 * self.setting.length,
             period=1.0,
-            members=news,
+            members=seat.known.members,
             starts=starts if seat.known.founding else None,
         )
         if estimate is not None:
@@ -433,7 +433,7 @@ def _frozen_seat(seat: Seat) -> tuple[Any, ...]:
         seat.robot,
         seat.incarnation,
         seat.known.version,
-        tuple(seat.known._members.values()),
+        tuple(seat.known.members.values()),
         disturbed,
         pairs,
     )

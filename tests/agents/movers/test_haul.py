@@ -45,7 +45,7 @@ MUTANTS = (
     Mutant(
         "born-large",
         "a later life begins as the disk that its earlier one was",
-        (Edit(_ROBOT, "        if own is not None:\n", "        if False:\n"),),
+        (Edit(_ROBOT, "        if own is not None and own.radius", "        if False and own.radius"),),
         first=2600,
     ),
     Mutant(

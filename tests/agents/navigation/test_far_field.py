@@ -27,10 +27,10 @@ def crowd(seed: int, count: int, least: float) -> list[Peer]:
 
 def slices(near: list[Peer], far: list[Peer], known: list[int] | None = None) -> tuple[Slice, Slice]:
     """With all of them one by one, and with a field in place of the far ones."""
-    places = np.array([(each.x, each.y) for each in far])
+    x, y = np.array([each.x for each in far]), np.array([each.y for each in far])
     contacts = np.array([OWN + each.radius for each in far])
     gammas = np.array([each.gamma for each in far])
-    field = far_field(3, PLACE, places, contacts, gammas, gammas, known or ())
+    field = far_field(3, PLACE, x, y, contacts, gammas, gammas, known or ())
     left = [each for index, each in enumerate(far) if index not in (known or ())]
     every = Slice(GOAL, OWN, WORKSPACE, 50.0, [*near, *left])
     return every, Slice(GOAL, OWN, WORKSPACE, 50.0, near, field)
@@ -67,10 +67,10 @@ def test_the_derivative_is_that_of_the_field() -> None:
 
 
 def test_disks_that_may_touch_are_left_out_and_nobody_is_nothing() -> None:
-    touching = far_field(0, PLACE, np.array([PLACE]), np.array([0.1]), np.array([2.0]), np.array([1.5]))
+    touching = far_field(0, PLACE, *np.array([PLACE]).T, np.array([0.1]), np.array([2.0]), np.array([1.5]))
     assert (touching.log_x, touching.xx) == (0.0, 0.0)
     assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
-    nobody = far_field(0, PLACE, np.zeros((1, 2)), np.ones(1), np.ones(1), np.ones(1), [0])
+    nobody = far_field(0, PLACE, np.zeros(1), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), [0])
     assert (
         (nobody.count, nobody.gamma, nobody.slice)
         == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
