@@ -6,7 +6,7 @@ It knows no plant, no sensor and no truth; where disks are it is told.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from types import MappingProxyType
 
 import msgspec
@@ -163,9 +163,9 @@ class Coordinator:
     # -- a tick
 
     @property
-    def waiting(self) -> frozenset[int]:
-        """Active robots whose command of the open tick is outstanding."""
-        return frozenset(self.commands.waiting)
+    def waiting(self) -> Set[int]:
+        """Active robots whose command of the open tick is outstanding, as commands come in."""
+        return self.commands.waiting  # asked for at each command: a copy would cost the square of the fleet
 
     def blamed(self) -> dict[int, str]:
         """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
