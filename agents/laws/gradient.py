@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
+from agents.laws.dispersal import Dispersal
 from agents.laws.foresight import foreseen
+from agents.laws.giving_way import GivingWay
 from agents.laws.right_of_way import RightOfWay
 from agents.laws.view import View
 from agents.navigation import pace
@@ -42,6 +44,8 @@ class GradientLaw:
         self._lap = max(each.radius for each in scenario.robots) / control.speed
         self._progress = Progress(scenario.time.step, self._lap) if control.escape else None
         self._right_of_way = RightOfWay(robot, spec.radius, self._lap, scenario.time.step)
+        self._dispersal = Dispersal(robot, spec.radius, self._lap, scenario.time.step)
+        self._yields = False
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
         # Of the present tick; see `look`.
@@ -91,14 +95,20 @@ class GradientLaw:
 
     def _aim(self, view: View) -> Vector:
         """Where the robot is pulled: to its goal, unless it gives way."""
-        back = self._right_of_way.yielding(view.tick, view.goal) if self._attraction.winds else None
+        winds = self._attraction.winds
+        jams: GivingWay = self._right_of_way if winds else self._dispersal
+        back = jams.yielding(view.tick, view.goal)
+        self._yields = back is not None
         if back is not None:
             return self._attraction.aim(view.position, back, view.things)
         aim = self._attraction.aim(view.position, view.goal, view.things)
+        left = math.dist(view.position, aim)
         if self._attraction.winds:
-            left = math.dist(view.position, aim)
             if left > self._tolerance:
                 self._right_of_way.look(view.tick, view.position, left, self._moving, view.things)
+        elif self._progress is not None:
+            stuck = self._progress.strength > 0.0
+            self._dispersal.look(view.tick, view.position, left, self._moving, stuck=stuck)
         return aim
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
@@ -140,7 +150,7 @@ class GradientLaw:
         )
 
     def _pace(self, slice_norm: float) -> float:
-        if not self._common:
+        if not self._common or self._yields:  # who backs off follows nobody's path
             return pace.own_pace(self._max_rate)
         # What is known of who is far is from a while ago: nobody is slowed by what was.
         since = self._speed * self._period * self._late

@@ -1,61 +1,39 @@
 """Right of way: who backs off where things leave room for one only, and two want to go through.
 
 No flow and no line resolves that: each keeps the other from its goal, and wants nothing else. So one goes
-first and the others of the jam go back the way they came, to where they can be passed, and wait a while. Who
-goes first follows from ids and the tick, so all of a jam know it without a word; it is somebody else after a
-while, for whoever goes first may be the one that cannot.
+first and the others of the jam go back the way they came, to where they can be passed, and wait a while.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, final
 
-from agents.navigation.deadlock import LAP, cluster
+from agents.laws.giving_way import GivingWay
+from agents.navigation.deadlock import cluster
 from agents.peers.state import PeerState
 from protocol.geometry import Shape
 
 Vector = tuple[float, float]
 
-# Laps: in one the largest disk moves by its radius at full speed.
-JAM: Final = 16.0  # without coming nearer to the goal by a radius
+# Laps:
 WAIT: Final = 24.0  # that the second in line goes back and stands
 QUEUE: Final = 8.0  # that each after it waits longer
-TURN: Final = 64.0  # until somebody else goes first
 # Radii:
 ASIDE: Final = 3.0  # from a thing to the centre of a robot that another can pass there
 APART: Final = 4.0  # from the others of the jam
 _CRUMBS: Final = 4096
 
 
-class RightOfWay:
-    """One robot's part in jams.
-
-    Args:
-        robot: its id.
-        radius: its own, m.
-        lap: time in which the largest disk moves by its radius at full speed, s.
-        period: control period, s.
-    """
+@final
+class RightOfWay(GivingWay):
+    """One robot's part in jams where things leave little room."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        self._robot, self._radius = robot, radius
-        self._lap = max(1, math.ceil(max(lap, 0.25 * LAP * period) / period))  # ticks
+        """See `GivingWay`."""
+        super().__init__(robot, radius, lap, period)
         self._trail: list[Vector] = []
-        self._goal: Vector | None = None
-        self._nearest, self._since = math.inf, 0
-        self._back: Vector | None = None
-        self._until = 0
-
-    def yielding(self, tick: int, goal: Vector) -> Vector | None:
-        """Where the robot backs off to, m, while it gives way; None when it may go on to `goal` (m)."""
-        if goal != self._goal:
-            self._goal, self._back = goal, None
-            self._nearest, self._since = math.inf, tick
-        if self._back is not None and tick >= self._until:
-            self._back, self._nearest, self._since = None, math.inf, tick
-        return self._back
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], things: Sequence[Shape]
@@ -69,23 +47,12 @@ class RightOfWay:
             things: what stands.
         """
         self._leave_trail(position)
-        if left < self._nearest - self._radius:
-            self._nearest, self._since = left, tick
-        if tick - self._since < JAM * self._lap:
+        if not self._is_held(tick, left):
             return
-        self._since = tick
-        rank = self._rank(tick, position, peers)
+        wanting = [peer for peer in peers if self._wants(peer)]
+        rank = self._rank(tick, cluster(position, self._radius, wanting))
         if rank > 0:
-            self._back = self._siding(position, peers, things)
-            self._until = tick + math.ceil((WAIT + QUEUE * rank) * self._lap)
-
-    def _rank(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> int:
-        """How many of the jam go before this robot; 0, too, if there is no jam."""
-        turn = int(tick // (TURN * self._lap))
-        wanting = [peer for peer in peers if peer.placed and peer.gamma > (2.0 * self._radius) ** 2]
-        jam = {id(peer) for peer in cluster(position, self._radius, wanting)}
-        own = _order(self._robot, turn)
-        return sum(_order(peer.robot, turn) < own for peer in wanting if id(peer) in jam)
+            self._back_off(tick, self._siding(position, peers, things), WAIT + QUEUE * rank)
 
     def _siding(self, position: Vector, peers: Sequence[PeerState], things: Sequence[Shape]) -> Vector:
         """The last place on the own way where the others can pass, or else its beginning, m."""
@@ -105,8 +72,3 @@ class RightOfWay:
                 return
         if len(self._trail) < _CRUMBS:
             self._trail.append(position)
-
-
-def _order(robot: int, turn: int) -> int:
-    """A permutation of ids that is another one in every turn."""
-    return (robot * 7919 + turn * 104_729 * robot) % 1_000_003

@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 from agents.navigation.slice import Peer
 
 Vector = tuple[float, float]
+Other = TypeVar("Other", bound=Peer)
 Mean = tuple[Vector, Vector]  # averaged once, averaged twice
 MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 
@@ -137,14 +138,14 @@ def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer])
     return False
 
 
-def cluster(position: Vector, radius: float, peers: Sequence[Peer]) -> list[Peer]:
+def cluster(position: Vector, radius: float, peers: Sequence[Other]) -> list[Other]:
     """The peers in this robot's class of closest neighbours: the transitive closure of beta_ij <= eps."""
-    members: list[Peer] = []
+    members: list[Other] = []
     rest = list(peers)
     frontier = [(position[0], position[1], radius)]
     while frontier:
         x, y, own = frontier.pop()
-        far = []
+        far: list[Other] = []
         for peer in rest:
             near_squared = (1.0 + ADJACENT) * (own + peer.radius) ** 2
             if (peer.x - x) ** 2 + (peer.y - y) ** 2 <= near_squared:
@@ -164,7 +165,7 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
     members = [(peer.x, peer.y) for peer in cluster(position, radius, peers)]
     if members:
         members.append(position)
-        cx, cy = _centroid(members)
+        cx, cy = centroid(members)
     else:
         members, (cx, cy) = [position], goal
     farthest = max(math.hypot(x - cx, y - cy) for x, y in members)
@@ -173,8 +174,11 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
     return (position[1] - cy) / farthest, (cx - position[0]) / farthest
 
 
-def _centroid(points: Sequence[Vector]) -> Vector:
-    """Added up one by one: `sum` rounds otherwise from Python 3.12 on, and trajectories would differ."""
+def centroid(points: Sequence[Vector]) -> Vector:
+    """Mean of the points, m.
+
+    Added up one by one: `sum` rounds otherwise from Python 3.12 on, and trajectories would differ.
+    """
     x, y = 0.0, 0.0
     for px, py in points:
         x, y = x + px, y + py

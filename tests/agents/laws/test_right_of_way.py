@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from agents.laws.right_of_way import ASIDE, JAM, QUEUE, TURN, WAIT, RightOfWay
+from agents.laws.giving_way import JAM, TURN
+from agents.laws.right_of_way import ASIDE, QUEUE, WAIT, RightOfWay
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
