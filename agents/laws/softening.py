@@ -1,9 +1,9 @@
 """A softer repulsion near the goal, once States are late.
 
-The repulsive layer around a disk is about gamma/k thin. Near the goals gamma is small, and the layer is thinner
-than the way of a peer before its State arrives: robots come so close that each has to wait until it sees the
-other leave, and lines give them no more speed than gap over latency. A smaller k keeps them farther apart, for
-a path that is a little longer. Far from the goals it would only widen detours.
+The repulsive layer around a disk is about gamma/k thin. Near the goals gamma is small, and the layer is
+thinner than the way of a peer before its State arrives: robots come so close that each has to wait until it
+sees the other leave, and lines give them no more speed than gap over latency. A smaller k keeps them farther
+apart, for a path that is a little longer. Far from the goals it would only widen detours.
 """
 
 from __future__ import annotations
