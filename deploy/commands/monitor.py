@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.commands import options
-from deploy.monitor.source import SharedView, Source
+from deploy.monitor.source import Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
@@ -110,7 +110,7 @@ def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     return server
 
 
-def _export(source: SharedView, where: str) -> None:
+def _export(source: Source, where: str) -> None:
     from deploy.monitor.metrics import export
 
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
