@@ -29,15 +29,14 @@ def plot(
     Examples: disknav plot figure-1.mcap -o figure-1.pdf;
     disknav plot figure-2.mcap --until 2.5 -o blocked.png
     """
-    from deploy.plot import excerpt
-    from deploy.plot.draw import check, draw
+    from deploy.plot import draw
 
-    check(out, len(recordings))
+    draw.check(out, len(recordings))
     found = [_read(path) for path in recordings]
     if until is not None:
-        found = [excerpt.until(each, until) for each in found]
+        found = [draw.until(each, until) for each in found]
     with bar(f"drawing {out.name}") as progress:
-        draw(found, out, progress)
+        draw.draw(found, out, progress)
 
 
 def _read(path: Path) -> Recording:

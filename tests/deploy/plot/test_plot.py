@@ -15,8 +15,7 @@ from PIL import Image
 
 from deploy.library.load import load
 from deploy.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
-from deploy.plot.draw import check, draw
-from deploy.plot.excerpt import until
+from deploy.plot.draw import check, draw, until
 from deploy.plot.style import COLOURS, colour, dash
 from deploy.recording.reader import Recording, read
 from protocol.errors import UsageError

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 import disknav
 from deploy.library.load import load
 from deploy.plot.animation import animate
-from deploy.plot.excerpt import until
+from deploy.plot.draw import until
 from deploy.plot.figure import figure
 from deploy.recording.participants import participants
 from deploy.recording.reader import Recording, Truths, read
