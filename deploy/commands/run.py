@@ -66,10 +66,7 @@ def run(
     from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
-    if record is None:
-        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    if mode == "realtime":
-        options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+    options.refuse_idle(record, rotate, mode, speed)
     if hosts is None:
         options.refuse({"--open": open_to_all}, "it says that --hosts may do without --secure")
     loaded = load(scenario, setting or [], seed)

@@ -25,7 +25,6 @@ from deploy.studies.endurance.judgement import Criterion, criteria_table, passed
 from deploy.studies.endurance.workload import workload
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
-from protocol.process.installation import missing_library
 
 Flooding = Literal["monitor", "operator", "robot"]
 SLOWER = 0.20  # of the rate without the flood
@@ -64,10 +63,8 @@ def _options(plan: Plan, keys: Path) -> RunOptions:
     options = RunOptions(run=fresh_run_name())
     if not plan.secure:
         return options
-    try:
-        from deploy.security.keystore import create
-    except ModuleNotFoundError as error:
-        raise missing_library("a certificate", "cryptography", "secure") from error
+    from deploy.security.keystore import create
+
     create(keys, Roster(options.run, workload(plan.robots, speed=_SPEED)[0].ids))
     return RunOptions(run=options.run, secure=keys)
 
