@@ -47,8 +47,9 @@ def endure(
     rises by no more than 0.5 MB or 2 % of it, whichever is more.
 
     With --kill-every robots are killed by lot, and with every tenth kill the router, with every tenth the
-    world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. A robot that was under
-    way has to move again within 5 s; commands that are missed and time that is lost meanwhile are not judged.
+    world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. A robot that
+    was under way has to move again within 5 s; commands that are missed and time that is lost meanwhile are
+    not judged.
 
     Example: disknav endure --hours 8 --kill-every 60 --cut-every 300 --json endurance.json
 
