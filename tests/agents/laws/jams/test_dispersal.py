@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 
-from agents.laws.dispersal import CROWD, QUEUE, WAIT, Dispersal
-from agents.laws.giving_way import JAM
+from agents.laws.jams.dispersal import CROWD, QUEUE, WAIT, Dispersal
+from agents.laws.jams.giving_way import JAM
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet

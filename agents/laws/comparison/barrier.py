@@ -16,8 +16,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.laws.comparison.nominal import Nominal
 from agents.laws.law import Law
-from agents.laws.nominal import Nominal
 from agents.laws.view import View
 from agents.lines.boundary import boundary_of
 from agents.lines.safe_velocity import safe_velocity

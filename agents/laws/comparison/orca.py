@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from agents.laws.comparison.nominal import Nominal
 from agents.laws.law import Law
-from agents.laws.nominal import Nominal
 from agents.laws.view import View
 from agents.peers.neighbours import Neighbours
 from protocol.geometry import Shape

@@ -13,7 +13,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, final
 
-from agents.laws.giving_way import JAM, NEAR, GivingWay
+from agents.laws.jams.giving_way import JAM, NEAR, GivingWay
 from agents.navigation.deadlock import centroid, cluster
 from agents.peers.state import PeerState
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from agents.laws.giving_way import JAM, TURN
-from agents.laws.right_of_way import ASIDE, QUEUE, WAIT, RightOfWay
+from agents.laws.jams.giving_way import JAM, TURN
+from agents.laws.jams.right_of_way import ASIDE, QUEUE, WAIT, RightOfWay
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet

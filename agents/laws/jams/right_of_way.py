@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, final
 
-from agents.laws.giving_way import GivingWay
+from agents.laws.jams.giving_way import GivingWay
 from agents.navigation.deadlock import cluster
 from agents.peers.state import PeerState
 from protocol.geometry import Shape
