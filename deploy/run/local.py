@@ -32,8 +32,8 @@ from protocol.requests.joining import decode_reply
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.wire.codec import decode
 from world.node import WorldNode
-from world.shell.journal import Journal
-from world.shell.replay import Resumed, resume
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import Resumed, resume
 
 Watcher = Callable[[Clock], None]
 

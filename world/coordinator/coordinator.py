@@ -51,7 +51,7 @@ class Coordinator:
         told: what each robot that may listen is to be told of the open tick; None while none is open.
         note: is told every input that the run has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
-            (`world.shell.replay`).
+            (`world.shell.persistence.replay`).
     """
 
     def __init__(

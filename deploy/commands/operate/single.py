@@ -98,7 +98,7 @@ def world(
     from deploy.run.result import exit_status
     from protocol.bus.heartbeat import heartbeat
     from world.process import main
-    from world.shell.journal import Journal
+    from world.shell.persistence.journal import Journal
 
     membership = Membership(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]

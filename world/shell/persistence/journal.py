@@ -5,9 +5,9 @@ open a tick or to join, wait for what comes after them: they can be made again. 
 the system, which keeps it when this process is killed. It is not forced to the disk: a journal from before
 the machine was last started is refused.
 
-The first record (`world.shell.records`) is a `Head`, all others are lists of entries; msgpack. A torn last
-one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot of a run that
-goes on: its first entry.
+The first record (`world.shell.persistence.records`) is a `Head`, all others are lists of entries; msgpack. A
+torn last one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot of a
+run that goes on: its first entry.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from protocol.messages import Command, Count, Id
 from protocol.scenario.model import Scenario
 from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
-from world.shell import records
+from world.shell.persistence import records
+from world.shell.persistence.snapshot import Snapshot
 from world.shell.processes import Processes
-from world.shell.snapshot import Snapshot
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 

@@ -27,10 +27,10 @@ from world.coordinator.inputs import (
     Removed,
     TakenAway,
 )
-from world.shell.journal import Began, Journal, Seated
+from world.shell.persistence.journal import Began, Journal, Seated
+from world.shell.persistence.snapshot import Snapshot, restored
 from world.shell.processes import Processes
 from world.shell.run import Run
-from world.shell.snapshot import Snapshot, restored
 from world.world import World
 
 _TOLD = 256  # ticks after which the truths of a replay, which nobody is told again, are thrown away

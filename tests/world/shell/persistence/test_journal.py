@@ -16,12 +16,12 @@ from protocol.errors import JournalError
 from protocol.messages import Command
 from tests.world.driving import joined, two
 from world.coordinator.inputs import Closed, Expected, Joined, Lost, Opened
-from world.shell import journal as module
-from world.shell import records
-from world.shell.journal import Began, Entry, Journal, Seated
+from world.shell.persistence import journal as module
+from world.shell.persistence import records
+from world.shell.persistence.journal import Began, Entry, Journal, Seated
+from world.shell.persistence.replay import resume
+from world.shell.persistence.snapshot import Snapshot
 from world.shell.processes import Processes
-from world.shell.replay import resume
-from world.shell.snapshot import Snapshot
 
 SCENARIOS = [two()]
 COMMAND = Command(1, 1, 0, (0.02, -0.1))

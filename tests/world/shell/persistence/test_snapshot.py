@@ -16,10 +16,10 @@ from protocol.errors import JournalError
 from protocol.scenario.model import Scenario
 from tests.world.driving import two
 from world.judge import trajectory
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import resume
+from world.shell.persistence.snapshot import Snapshot, frozen, is_due, restored, thawed
 from world.shell.processes import Processes
-from world.shell.replay import resume
-from world.shell.snapshot import Snapshot, frozen, is_due, restored, thawed
 
 NOISY = [
     "link.delay=[0.0, 0.2]", "link.loss=0.3", "sensing.noise=0.001", "sensing.delay=[0.0,0.1]",
@@ -99,7 +99,9 @@ class Elsewhere:
         return print, ("here",)
 
 
-@pytest.mark.parametrize("name", ["cos", "world.shell.journal\nos.remove", "world.shell.journal\nPath"])
+@pytest.mark.parametrize(
+    "name", ["cos", "world.shell.persistence.journal\nos.remove", "world.shell.persistence.journal\nPath"]
+)
 def test_what_names_anything_else_is_refused(name: str) -> None:
     module = "" if "\n" in name else "math\n"
     with pytest.raises(pickle.UnpicklingError, match="it names"):
