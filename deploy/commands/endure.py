@@ -102,8 +102,8 @@ def flood(
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.endurance.flood import Plan, table
-    from deploy.studies.endurance.flood import flood as perform
+    from deploy.studies.flooding.flood import Plan, table
+    from deploy.studies.flooding.flood import flood as perform
 
     if unprotected:
         options.refuse({"--as": role}, "nobody has a certificate; leave out --open")

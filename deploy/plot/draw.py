@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.recording.reader import Recording, Truths, read
+from deploy.recording.reading.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 

@@ -11,7 +11,7 @@ from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
-    from deploy.recording.reader import Recording
+    from deploy.recording.reading.reader import Recording
 
 
 def plot(
@@ -40,7 +40,7 @@ def plot(
 
 
 def _read(path: Path) -> Recording:
-    from deploy.recording.reader import read
+    from deploy.recording.reading.reader import read
 
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)

@@ -13,7 +13,7 @@ from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
-    from deploy.recording.reader import Recording
+    from deploy.recording.reading.reader import Recording
 
 
 def replay(
@@ -50,8 +50,8 @@ def replay(
 
     Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
     """
-    from deploy.recording.reader import read
-    from deploy.recording.replay import verify
+    from deploy.recording.reading.reader import read
+    from deploy.recording.reading.replay import verify
 
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
@@ -66,7 +66,7 @@ def replay(
             "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
         )
     if ros2 is not None:
-        from deploy.recording.ros2 import export
+        from deploy.recording.reading.ros2 import export
 
         export(found, ros2)
     if zenoh or router is not None:
@@ -77,7 +77,7 @@ def replay(
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
-    from deploy.recording.replay import publish
+    from deploy.recording.reading.replay import publish
     from protocol.bus.connection import Connection
     from protocol.bus.zenoh import ZenohBus
 

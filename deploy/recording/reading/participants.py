@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 from protocol.messages import Tick, Vector
 
 

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from deploy.recording.reader import Recording
-from deploy.recording.trajectory import Trajectory, trajectory
+from deploy.recording.reading.reader import Recording
+from deploy.recording.reading.trajectory import Trajectory, trajectory
 from protocol.bus.bus import Bus, Publish
 from protocol.errors import RecordingError
 from protocol.keys import parse, robot_key, world_key

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from deploy.recording.mcap.file import McapFile
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 from deploy.recording.writer import LIBRARY
 from deploy.scene import ros
 from deploy.scene.drawing import WORLD, frame

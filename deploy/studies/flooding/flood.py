@@ -19,10 +19,10 @@ from deploy.run.options import RunOptions, fresh_run_name
 from deploy.run.reports import Report
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster, robot_role
-from deploy.studies.endurance.flooder import Flooded, Flooder
-from deploy.studies.endurance.intervals import Intervals
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
 from deploy.studies.endurance.workload import workload
+from deploy.studies.flooding.flooder import Flooded, Flooder
+from deploy.studies.flooding.intervals import Intervals
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 

@@ -10,8 +10,8 @@ from itertools import cycle, islice
 from multiprocessing.connection import Connection as Channel
 from typing import Any, NamedTuple
 
-from deploy.studies.endurance.garbage import garbage
 from deploy.studies.endurance.side_process import SideProcess
+from deploy.studies.flooding.garbage import garbage
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.process.signals import ENDING

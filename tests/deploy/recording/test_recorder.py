@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.recording.recorder import PATIENCE, Recorder
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import WriterProcess

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from mcap.writer import Writer
 
-from deploy.commands.info import info
-from deploy.commands.replay import replay
+from deploy.commands.look.info import info
+from deploy.commands.look.replay import replay
 from deploy.processes.router import listening
 from deploy.recording.mcap.contents import contents
-from deploy.recording.reader import Recording, Truths, read
-from deploy.recording.replay import publish, published, verify
+from deploy.recording.reading.reader import Recording, Truths, read
+from deploy.recording.reading.replay import publish, published, verify
 from protocol.bus.connection import Connection
 from protocol.bus.events import Sample
 from protocol.bus.local import LocalNetwork

@@ -14,7 +14,7 @@ import pytest
 from deploy.run.topology import Routed
 from deploy.studies.endurance import side_process
 from deploy.studies.endurance.cables import Cables
-from deploy.studies.endurance.flooder import Flooder
+from deploy.studies.flooding.flooder import Flooder
 from protocol.bus.connection import Connection
 from protocol.errors import ProcessError
 from protocol.process.signals import ENDING

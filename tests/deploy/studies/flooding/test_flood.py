@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from deploy.run.fleet import ENOUGH
-from deploy.studies.endurance.flood import Flooding, Plan, flood, result
-from deploy.studies.endurance.flooder import Flooded
-from deploy.studies.endurance.garbage import garbage
-from deploy.studies.endurance.intervals import SETTLING, Intervals
+from deploy.studies.flooding.flood import Flooding, Plan, flood, result
+from deploy.studies.flooding.flooder import Flooded
+from deploy.studies.flooding.garbage import garbage
+from deploy.studies.flooding.intervals import SETTLING, Intervals
 from protocol.errors import MessageError
 from protocol.messages import State
 from protocol.wire.codec import decode
