@@ -16,7 +16,15 @@ _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
 )
 _THINGS, _OWN_SET, _INITIAL, _TALK, _FAR_TALK, _LINE, _PLACEMENT = (
     f"agents.lines.{name}"
-    for name in ("things", "own_set", "initial_lines", "talk.near", "talk.far", "line", "placement")
+    for name in (
+        "things",
+        "own_set",
+        "initial_lines",
+        "negotiation.near",
+        "negotiation.far",
+        "line",
+        "placement",
+    )
 )
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER, _RECKONING = (
     f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter", "reckoning")

@@ -22,9 +22,9 @@ from typing import Final, final
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
+from agents.lines.negotiation.entries import answer_of, fitting, proposals_of
 from agents.lines.placement import Disk, fit_line, is_same
 from agents.lines.robot_pair import RobotPair
-from agents.lines.talk.entries import answer_of, fitting, proposals_of
 from agents.peers.state import PeerState
 from protocol.messages import Answer, Proposal
 
@@ -36,7 +36,7 @@ UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs 
 
 
 @final
-class NearTalk:
+class NearNegotiation:
     """When an owner offers a near peer another line, and where that lies.
 
     Args:

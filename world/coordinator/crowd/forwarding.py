@@ -1,5 +1,5 @@
-"""Letters: what robots say to peers that do not hear them. A Command brings one, and the next Tick of each
-to whom it speaks has its part.
+"""Letters: messages between robots that do not receive each other's States. A Command brings one, and the next
+Tick of each addressee has its part.
 
 In lock-step nobody has to await a letter, and no rule of a router is needed for it: who may command as a
 robot may write as it.
@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from protocol.messages import Command, Letter
 
 
-class Post:
+class Forwarding:
     """Letters of the tick that ends, for that which begins."""
 
     def __init__(self) -> None:

@@ -7,9 +7,9 @@ import pytest
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
+from agents.lines.negotiation.far import FarNegotiation
 from agents.lines.placement import Disk
 from agents.lines.robot_pair import RobotPair
-from agents.lines.talk.far import FarTalk
 from agents.peers.far import FarPicture, places_of
 from agents.peers.state import PeerState, from_afar
 from protocol.messages import Answer, Letter, Member, Proposal, Summary
@@ -26,16 +26,16 @@ def picture() -> FarPicture:
     return FarPicture(places_of(summary), {2: RADIUS})
 
 
-def talking(*, owns: bool) -> tuple[FarTalk, RobotPair]:
+def talking(*, owns: bool) -> tuple[FarNegotiation, RobotPair]:
     """Of a pair whose line is no longer in the middle."""
     line = Line(1.0, 0.0, 0.2) if owns else Line(-1.0, 0.0, -0.2)
     pair = RobotPair(
         2 if owns else 1, 1, owns=owns, own_radius=RADIUS, radius=RADIUS, initial=line, peer_incarnation=1
     )
-    return FarTalk(urgent=0.3), pair
+    return FarNegotiation(urgent=0.3), pair
 
 
-def said(talk: FarTalk, ticks: int) -> list[tuple[tuple[Proposal, ...], tuple[Answer, ...]]]:
+def said(talk: FarNegotiation, ticks: int) -> list[tuple[tuple[Proposal, ...], tuple[Answer, ...]]]:
     return [talk.entries(ME, lambda _: True) for _ in range(ticks)]
 
 

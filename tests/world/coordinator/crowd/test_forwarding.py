@@ -1,7 +1,7 @@
 """Letters reach whom they are addressed to, once, whatever order they came in."""
 
 from protocol.messages import Answer, Command, Letter, Proposal
-from world.coordinator.crowd.post import Post
+from world.coordinator.crowd.forwarding import Forwarding
 
 
 def proposal(peer: int) -> Proposal:
@@ -22,7 +22,7 @@ def command(
 
 
 def test_each_gets_its_own_part_by_sender() -> None:
-    post = Post()
+    post = Forwarding()
     post.send(command(3, (4, 9), answers=(1,)))
     post.send(command(2, (4,)))
     post.send(Command(5, 1, 5, (0.0, 0.0)))
@@ -35,6 +35,6 @@ def test_each_gets_its_own_part_by_sender() -> None:
 
 
 def test_nobody_writes_in_anothers_name() -> None:
-    post = Post()
+    post = Forwarding()
     post.send(command(3, (4,), writer=2))
     assert post.deliver() == {}

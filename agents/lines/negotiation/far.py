@@ -13,9 +13,9 @@ from typing import Final, final
 
 from agents.lines.ends import Follower, Owner
 from agents.lines.line import Line
+from agents.lines.negotiation.entries import answer_of, proposals_of
 from agents.lines.placement import Disk, fit_line
 from agents.lines.robot_pair import RobotPair
-from agents.lines.talk.entries import answer_of, proposals_of
 from agents.peers.far import FarPicture
 from protocol.messages import Answer, Proposal
 
@@ -25,7 +25,7 @@ _WORTH: Final = 1.25  # another line must leave so many times the gap
 
 
 @final
-class FarTalk:
+class FarNegotiation:
     """The pairs of one robot with far peers about whose line something is to be said.
 
     Args:
