@@ -118,7 +118,7 @@ def _finish(
     outcome: dict[str, Any], table: Callable[[dict[str, Any]], Any], target: Path | None, silent: bool
 ) -> None:
     """Write, print and exit."""
-    from deploy.run.unjudged import INTERRUPTED
+    from deploy.run.outcome.unjudged import INTERRUPTED
 
     json_output.write_json(outcome, target)
     if not silent:

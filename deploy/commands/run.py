@@ -10,7 +10,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, restarts
-from deploy.run.result import exit_status, table
+from deploy.run.outcome.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin

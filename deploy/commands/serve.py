@@ -9,7 +9,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RunOptions, restarts
-from deploy.run.result import served_status, table
+from deploy.run.outcome.result import served_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin

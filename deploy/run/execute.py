@@ -19,8 +19,8 @@ from deploy.run.interruption import undisturbed
 from deploy.run.live_page import linger, live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.result import Result, complete
-from deploy.run.unjudged import interrupted, unjudged
+from deploy.run.outcome.result import Result, complete
+from deploy.run.outcome.unjudged import interrupted, unjudged
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario

@@ -21,7 +21,7 @@ from deploy.recording.writer_process import WriterProcess
 from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.interruption import undisturbed
-from deploy.run.unjudged import INTERRUPTED
+from deploy.run.outcome.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork

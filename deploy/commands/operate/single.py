@@ -95,7 +95,7 @@ def world(
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.library.load import load
-    from deploy.run.result import exit_status
+    from deploy.run.outcome.result import exit_status
     from protocol.bus.heartbeat import heartbeat
     from world.process import main
     from world.shell.persistence.journal import Journal

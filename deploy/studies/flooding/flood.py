@@ -16,7 +16,7 @@ from rich.table import Table
 
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions, fresh_run_name
-from deploy.run.reports import Report
+from deploy.run.outcome.reports import Report
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster, robot_role
 from deploy.studies.endurance.judgement import Criterion, criteria_table, passed, plain
