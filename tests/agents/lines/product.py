@@ -20,8 +20,8 @@ _LINES = [
         "robot_pair",
         "initial_lines",
         "talk.entries",
-        "talk.near",
-        "talk.far",
+        "negotiation.near",
+        "negotiation.far",
         "separating_lines",
         "things",
     )

@@ -1,5 +1,5 @@
-"""Letters: messages between robots that do not receive each other's States. A Command brings one, and the next
-Tick of each addressee has its part.
+"""Letters: messages between robots that do not receive each other's States. A Command brings one, and the
+next Tick of each addressee has its part.
 
 In lock-step nobody has to await a letter, and no rule of a router is needed for it: who may command as a
 robot may write as it.
