@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from agents.laws.dispersal import Dispersal
 from agents.laws.foresight import foreseen
-from agents.laws.giving_way import GivingWay
-from agents.laws.right_of_way import RightOfWay
+from agents.laws.jams.dispersal import Dispersal
+from agents.laws.jams.giving_way import GivingWay
+from agents.laws.jams.right_of_way import RightOfWay
 from agents.laws.softening import softened
 from agents.laws.view import View
 from agents.navigation import pace
