@@ -78,7 +78,7 @@ class ReciprocalLaw:
         walls = len(limits)
         limits += self._obstacles(view)
         if self._meets(view, px, py) >= MANY:
-            self._many = view.tick
+            self._many = float(view.tick)
         barring = _violated(px, py, limits)
         if barring == 0:
             return px, py

@@ -6,8 +6,8 @@ the system, which keeps it when this process is killed. It is not forced to the 
 the machine was last started is refused.
 
 The first record (`world.shell.persistence.records`) is a `Head`, all others are lists of entries; msgpack.
-A torn last one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot of
-a run that goes on: its first entry.
+A torn last one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot
+of a run that goes on: its first entry.
 """
 
 from __future__ import annotations
