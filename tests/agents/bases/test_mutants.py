@@ -53,7 +53,7 @@ def is_taken_for_where_it_is_not() -> bool:
 
 def wheels_stray() -> bool:
     """They do more than the filter counts on, and by more than it leaves for rounding."""
-    return Floor(fleet(2, "control.law=reciprocal"), 3, loss=0.2).run(15.0).strayed > ROUNDING
+    return Floor(fleet(2, "control.law=reciprocal"), 2, loss=0.2).run(15.0).strayed > ROUNDING
 
 
 def without_latency(patch: pytest.MonkeyPatch) -> None:

@@ -42,13 +42,12 @@ def test_nearer_and_later_is_softer_without_a_leap(a: float, b: float, c: float,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
-def test_late_robots_get_to_tight_goals_sooner(law: str) -> None:
+def test_late_robots_get_to_tight_goals_sooner() -> None:
     place = Place("tight 3.30", partial(figure_3, "d"), 0.3)
-    control = {"law": law, "filter": "separating-lines"}
+    control = {"law": "gradient", "filter": "separating-lines"}
     took = 0.0
     for seed in range(8):
         report = LocalFleet([contest(place, control, seed)]).execute()[0]
         assert report["verdict"] == "arrived"
         took += report["sim_time"]
-    assert took < 51.5  # s; with the same k as for fresh States 53.4 and 55.3
+    assert took < 51.5  # s; with the same k as for fresh States 53.4

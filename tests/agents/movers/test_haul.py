@@ -46,7 +46,7 @@ MUTANTS = (
         "born-large",
         "a later life begins as the disk that its earlier one was",
         (Edit(_ROBOT, "        if own is not None and own.radius", "        if False and own.radius"),),
-        first=2600,
+        first=1900,
     ),
     Mutant(
         "stands-at-its-size",
