@@ -81,10 +81,11 @@ def _slope(centred: Sequence[tuple[Floats, Floats]]) -> tuple[float, float]:
 
 def steady(counts: Sequence[float], pids: Sequence[float] = (), *, passing: bool = False) -> bool | None:
     """Whether a count is no higher in the last quarter of any life than in its second; None with too few
-    samples. The most that was counted in a quarter, or, where some are there only in `passing`, the least:
-    what is never given back is in every sample."""
+    samples. The most that was counted in a quarter, unless some are there, or missing, only in `passing`:
+    then the least in the last, for what is never given back is in every sample, and the median in the second,
+    for one that was missing for a moment does not count."""
     found = [counts[begin:end] for begin, end in lives(len(counts), pids) if end - begin >= _FEWEST]
     if not found:
         return None
-    level = np.min if passing else np.max
-    return all(level(c[-(len(c) // 4) :]) <= level(c[len(c) // 4 : 2 * (len(c) // 4)]) for c in found)
+    before, after = (np.median, np.min) if passing else (np.max, np.max)
+    return all(after(c[-(len(c) // 4) :]) <= before(c[len(c) // 4 : 2 * (len(c) // 4)]) for c in found)

@@ -73,6 +73,9 @@ def test_counts() -> None:
     busy = [3, 3, 5, 6, 3, 3, 5, 3, 6, 3, 5, 5, 3, 6, 5, 6]
     assert steady(busy, passing=True), "some come and go, more often towards the end"
     assert steady([*busy[:12], 4, 6, 5, 4], passing=True) is False, "one was never given back"
+    missing = [11.0] * 16
+    missing[5] = 10.0
+    assert steady(missing, passing=True), "one connection was down for a moment"
 
 
 def test_too_few_samples_say_nothing() -> None:
