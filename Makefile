@@ -14,10 +14,10 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/peers/,awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
   $(addprefix agents/lines/,safe_velocity.py line.py own_set.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py initial_lines.py separating_lines.py) \
-  $(addprefix agents/lines/talk/,entries.py near.py far.py) \
+  $(addprefix agents/lines/negotiation/,entries.py near.py far.py) \
   $(addprefix agents/bodies/,point.py inertial.py) \
   $(addprefix protocol/bodies/,base.py sweep.py) \
-  $(addprefix agents/laws/,view.py foresight.py giving_way.py dispersal.py right_of_way.py gradient.py velocity_obstacle.py velocity_program.py reciprocal.py) \
+  $(addprefix agents/laws/,jams/giving_way.py jams/dispersal.py jams/right_of_way.py view.py foresight.py softening.py gradient.py velocity_obstacle.py velocity_program.py reciprocal.py) \
   $(addprefix world/coordinator/,commands.py roster.py life.py lives.py coordinator.py) \
   $(addprefix world/plants/,base.py integrator.py) \
   $(addprefix world/judge/,verdict.py record.py referee.py) \

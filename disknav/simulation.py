@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from deploy.recording.reader import Said, Truths
+from deploy.recording.reading.reader import Said, Truths
 from deploy.run.interruption import undisturbed
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator

@@ -22,15 +22,15 @@ from protocol.requests import joining
 from protocol.requests.form import encode_reply
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
-from world.shell import snapshot
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
-from world.shell.journal import Began
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
+from world.shell.persistence import snapshot
+from world.shell.persistence.journal import Began
+from world.shell.persistence.replay import Resumed
 from world.shell.processes import Processes
 from world.shell.publishers import Publishers
-from world.shell.replay import Resumed
 from world.shell.run import Phase, Run
 from world.shell.shutdown import Shutdown
 from world.world import World

@@ -18,8 +18,8 @@ from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.node import WorldNode
 from world.shell.failure_detector import GATHERING, returning
-from world.shell.journal import Journal
-from world.shell.replay import Resumed, resume
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import Resumed, resume
 
 SUCCESS, FAULT = 0, 3
 

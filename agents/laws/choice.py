@@ -22,11 +22,11 @@ def choose(scenario: Scenario, robot: int) -> Law:
     law = scenario.control.law
     require(law)
     if law == "orca":
-        from agents.laws.orca import OrcaLaw
+        from agents.laws.comparison.orca import OrcaLaw
 
         return OrcaLaw(scenario, robot)
     if law == "barrier":
-        from agents.laws.barrier import BarrierLaw
+        from agents.laws.comparison.barrier import BarrierLaw
 
         return BarrierLaw(scenario, robot)
     if law == "reciprocal":

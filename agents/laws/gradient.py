@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
-from agents.laws.dispersal import Dispersal
 from agents.laws.foresight import foreseen
-from agents.laws.giving_way import GivingWay
-from agents.laws.right_of_way import RightOfWay
+from agents.laws.jams.dispersal import Dispersal
+from agents.laws.jams.giving_way import GivingWay
+from agents.laws.jams.right_of_way import RightOfWay
+from agents.laws.softening import softened
 from agents.laws.view import View
 from agents.navigation import pace
 from agents.navigation.attraction import Attraction
@@ -86,6 +87,7 @@ class GradientLaw:
         if self._latency > 0.0:
             me = Peer(x, y, self._radius, math.dist(view.position, view.goal) ** 2)
             others = foreseen(me, others, view.tick, self._period, self._lap)
+            k = softened(k, self._away / self._radius, self._latency / self._lap)
         self._peers = [*others, *self.obstacles]
         self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers, self._far)
         self._begin = self._slice.gradient(x, y)

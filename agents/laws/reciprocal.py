@@ -2,10 +2,11 @@
 
 A robot goes straight to its goal if the reciprocal half-planes of all disks within reach allow it (van den
 Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not, it takes the allowed velocity
-nearest to straight on, turned a little to the left, so that all who meet circle each other in one sense.
-Where that gets it too little nearer to its goal, close to the goal, and while it escapes from a deadlock, it
-follows the paper's gradient flow. A peer stands where its wish has taken it since its State; the own velocity
-is the own last wish, too, so that both ends reckon with the same.
+nearest to straight on. Where many are about to meet in one place, and for a while after, straight on is first
+turned a little to the left, so that all of them circle each other in one sense. Few pass without: there the
+turn makes paths longer. Where that gets it too little nearer to its goal, close to the goal, and while it
+escapes from a deadlock, it follows the paper's gradient flow. A peer stands where its wish has taken it since
+its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ Vector = tuple[float, float]
 HORIZON: Final = 10.0  # laps, ahead of which encounters count
 TURN: Final = 0.2  # rad to the left, the sense in which `circling` escapes, for every disk in the way
 MOST: Final = 0.4  # rad, of that: the more are in the way the more they have to circle each other
+MANY: Final = 5  # peers met within twice the horizon, as all move now, from which on it turns
+MEMORY: Final = 20.0  # laps, for which it goes on turning: who has turned no longer makes for the same place
 LATE: Final = 0.5  # more of it per lap by which States are late, up to one: lines follow only later, too
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
 SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
@@ -47,6 +50,7 @@ class ReciprocalLaw:
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
+        self._many = -math.inf  # tick in which many were last about to meet
         self._wish: Vector = (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
@@ -73,14 +77,32 @@ class ReciprocalLaw:
         limits = self._walls(x, y)
         walls = len(limits)
         limits += self._obstacles(view)
+        if self._meets(view, px, py) >= MANY:
+            self._many = float(view.tick)
         barring = _violated(px, py, limits)
         if barring == 0:
             return px, py
-        turn = min(TURN * barring, MOST) * (1.0 + LATE * min(self._late, 1.0))
+        turn = 0.0
+        if (view.tick - self._many) * self._period <= MEMORY * self._lap:
+            turn = min(TURN * barring, MOST) * (1.0 + LATE * min(self._late, 1.0))
         cosine, sine = math.cos(turn), math.sin(turn)
         wish = cosine * px - sine * py, sine * px + cosine * py
         vx, vy = nearest(wish, limits, self._speed, walls)
         return (vx, vy) if vx * ex + vy * ey >= SLOW * rate * away * away else None
+
+    def _meets(self, view: View, px: float, py: float) -> int:
+        """How many peers would touch this robot within twice the horizon, itself at (px, py), m/s, each of
+        them as it wishes."""
+        x, y = view.position
+        count, ahead = 0, 2.0 * HORIZON * self._lap
+        for state in view.neighbours.moving():
+            if not state.placed:
+                continue
+            age = (view.tick - state.tick) * self._period
+            rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
+            if _closest(rx, ry, px - state.vx, py - state.vy, ahead) < self._radius + state.radius:
+                count += 1
+        return count
 
     def _walls(self, x: float, y: float) -> list[HalfPlane]:
         """Of velocities that come near what is straight, or the boundary: half the way to it in a tick."""
@@ -144,6 +166,13 @@ class ReciprocalLaw:
 
 def _nearness(found: tuple[float, HalfPlane]) -> float:
     return found[0]
+
+
+def _closest(rx: float, ry: float, vx: float, vy: float, ahead: float) -> float:
+    """Distance, m, to what is at (rx, ry) that a velocity relative to it leaves within `ahead` seconds."""
+    square = vx * vx + vy * vy
+    time = min(max((rx * vx + ry * vy) / square, 0.0), ahead) if square > 0.0 else 0.0
+    return math.hypot(rx - time * vx, ry - time * vy)
 
 
 def _violated(vx: float, vy: float, limits: list[HalfPlane]) -> int:

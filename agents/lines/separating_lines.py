@@ -1,4 +1,4 @@
-"""All the lines of one robot: what it must obey now, and what it says about them (`agents.lines.talk`)."""
+"""All the lines of one robot: what it must obey now, and what it sends of them (see `negotiation`)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Final
 from agents.lines.ends import Follower, Owner
 from agents.lines.initial_lines import InitialLines
 from agents.lines.line import ROUNDING, HalfPlane, Line
+from agents.lines.negotiation.far import FarNegotiation
+from agents.lines.negotiation.near import ANSWER_TICKS, NearNegotiation
 from agents.lines.own_set import OwnSet
 from agents.lines.placement import Disk, initial_line
 from agents.lines.robot_pair import RobotPair
-from agents.lines.talk.far import FarTalk
-from agents.lines.talk.near import ANSWER_TICKS, NearTalk
 from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from agents.polygon import Polygon
@@ -68,8 +68,8 @@ class SeparatingLines:
         self._first = members
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []  # that do not rest
-        self._near_talk = NearTalk(max_step, period, berth)
-        self._far_talk = None if urgent is None else FarTalk(urgent)
+        self._near_negotiation = NearNegotiation(max_step, period, berth)
+        self._far_negotiation = None if urgent is None else FarNegotiation(urgent)
         self._initial: InitialLines | None = None
         if starts is not None and urgent is not None:
             self._initial = InitialLines(robot, starts, radii, AHEAD * max_step)
@@ -160,6 +160,7 @@ class SeparatingLines:
     def has_room(self, radius: float) -> bool:
         """Whether the own disk satisfies all it obeys if it is one of `radius`, m, around the same centre."""
         own, growth = self._own, radius - self._radius
+        self._look(own.x, own.y, own.bound + self._reach + 2.0 * ROUNDING + max(0.0, growth))
         return all(own.satisfies(side, growth) for pair in self._pairs.values() for side in pair.half_planes)
 
     def resize(self, radius: float) -> None:
@@ -230,9 +231,12 @@ class SeparatingLines:
         ]
 
     def _look(self, x: float, y: float, reach: float) -> None:
-        """Look at all initial lines that may be less than `reach` (m) from the own centre at (x, y), m."""
+        """Look at all lines that are looked at together, and may be less than `reach` (m) from where the own
+        centre at (x, y), m, would cross them; the initial ones are those of the disk that it was at the start.
+        """
         if self._initial is not None:
-            for peer in self._initial.approached(x, y, reach):
+            grown = max(0.0, self._radius - self._radii[self._robot])
+            for peer in self._initial.approached(x, y, reach + grown):
                 self._pair(peer)
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
@@ -252,7 +256,9 @@ class SeparatingLines:
         """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
         standing = not self.ready
         me = self._own_disk((0.0, 0.0) if standing else desired)
-        return self._near_talk.entries(self._tick, self._talking, me, self._owner_fits, standing=standing)
+        return self._near_negotiation.entries(
+            self._tick, self._talking, me, self._owner_fits, standing=standing
+        )
 
     def _own_disk(self, velocity: tuple[float, float]) -> Disk:
         """Own disk, with all that its centre may pass before commands that are out have ended."""
@@ -267,7 +273,7 @@ class SeparatingLines:
 
     def attend(self, near: Iterable[int]) -> None:
         """From now on States are exchanged with those who are near only; with others, letters."""
-        talk = self._far_talk
+        talk = self._far_negotiation
         assert talk is not None
         self._talking = [self._pair(peer) for peer in near if peer in self._radii or peer in self._pairs]
         self._near = frozenset(near)
@@ -283,10 +289,10 @@ class SeparatingLines:
             self._initial.moved_on = False
             self._put_to_rest(self._initial, talk)
 
-    def _put_to_rest(self, lines: InitialLines, talk: FarTalk) -> None:
+    def _put_to_rest(self, lines: InitialLines, negotiation: FarNegotiation) -> None:
         """Look one by one only at lines that somebody is near, or about which something is open."""
         for pair in self._each:
-            if pair.quiet and pair.peer not in self._near and not talk.concerns(pair):
+            if pair.quiet and pair.peer not in self._near and not negotiation.concerns(pair):
                 side = pair.line_half_planes[0]
                 theirs = side.limit + self._radius + pair.radius
                 pair.rests = lines.rest(pair.peer, side, theirs)
@@ -294,7 +300,7 @@ class SeparatingLines:
 
     def survey(self, picture: FarPicture) -> None:
         """More is known of where everybody is: see to lines that this robot or a far peer may soon reach."""
-        talk = self._far_talk
+        talk = self._far_negotiation
         assert talk is not None
         own = self._own
         if math.isinf(own.bound):
@@ -311,19 +317,19 @@ class SeparatingLines:
         """Process what a far peer says of the common line."""
         self.on_state(state)
         pair = self._pairs[state.robot]
-        if self._far_talk is None or pair.heard != state.incarnation or state.robot in self._near:
+        if self._far_negotiation is None or pair.heard != state.incarnation or state.robot in self._near:
             return
         if not pair.owns:
             pair.answers_left = 1  # it asks at least who lives
-            self._far_talk.take_up(pair)
+            self._far_negotiation.take_up(pair)
         elif not pair.end.linked:
-            self._far_talk.take_up(pair)
+            self._far_negotiation.take_up(pair)
 
     def letters(self) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """What is to be said to far peers in this tick, as `entries` is to near ones."""
-        if self._far_talk is None or math.isinf(self._own.bound):
+        if self._far_negotiation is None or math.isinf(self._own.bound):
             return (), ()
-        return self._far_talk.entries(self._own_disk((0.0, 0.0)), self._owner_fits)
+        return self._far_negotiation.entries(self._own_disk((0.0, 0.0)), self._owner_fits)
 
     # -- what is said
 

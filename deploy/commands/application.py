@@ -13,8 +13,10 @@ from deploy.commands.certify import certify
 from deploy.commands.check import check
 from deploy.commands.doctor import doctor
 from deploy.commands.endure import endure, flood
-from deploy.commands.info import info
-from deploy.commands.monitor import monitor
+from deploy.commands.look.info import info
+from deploy.commands.look.monitor import monitor
+from deploy.commands.look.plot import plot
+from deploy.commands.look.replay import replay
 from deploy.commands.operate import hosts, keys
 from deploy.commands.operate.calibrate import calibrate
 from deploy.commands.operate.deploy import deploy
@@ -25,8 +27,6 @@ from deploy.commands.operate.probe import probe
 from deploy.commands.operate.single import robot, router, world
 from deploy.commands.operate.stop import release, stop
 from deploy.commands.operate.things import place, take, things
-from deploy.commands.plot import plot
-from deploy.commands.replay import replay
 from deploy.commands.run import run
 from deploy.commands.serve import serve
 from deploy.commands.study import study

@@ -1,4 +1,4 @@
-"""`disknav endure` and `disknav flood`: whether a fleet of this machine holds out."""
+"""`disknav endure` and `disknav flood`: how a fleet endures hours, and floods."""
 
 from __future__ import annotations
 
@@ -47,8 +47,9 @@ def endure(
     rises by no more than 0.5 MB or 2 % of it, whichever is more.
 
     With --kill-every robots are killed by lot, and with every tenth kill the router, with every tenth the
-    world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. Who was on its
-    way has to move again within 5 s; commands that are missed and time that is lost meanwhile are not judged.
+    world, and all are started again; with --cut-every nothing passes a robot's link for 8 s. A robot that
+    was under way has to move again within 5 s; commands that are missed and time that is lost meanwhile are
+    not judged.
 
     Example: disknav endure --hours 8 --kill-every 60 --cut-every 300 --json endurance.json
 
@@ -101,8 +102,8 @@ def flood(
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.endurance.flood import Plan, table
-    from deploy.studies.endurance.flood import flood as perform
+    from deploy.studies.flooding.flood import Plan, table
+    from deploy.studies.flooding.flood import flood as perform
 
     if unprotected:
         options.refuse({"--as": role}, "nobody has a certificate; leave out --open")
@@ -117,7 +118,7 @@ def _finish(
     outcome: dict[str, Any], table: Callable[[dict[str, Any]], Any], target: Path | None, silent: bool
 ) -> None:
     """Write, print and exit."""
-    from deploy.run.unjudged import INTERRUPTED
+    from deploy.run.outcome.unjudged import INTERRUPTED
 
     json_output.write_json(outcome, target)
     if not silent:

@@ -121,11 +121,19 @@ def refuse(options: Mapping[str, object], reason: str) -> None:
         raise UsageError(f"{', '.join(given)} cannot apply: {reason}")
 
 
+def refuse_idle(record: Path | None, rotate: list[str] | None, mode: Mode, speed: float | None) -> None:
+    """Refuse to rotate a recording that there is not, and to set the speed of real time."""
+    if record is None:
+        refuse({"--rotate": rotate}, "nothing is recorded: add --record")
+    if mode == "realtime":
+        refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+
+
 def refuse_bases(secure: Path | None) -> None:
     """Refuse keys where messages of bases outside have to pass.
 
     Raises:
         UsageError: keys were given.
     """
-    reason = "rules of a secured router let pass what the fleet says, and nothing that bases say or hear"
+    reason = "rules of a secured router let the messages of the fleet pass, and none from or to bases"
     refuse({"--secure": secure}, f"{reason}; use a router without keys, on a network of the fleet's own")

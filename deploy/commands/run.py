@@ -10,7 +10,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, restarts
-from deploy.run.result import exit_status, table
+from deploy.run.outcome.result import exit_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -66,10 +66,7 @@ def run(
     from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
-    if record is None:
-        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    if mode == "realtime":
-        options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+    options.refuse_idle(record, rotate, mode, speed)
     if hosts is None:
         options.refuse({"--open": open_to_all}, "it says that --hosts may do without --secure")
     loaded = load(scenario, setting or [], seed)

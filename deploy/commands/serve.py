@@ -9,7 +9,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RunOptions, restarts
-from deploy.run.result import served_status, table
+from deploy.run.outcome.result import served_status, table
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -58,10 +58,7 @@ def serve(
     from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
 
-    if record is None:
-        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    if mode == "realtime":
-        options.refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
+    options.refuse_idle(record, rotate, mode, speed)
     if router is not None:
         options.refuse({"--listen": listen}, "--router names a router that is there, and starts none")
     loaded = load(scenario, [*(setting or []), "time.endless=true"], seed)
@@ -85,12 +82,7 @@ def serve(
     silent = quiet or is_standard_output(json_file)
     if not silent:
         typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)
-    result = execute(
-        loaded,
-        how,
-        Extras(record=record, web=web, json=json_file),
-        quiet=silent,
-    )
+    result = execute(loaded, how, Extras(record=record, web=web, json=json_file), quiet=silent)
     if not silent:
         from rich.console import Console
 

@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from deploy.manifests import container
-from deploy.manifests.json_text import json_text
+from deploy.manifests.container import json_text
 from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, SCENARIO, Plan
 from deploy.security.roster import ROUTER, WORLD
 

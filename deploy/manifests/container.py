@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 from deploy.manifests import plan
 from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
 
@@ -19,3 +22,9 @@ BUILD = "docker build -t {image} -f Containerfile .     in a checkout of disknav
 def join(of: Plan, role: str, endpoint: str) -> list[str]:
     """The command line, after `disknav`, of the world or a robot."""
     return [*plan.join(role, endpoint, KEYS_INSIDE, of, SCENARIO_INSIDE), "--alive", _ALIVE]
+
+
+def json_text(document: Any, head: str) -> str:
+    """JSON for people: indented, with a comment on top, which YAML, a superset, allows for."""
+    comment = "".join(f"# {line}\n" for line in head.splitlines())
+    return f"{comment}{json.dumps(document, indent=2, ensure_ascii=False)}\n"

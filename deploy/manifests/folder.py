@@ -11,7 +11,6 @@ from typing import Literal
 from deploy.manifests import compose, kubernetes, systemd
 from deploy.manifests.plan import KEYS, Plan
 from protocol.errors import UsageError
-from protocol.process.installation import missing_library
 
 Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
@@ -24,10 +23,8 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UsageError(f"{folder} exists and is not empty: name another folder")
-    try:
-        from deploy.security.keystore import create
-    except ModuleNotFoundError as error:
-        raise missing_library("a certificate", "cryptography", "secure") from error
+    from deploy.security.keystore import create
+
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
     try:

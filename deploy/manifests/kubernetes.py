@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from deploy.manifests import container, pods
-from deploy.manifests.container import CONFIG_INSIDE
-from deploy.manifests.json_text import json_text
+from deploy.manifests.container import CONFIG_INSIDE, json_text
 from deploy.manifests.plan import KEYS_INSIDE, PORT, SCENARIO, Plan
 from deploy.security.roster import ROUTER, WORLD
 

@@ -5,14 +5,18 @@ from __future__ import annotations
 import threading
 import time
 from math import inf
+from typing import TYPE_CHECKING
 
 from deploy.monitor.admin_space import ROUTERS, router
-from deploy.monitor.watcher import Listener, Watcher
+from deploy.monitor.watcher import Watcher
 from protocol.bus.bus import Bus
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
 from protocol.keys import checked_run
+
+if TYPE_CHECKING:
+    from deploy.monitor.foxglove import FoxgloveServer
 
 _LONGEST_WAIT = 0.05  # s; how soon `close` is noticed
 _ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
@@ -21,10 +25,8 @@ _ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
 class Attachment(Watcher):
     """A watcher that drives itself until `close`."""
 
-    def __init__(
-        self, bus: Bus, run: str, *, speed: float | None = None, listener: Listener | None = None
-    ) -> None:
-        super().__init__(bus, run, speed=speed, listener=listener)
+    def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
+        super().__init__(bus, run, listener=listener)
         self._look_at = self.deadline
         self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
         self._thread.start()
@@ -58,9 +60,7 @@ class Attachment(Watcher):
         self._thread.join()
 
 
-def attach(
-    connection: Connection, run: str, *, speed: float | None = None, listener: Listener | None = None
-) -> Attachment:
+def attach(connection: Connection, run: str, *, listener: FoxgloveServer | None = None) -> Attachment:
     """Watch `run` over a session of its own. The run need not be there yet.
 
     The fleet does not notice: all that is subscribed to is dropped rather than waited for when this
@@ -71,4 +71,4 @@ def attach(
         KeyGrammarError: the run name cannot be one.
     """
     checked_run(run)
-    return Attachment(ZenohBus(connection), run, speed=speed, listener=listener)
+    return Attachment(ZenohBus(connection), run, listener=listener)

@@ -18,7 +18,7 @@ HOST, PORT = "127.0.0.1", 8765  # where Foxglove looks unless told otherwise
 
 
 class FoxgloveServer:
-    """A `watcher.Listener` that draws what it is told, and all there is for whoever comes later.
+    """Draws what a `Watcher` passes on to it, and all there is for whoever comes later.
 
     Attributes:
         address: what to open in Foxglove, such as `ws://127.0.0.1:8765`.

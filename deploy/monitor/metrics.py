@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from deploy.monitor.source import SharedView
+from deploy.monitor.source import Source
 from deploy.monitor.view.fleet import View
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
@@ -32,7 +32,7 @@ HOST = "127.0.0.1"
 class FleetCollector(Collector):
     """Everything about one run, as of the moment when it is asked for."""
 
-    def __init__(self, source: SharedView) -> None:
+    def __init__(self, source: Source) -> None:
         self._source = source
 
     def collect(self) -> Iterator[Metric]:
@@ -91,7 +91,7 @@ def _robots(view: View, now: float) -> Iterator[Metric]:
     yield from (rejected, restarts, present, fenced, lines, age, distance)
 
 
-def export(source: SharedView, where: str) -> str:
+def export(source: Source, where: str) -> str:
     """Serve the figures at `[ADDRESS:]PORT`, on a thread of its own, for as long as this process lives.
 
     Returns: the address to ask, such as `http://127.0.0.1:9464/metrics`.

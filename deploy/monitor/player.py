@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from concurrent.futures import Future
 from functools import partial
 
-from deploy.monitor.source import SharedView
+from deploy.monitor.source import Source
 from deploy.monitor.view.fleet import View
 from protocol.messages import Message
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -18,7 +18,7 @@ from protocol.scenario.model import Scenario
 _NAP = 0.01  # s, longest wait before steering is looked at again
 
 
-class Player(SharedView):
+class Player(Source):
     """Plays on a thread of its own until the end or `close`; pause, step and speed act on the playback."""
 
     def __init__(

@@ -6,35 +6,19 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any, Protocol
+from typing import Any
 
-from deploy.monitor.view import snapshot as telling
+from deploy.monitor.view import snapshot
 from deploy.monitor.view.fleet import View
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer
 
 
-class Source(Protocol):
-    """Where a viewer gets its data; every method may be called from any thread."""
+class Source:
+    """A view with a lock: one thread writes, others look. They never wait for each other's network.
 
-    def overview(self) -> dict[str, Any]:
-        """`telling.overview`, now."""
-
-    def snapshot(self, since: int = -1) -> dict[str, Any]:
-        """`telling.snapshot`, now."""
-
-    def steer(self, steer: Steer) -> None:
-        """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
-
-    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
-        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
-
-    def halt(self, halt: bool) -> Future[str]:
-        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
-
-
-class SharedView:
-    """A view with a lock: one thread writes, others look. They never wait for each other's network."""
+    Every method may be called from any thread.
+    """
 
     def __init__(self, run: str, clock: Callable[[], float] = time.monotonic) -> None:
         self._view = View(run)
@@ -42,16 +26,28 @@ class SharedView:
         self._clock = clock
 
     def overview(self) -> dict[str, Any]:
-        """See `telling.overview`."""
+        """What does not change, and the past; see `deploy.monitor.view.snapshot`."""
         with self._lock:
-            return telling.overview(self._view)
+            return snapshot.overview(self._view)
 
     def snapshot(self, since: int = -1) -> dict[str, Any]:
-        """See `telling.snapshot`."""
+        """The present, and what happened after tick `since`."""
         with self._lock:
-            return telling.snapshot(self._view, self._clock(), since)
+            return snapshot.snapshot(self._view, self._clock(), since)
 
     def change(self, what: Callable[[View, float], None]) -> None:
         """Let `what` work on the view at the present time, while nobody looks."""
         with self._lock:
             what(self._view, self._clock())
+
+    def steer(self, steer: Steer) -> None:
+        """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
+        raise NotImplementedError
+
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
+        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
+        raise NotImplementedError
+
+    def halt(self, halt: bool) -> Future[str]:
+        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
+        raise NotImplementedError

@@ -8,25 +8,27 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from deploy.monitor.source import SharedView
+from deploy.monitor.source import Source
 from deploy.monitor.view.fleet import View
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import every_robot, parse, robot_key, world_key
-from protocol.messages import AnyMessage, Message
+from protocol.messages import AnyMessage
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
 from protocol.requests.joining import Overview, decode_reply
 from protocol.requests.steering import Steer, Steering
-from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 from protocol.wire.reader import DAMAGED
+
+if TYPE_CHECKING:
+    from deploy.monitor.foxglove import FoxgloveServer
 
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
@@ -36,34 +38,18 @@ _NO_RUN = "there is no run yet to send a robot in"
 _NOBODY = "there is no run yet to stop"
 
 
-class Listener(Protocol):
-    """Somebody else who follows the run; called on the thread that owns the bus."""
-
-    def begin(self, scenario: Scenario) -> None:
-        """A scenario begins, or is under way."""
-
-    def meet(self, scenario: Scenario) -> None:
-        """Robots have come whom no order of the scenario adds; it has them, too."""
-
-    def hear(self, message: Message) -> None:
-        """Something was published."""
-
-
-class Watcher(SharedView):
-    """Implements `protocol.bus.bus.Node` for the thread that owns `bus`, and `Source` for all others.
+class Watcher(Source):
+    """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Source` to all others.
 
     Attributes:
         rejected: messages and tokens that are nobody's, by reason.
     """
 
-    def __init__(
-        self, bus: Bus, run: str, *, speed: float | None = None, listener: Listener | None = None
-    ) -> None:
+    def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
         """Args:
         bus: a connection of its own.
         run: name of the run.
-        speed: simulated seconds per second to ask for as soon as the run is there; None: leave it.
-        listener: is told what the view is told.
+        listener: gets what the view gets, on the thread that owns the bus.
         """
         super().__init__(run)
         self.finished = False
@@ -73,8 +59,6 @@ class Watcher(SharedView):
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # the world; the scenario it runs
         self._ask_at = self.deadline
-        if speed is not None:
-            self.steer(Steer(speed=speed))
         for stream in ("clock", "truth"):
             bus.subscribe(world_key(run, stream))
         for stream in ("health", "goalstatus"):

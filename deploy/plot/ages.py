@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.peers.link import Link
 from agents.peers.state import addressed_to
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 from protocol.messages import State, Tick
 from protocol.scenario.model import Link as LinkFaults
 

@@ -15,8 +15,8 @@ from matplotlib.text import Text
 
 from deploy.plot.style import INK, colour, dash
 from deploy.plot.workspace import MANY, frame
-from deploy.recording.participants import Participant, participants
-from deploy.recording.reader import Recording
+from deploy.recording.reading.participants import Participant, participants
+from deploy.recording.reading.reader import Recording
 from protocol.errors import UsageError
 
 Progress = Callable[[float], None]

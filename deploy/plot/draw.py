@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from deploy.recording.reader import Recording, read
+import numpy as np
+
+from deploy.recording.reading.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -59,3 +62,19 @@ def draw(
         else:
             metadata = {"Date": None} if target.suffix == ".svg" else {}
             figure(recordings).savefig(target, metadata=metadata)
+
+
+def until(recording: Recording, seconds: float) -> Recording:
+    """What was recorded up to `seconds` of simulated time, tick 0 at least; no result unless that is all."""
+    truths, step = recording.truths, recording.scenario.time.step
+    kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step
+    if kept.all():
+        return recording
+    there = ~np.isnan(truths.positions[kept, :, 0]).all(axis=0)
+    positions = truths.positions[kept][:, there]
+    part = Truths(
+        truths.robots[there], truths.ticks[kept], positions, truths.clearance[kept], truths.phi[kept]
+    )
+    last = float(part.ticks[-1]) * step
+    entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
+    return replace(recording, truths=part, entries=entries, result=None)

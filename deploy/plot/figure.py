@@ -11,7 +11,7 @@ from deploy.plot.ages import delayed_sensing, faulty_link
 from deploy.plot.legend import HANDLERS, curves, disks
 from deploy.plot.series import draw_clearance, draw_heard_ages, draw_measurement_ages, draw_phi
 from deploy.plot.workspace import draw_workspace
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 
 Panel = Callable[[Axes], None]
 _SIDE = 3.9  # inches, a workspace at least

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from deploy.plot.ages import Heard, measurement_ages
 from deploy.plot.style import INK, colour, dash
 from deploy.plot.workspace import MANY
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 
 _COLUMNS = 2000  # of ages, more than there are pixels
 

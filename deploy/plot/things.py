@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Patch, Polygon
 
 from deploy.plot.style import FAINT, INK
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 from protocol.geometry import Disk, Shape
 from protocol.messages import Clock
 

@@ -9,8 +9,8 @@ from matplotlib.patheffects import withStroke
 
 from deploy.plot.style import FAINT, INK, colour, dash
 from deploy.plot.things import Stay, draw_things, patch_of
-from deploy.recording.participants import participants
-from deploy.recording.reader import Recording
+from deploy.recording.reading.participants import participants
+from deploy.recording.reading.reader import Recording
 
 _MOMENTS = 5  # disks drawn between start and end, at most
 MANY = 20  # robots from which on ids would hide the disks

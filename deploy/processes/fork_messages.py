@@ -6,7 +6,6 @@ over must not be able to run anything here.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import msgspec
@@ -24,7 +23,6 @@ class Start(NamedTuple):
     entry: str
     arguments: tuple[Any, ...]
     reports: bool
-    log: Path | None  # where its output goes; the terminal unless given
 
 
 class Signal(NamedTuple):

@@ -44,13 +44,13 @@ def run_forked(
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _RESET)
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
-        _redirect(start.log)
+        os.dup2(2, 1)  # standard output is the command's alone
         begin_log(start.name)
         LOG.info(f"process {os.getpid()} begins")
         module, _, function = start.entry.partition(":")
         arguments = start.arguments
         if report is not None:
-            arguments = (*arguments, _reporter(report))
+            arguments = (*arguments, Channel(report, readable=False).send)
         code = getattr(importlib.import_module(module), function)(*arguments)
     except SystemExit as ending:
         code = ending.code if isinstance(ending.code, int) else FAULT
@@ -103,16 +103,3 @@ def _close_all_but(kept: set[int | None]) -> None:
         if descriptor > 2 and descriptor not in kept:
             with suppress(OSError):  # the one that listed them is closed already
                 os.close(descriptor)
-
-
-def _redirect(log: Path | None) -> None:
-    """Standard output is the command's alone: what processes print goes to standard error, or a file."""
-    if log is not None:
-        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-        os.dup2(descriptor, 2)
-        os.close(descriptor)
-    os.dup2(2, 1)
-
-
-def _reporter(descriptor: int) -> Callable[[str], None]:
-    return Channel(descriptor, readable=False).send

@@ -43,4 +43,4 @@ def probe(connection: Connection, run: str, role: str, within: float) -> None:
             if isinstance(event, Sample):
                 decode(event.key, event.payload)
                 return
-    raise BusError(f"nothing heard of {role} under {key} for {within:g} s")
+    raise BusError(f"nothing received from {role} under {key} for {within:g} s")

@@ -7,6 +7,7 @@ host never take the same port.
 
 from __future__ import annotations
 
+import json
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -15,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from protocol.bus.connection import Connection
+from protocol.bus.connection import Connection, configuration
 from protocol.bus.drive import Stop, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import CertificateError, EndpointTakenError
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
+_HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. Whatever is not named here is zenoh's default.\n"
 
 
 def main(
@@ -138,3 +140,12 @@ def holder(endpoint: str) -> str:
     except psutil.Error:  # ended meanwhile, or this user may not look
         return ""
     return ""
+
+
+def router_config(connection: Connection, default: str) -> str:
+    """JSON5 by which `zenohd` relays, and enforces, exactly as `disknav router` does.
+
+    `default` is listened on where `connection` names no endpoint.
+    """
+    listening = connection if connection.listen else replace(connection, listen=(default,))
+    return _HEAD + json.dumps(configuration(listening), indent=2) + "\n"

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from itertools import count
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from deploy.processes.fork_messages import MAX_NEWS, News, Request, Signal, Start, decode_news
 from protocol.errors import ProcessError
@@ -35,24 +35,6 @@ _CLOSING = 5.0  # s
 def environment() -> dict[str, str]:
     """Of a fork server. Robots are one thread each: more would only cost memory, and forks dislike them."""
     return {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-
-
-class ProcessStarter(Protocol):
-    """What a supervisor needs of whoever starts processes for it; see `Spawner`."""
-
-    @property
-    def gone(self) -> bool:
-        """Whether nothing can be asked for any more."""
-
-    def start(
-        self, name: str, entry: str, arguments: tuple[Any, ...], *, reports: bool, log: Path | None
-    ) -> int: ...
-
-    def signal(self, life: int, number: int) -> None: ...
-
-    def news(self, timeout: float) -> Iterator[News]: ...
-
-    def close(self) -> None: ...
 
 
 class Spawner:
@@ -92,18 +74,10 @@ class Spawner:
             env=environment(),
         )
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        log: Path | None = None,
-    ) -> int:
+    def start(self, name: str, entry: str, arguments: tuple[Any, ...] = (), *, reports: bool = False) -> int:
         """Ask for a process that calls `entry` ("module:function"); returns the number of its life."""
         life = next(self._lives)
-        self._send(Start(life, name, entry, arguments, reports, log))
+        self._send(Start(life, name, entry, arguments, reports))
         return life
 
     def signal(self, life: int, number: int) -> None:
@@ -146,5 +120,5 @@ class Spawner:
         self.gone = True
         return ProcessError(
             f"the fork server (process {self._server.pid}), and with it every process of the fleet, is gone; "
-            f"what it said before stands above"
+            f"see its output above"
         )

@@ -9,15 +9,17 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Collection, Iterable
-from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from deploy.processes.fork_messages import Exited, News, Report, Started
 from deploy.processes.row import Exit, Life, Usage
-from deploy.processes.spawn import ProcessStarter, Spawner
+from deploy.processes.spawn import Spawner
 from deploy.processes.table import Process
 from protocol.bus.drive import uninterrupted
 from protocol.errors import ProcessError
+
+if TYPE_CHECKING:
+    from deploy.processes.hosts.spawners import HostSpawners
 
 _POLL = 0.05  # s
 _STOPPING = 5.0  # s, how long processes may take over SIGTERM before SIGKILL
@@ -30,10 +32,9 @@ class Supervisor:
         ProcessError: the fork server is gone, and all processes with it; or as the methods say.
     """
 
-    def __init__(self, spawner: ProcessStarter | None = None, log: Path | None = None) -> None:
-        """Use `spawner` (one of its own unless given); `log` takes what the processes print."""
-        self._spawner: ProcessStarter = Spawner() if spawner is None else spawner
-        self._log = log
+    def __init__(self, spawner: Spawner | HostSpawners | None = None) -> None:
+        """Use `spawner` (one of its own unless given)."""
+        self._spawner = Spawner() if spawner is None else spawner
         self._lives: dict[str, Life] = {}
         self._by_number: dict[int, Life] = {}
         self._exits: list[Exit] = []
@@ -64,7 +65,7 @@ class Supervisor:
         self._advance(timeout, lambda: life.report is not None or life.over)
         if life.report is None:
             state = "ended at once" if life.over else f"did not answer within {timeout:g} s"
-            raise ProcessError(f"{name} {state}; what it said stands above")
+            raise ProcessError(f"{name} {state}; see its output above")
         return life.report
 
     def amend(self, process: Process) -> None:
@@ -165,7 +166,7 @@ class Supervisor:
             life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
             life.began, life.due = time.monotonic(), None
             life.number = self._spawner.start(
-                process.name, process.entry, process.arguments, reports=process.reports, log=self._log
+                process.name, process.entry, process.arguments, reports=process.reports
             )
             self._by_number[life.number] = life
 

@@ -133,7 +133,7 @@ class Recorder:
         if scenario is None:
             if now >= self._overdue:
                 lacking = (
-                    "the world does not say its scenario" if self._world_is_there else "no world to record"
+                    "the world does not send its scenario" if self._world_is_there else "no world to record"
                 )
                 raise BusError(f"run {self._run!r}: {lacking} within {self._patience:g} s")
             self.deadline = min(self._overdue, now + _ASK_AGAIN) if self._world_is_there else self._overdue

@@ -13,21 +13,36 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from deploy.recording.channel import Channel
-from deploy.recording.form import schema
+from deploy.recording.form import schema, to_object
 from deploy.recording.mcap.file import McapFile
 from deploy.recording.pictures import Pictures
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
-from protocol.keys import parse
+from protocol.keys import Address, parse
 from protocol.messages import VERSION, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import check_finite
+from protocol.wire.reader import Reader
 
 LIBRARY = "disknav"
 _TOGETHER = 512  # messages that are encoded together
 _LATEST = float(1 << 63)  # ns, of what a reader takes; no tick of a real run is later
 _JSON = msgspec.json.Encoder()
+
+
+class _Channel:
+    """What is written under one key.
+
+    Attributes:
+        number: of the channel in the file.
+        read: makes a message of a payload, see `Reader`.
+        form: turns a message into what JSON writes.
+    """
+
+    def __init__(self, address: Address, number: int) -> None:
+        self.stream, self.number = address.stream, number
+        self.read = Reader(address.stream, address.robot).read
+        self.form = to_object(STREAMS[address.stream].message)
 
 
 class RecordingFile:
@@ -44,7 +59,7 @@ class RecordingFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.rejected: Counter[str] = Counter()
-        self._channels: dict[str, Channel | None] = {}
+        self._channels: dict[str, _Channel | None] = {}
         self._schemas: dict[str, int] = {}
         self._robots: frozenset[int] = frozenset()
         self._run = ""
@@ -81,9 +96,9 @@ class RecordingFile:
             for start in range(0, len(batch), _TOGETHER):
                 self._add(*self._read(batch[start : start + _TOGETHER]))
 
-    def _read(self, batch: Sequence[tuple[str, bytes]]) -> tuple[list[Channel], list[Any]]:
+    def _read(self, batch: Sequence[tuple[str, bytes]]) -> tuple[list[_Channel], list[Any]]:
         """The messages and the channel of each; all else is counted."""
-        channels: list[Channel] = []
+        channels: list[_Channel] = []
         messages: list[Any] = []
         for key, payload in batch:
             try:
@@ -97,7 +112,7 @@ class RecordingFile:
                 self.rejected["key"] += 1
         return channels, messages
 
-    def _add(self, channels: list[Channel], messages: list[Any]) -> None:
+    def _add(self, channels: list[_Channel], messages: list[Any]) -> None:
         """Record messages, each under its channel, but for those that hold what is no number."""
         lines = _JSON.encode_lines(
             [channel.form(message) for channel, message in zip(channels, messages, strict=True)]
@@ -118,7 +133,7 @@ class RecordingFile:
         if self._pictures is not None:
             self._pictures.hear(messages)
 
-    def _is_finite(self, channel: Channel, message: Any) -> bool:
+    def _is_finite(self, channel: _Channel, message: Any) -> bool:
         try:
             check_finite(channel.stream, message)
         except MessageError as error:
@@ -126,7 +141,7 @@ class RecordingFile:
             return False
         return True
 
-    def _open(self, key: str) -> Channel | None:
+    def _open(self, key: str) -> _Channel | None:
         """The channel of a key; None for streams that are no part of a recording."""
         if key in self._channels:
             return self._channels[key]
@@ -142,7 +157,7 @@ class RecordingFile:
                 text = json.dumps(schema(stream.message)).encode()
                 self._schemas[stream.name] = self._file.schema(f"disknav.{stream.message.__name__}", text)
             number = self._file.channel(key, self._schemas[stream.name], {"rate": stream.rate})
-            self._channels[key] = Channel(address, number)
+            self._channels[key] = _Channel(address, number)
         return self._channels[key]
 
     def flush(self) -> None:

@@ -24,7 +24,7 @@ from protocol.errors import DisknavError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.shell.admission import AWAY
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 _START = 30.0  # s for a process to say that it is ready
 _SOON = timedelta(days=1)

@@ -16,11 +16,11 @@ from deploy.plot.draw import check, draw
 from deploy.recording.rotation import ONE_FILE
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
-from deploy.run.live_page import live_page
+from deploy.run.live_page import linger, live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.result import Result, complete
-from deploy.run.unjudged import interrupted, unjudged
+from deploy.run.outcome.result import Result, complete
+from deploy.run.outcome.unjudged import interrupted, unjudged
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
@@ -73,7 +73,7 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
             first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
             draw(Path(recordings[first]), extras.plot)
         if page is not None and sys.stdin.isatty():
-            page.linger()
+            linger(page)
     return result
 
 

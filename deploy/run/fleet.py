@@ -19,9 +19,9 @@ from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.interruption import counted, undisturbed
 from deploy.run.options import RunOptions
-from deploy.run.reports import Report, Reports
+from deploy.run.outcome.reports import Report, Reports
+from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
 from deploy.run.topology import Topology
-from deploy.run.unjudged import INTERRUPTED, unjudged
 from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from deploy.monitor.attachment import Attachment
 from deploy.monitor.watcher import Watcher
@@ -15,24 +15,17 @@ from deploy.run.options import RunOptions
 from protocol.bus.zenoh import ZenohBus
 
 
-class Page:
-    """A page that is being served; whoever opens `link` may steer."""
-
-    def __init__(self, link: str) -> None:
-        self.link = link
-
-    def linger(self) -> None:
-        """Stay after the run until Ctrl-C, so that its end can be looked at."""
-        print(f"{self.link} stays until Ctrl-C", file=sys.stderr, flush=True)
-        try:
-            signal.pause()
-        except KeyboardInterrupt:
-            return
+def linger(link: str) -> None:
+    """Stay after the run until Ctrl-C, so that the end of a page can be looked at."""
+    print(f"{link} stays until Ctrl-C", file=sys.stderr, flush=True)
+    with suppress(KeyboardInterrupt):
+        signal.pause()
 
 
 @contextmanager
-def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
-    """Serve a page that shows `fleet`; its address is printed to standard error.
+def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
+    """Serve a page that shows `fleet`; gives its address, and prints it to standard error: whoever opens it
+    may steer.
 
     Raises:
         UsageError: the libraries of the extra `web` are not installed.
@@ -43,7 +36,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[Page]:
     server = serve_in_thread(source)
     print(f"live page: {server.link}", file=sys.stderr, flush=True)
     try:
-        yield Page(server.link)
+        yield server.link
     finally:
         server.close()
         if isinstance(source, Attachment):

@@ -21,7 +21,7 @@ from deploy.recording.writer_process import WriterProcess
 from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.interruption import undisturbed
-from deploy.run.unjudged import INTERRUPTED
+from deploy.run.outcome.unjudged import INTERRUPTED
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
@@ -32,8 +32,8 @@ from protocol.requests.joining import decode_reply
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.wire.codec import decode
 from world.node import WorldNode
-from world.shell.journal import Journal
-from world.shell.replay import Resumed, resume
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import Resumed, resume
 
 Watcher = Callable[[Clock], None]
 

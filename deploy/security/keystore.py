@@ -9,10 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import mkdtemp
 
-from deploy.security.certificates import Authority
 from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
 from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
+from protocol.process.installation import missing_library
+
+try:
+    from deploy.security.certificates import Authority
+except ModuleNotFoundError as error:
+    raise missing_library("a certificate", "cryptography", "secure") from error
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
@@ -28,8 +33,8 @@ def create(
     before is then worthless to the new authority.
 
     Raises:
-        UsageError: the directory exists and `force` is not set, is not a directory of keys, or `days`
-            is not positive.
+        UsageError: the directory exists and `force` is not set, is not a directory of keys, `days` is not
+            positive, or there is no library for certificates.
     """
     if not days > 0.0:
         raise UsageError(f"{days:g} days: certificates must be valid for some time")

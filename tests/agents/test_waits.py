@@ -18,7 +18,7 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Tick
 from protocol.wire.codec import encode
 from world.node import WorldNode
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 SCENARIO = load("swap-2")
 

@@ -24,9 +24,9 @@ from deploy.run.local import LocalFleet
 from protocol.messages import Command
 from tests.benchmarks.fleets import measure, scenario
 from world.judge import trajectory
-from world.shell.journal import Journal
-from world.shell.replay import resume
-from world.shell.snapshot import frozen, thawed
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import resume
+from world.shell.persistence.snapshot import frozen, thawed
 from world.world import World
 
 _TICKS = 64

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from msgspec.structs import replace
 
 from deploy.library.load import load
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Scenario

@@ -15,7 +15,7 @@ from unittest.mock import patch
 
 import msgspec
 
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.run.local import LocalFleet
 from protocol.errors import JournalError, RecordingError, UsageError
 from protocol.scenario.model import Time
@@ -25,9 +25,9 @@ from tests.fuzz.mutation import damaged_bytes, damaged_tree
 from tests.fuzz.target import Target
 from tests.world.driving import two
 from world.judge import trajectory
-from world.shell import records
-from world.shell.journal import Journal
-from world.shell.replay import resume
+from world.shell.persistence import records
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import resume
 
 _SCENARIOS = [two()]
 _TICKS = 12

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
+from agents.lines.negotiation.entries import fitting
+from agents.lines.negotiation.near import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
-from agents.lines.talk.entries import fitting
-from agents.lines.talk.near import OUTSTANDING
 from agents.peers.state import PeerState, addressed_to
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Health, Letter, Proposal, Result, Standing, State

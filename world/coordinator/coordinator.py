@@ -22,9 +22,9 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
+from world.coordinator.crowd.forwarding import Forwarding
 from world.coordinator.crowd.interest import Interest
 from world.coordinator.crowd.omission import Omission
-from world.coordinator.crowd.post import Post
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
@@ -51,7 +51,7 @@ class Coordinator:
         told: what each robot that may listen is to be told of the open tick; None while none is open.
         note: is told every input that the run has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
-            (`world.shell.replay`).
+            (`world.shell.persistence.replay`).
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class Coordinator:
         self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
         self._omission = Omission(scenario.time.step) if scenario.hears_near else None
-        self._post = Post()
+        self._forwarding = Forwarding()
         self.schedule = Schedule(scenario)
 
     def noted(self, taken: Input) -> None:
@@ -209,14 +209,14 @@ class Coordinator:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
         if self._omission is not None:
             sensed, omitted = self._omission.sift(self.tick, sensed, commanded, self.lives.incarnations)
-        self.told = self._tell(self.active, sensed, self._post.deliver(), self._interest, omitted)
+        self.told = self._tell(self.active, sensed, self._forwarding.deliver(), self._interest, omitted)
         return self.told
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self.commands.accept(command)
         if taken:
-            self._post.send(command)
+            self._forwarding.send(command)
             if self._interest is not None:
                 self._interest.accept(command)
             self.noted(command)

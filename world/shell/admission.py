@@ -18,7 +18,7 @@ from protocol.errors import JoinError
 from protocol.messages import Health
 from protocol.requests import joining
 from world.coordinator.life import Fate, Life
-from world.shell.journal import Journal, Seated
+from world.shell.persistence.journal import Journal, Seated
 from world.shell.processes import Processes
 from world.shell.run import Run
 

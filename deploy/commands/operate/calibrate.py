@@ -55,7 +55,7 @@ def calibrate(
     found = bounds(driver.log)
     print(
         f"measured: poses at rest within {1e3 * found.noise_bound:.1f} mm and {found.heading:.3f} rad; sides "
-        f"off by {100 * found.odometry:.1f} % by odometry, by {100 * found.error:.1f} % of what was told;\n"
+        f"off by {100 * found.odometry:.1f} % by odometry, by {100 * found.error:.1f} % of the command;\n"
         f"late by {found.lag:.3f} s; odometry at least every {found.interval:.3f} s; left alone it brakes "
         f"after {found.timeout:.2f} s, by {found.acceleration:.2f} m/s^2\n"
         f"to state, with room for what one square does not show:\n\n{statements(found)}"

@@ -56,13 +56,9 @@ def new(
     from deploy.library.load import read
     from deploy.processes.hosts.protection import roster_of
     from deploy.processes.hosts.table import read_hosts
+    from deploy.security.keystore import create
     from deploy.security.roster import Roster
-    from protocol.process.installation import missing_library
 
-    try:
-        from deploy.security.keystore import create
-    except ModuleNotFoundError as error:
-        raise missing_library("a certificate", "cryptography", "secure") from error
     name = fresh_run_name() if run is None else checked_run(run)
     found = read(scenario)
     ids, newcomers = found.ids, [spec.id for spec in found.newcomers]

@@ -17,11 +17,11 @@ def probe(
     within: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 5.0,
     secure: options.Secure = None,
 ) -> None:
-    """Find out whether a process of a run is well: ends as soon as it is heard.
+    """Find out whether a process of a run is well: ends as soon as a message from it arrives.
 
     Example: disknav probe robot-3 --run demo
 
-    Exit status: 0 heard, 2 invalid, 3 not heard in time.
+    Exit status: 0 it is well, 2 invalid, 3 no message in time.
     """
     from deploy.processes.probe import probe as listen
 

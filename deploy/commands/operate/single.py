@@ -38,7 +38,7 @@ def robot(
     alive: Alive = None,
     base: Annotated[
         Literal["ros2"] | None,
-        typer.Option(help="It is not simulated: its base is told what to do by ROS 2 messages over zenoh."),
+        typer.Option(help="It is not simulated: its base is driven by ROS 2 messages over zenoh."),
     ] = None,
     namespace: Annotated[
         str | None,
@@ -95,10 +95,10 @@ def world(
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.library.load import load
-    from deploy.run.result import exit_status
+    from deploy.run.outcome.result import exit_status
     from protocol.bus.heartbeat import heartbeat
     from world.process import main
-    from world.shell.journal import Journal
+    from world.shell.persistence.journal import Journal
 
     membership = Membership(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
@@ -140,7 +140,7 @@ def router(
     host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
     admin: Annotated[
         bool,
-        typer.Option("--admin", help="Tell who is connected, and declares what, in zenoh's admin space."),
+        typer.Option("--admin", help="Show who is connected, and declares what, in zenoh's admin space."),
     ] = False,
     log: options.Log = None,
     print_config: Annotated[
@@ -153,8 +153,7 @@ def router(
 
     The same by zenoh's own router: disknav router --secure keys --print-config > r.json5; zenohd -c r.json5
     """
-    from deploy.processes.router import main
-    from deploy.processes.router_config import router_config
+    from deploy.processes.router import main, router_config
 
     if secure is None:
         options.refuse({"--host": host or None}, "without keys every router is alike: add --secure DIR")

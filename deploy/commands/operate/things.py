@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import msgspec
 import typer
@@ -13,9 +13,6 @@ from deploy.output import json_output
 from protocol.errors import UsageError
 from protocol.messages import Thing
 from protocol.requests.things import ThingOrder
-
-if TYPE_CHECKING:
-    pass
 
 
 def place(

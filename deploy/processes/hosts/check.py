@@ -71,7 +71,7 @@ def _facts(process: subprocess.Popen[bytes]) -> Facts:
         except DAMAGED:
             said += line  # what a shell says at login
             if len(said) > _LONGEST:
-                raise _SilentError("it says a lot, and nothing that can be understood") from None
+                raise _SilentError("it prints a lot, and nothing that can be understood") from None
 
 
 def _line(process: subprocess.Popen[bytes], deadline: float) -> bytes:
@@ -92,7 +92,7 @@ def _last_words(process: subprocess.Popen[bytes]) -> str:
     assert process.stderr is not None
     process.kill()
     said = process.stderr.read().decode(errors="replace").strip().splitlines()
-    return said[-1] if said else "the connection ended without a word"
+    return said[-1] if said else "the connection ended without an error message"
 
 
 def _software(host: Host, facts: Facts) -> list[Finding]:
@@ -129,7 +129,7 @@ def _offset(process: subprocess.Popen[bytes]) -> tuple[float, float]:
             process.stdin.flush()
             theirs = float(_line(process, asked + _PATIENCE))
         except (OSError, ValueError) as error:
-            raise _SilentError(f"it does not tell its time: {error}") from None
+            raise _SilentError(f"it does not report its time: {error}") from None
         answered = time.monotonic()
         looks.append(((answered - asked) / 2.0, theirs - (asked + answered) / 2.0))
     error_, offset = min(looks)

@@ -68,20 +68,12 @@ class HostSpawners:
             return
         self._there[host].store(path.name, path.read_bytes())
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        log: Path | None = None,
-    ) -> int:
+    def start(self, name: str, entry: str, arguments: tuple[Any, ...] = (), *, reports: bool = False) -> int:
         """As `Spawner.start`, on the host where `name` belongs."""
         spawner = self._there.get(self._places.get(name, ""), self._here)
         number = next(self._numbers)
         try:
-            life = 0 if spawner.gone else spawner.start(name, entry, arguments, reports=reports, log=log)
+            life = 0 if spawner.gone else spawner.start(name, entry, arguments, reports=reports)
         except ProcessError as error:
             self._lose(spawner, error)
         if spawner.gone:
@@ -129,7 +121,7 @@ class HostSpawners:
     def _renumbered(self, spawner: Spawner, news: News) -> News:
         number = self._numbers_of.get((spawner, news.life))
         if number is None:
-            raise ProcessError(f"{self._name(spawner)} tells of a process that it was not asked for")
+            raise ProcessError(f"{self._name(spawner)} reports a process that it was not asked for")
         if isinstance(news, Exited):
             del self._numbers_of[spawner, news.life], self._lives[number]
         return type(news)(number, *(getattr(news, name) for name in news.__struct_fields__[1:]))

@@ -109,13 +109,13 @@ class SshSpawner(Spawner):
         except (EOFError, ConnectionError):
             raise self._gone() from None
         except (OSError, ValueError, *DAMAGED) as error:
-            raise ProcessError(f"host {self.host.name} does not talk as it should: {error}") from None
+            raise ProcessError(f"host {self.host.name} does not follow the protocol: {error}") from None
 
     def _send(self, request: Request) -> None:
         try:
             super()._send(request)
         except BlockingIOError:
-            raise ProcessError(f"host {self.host.name} has not listened for {_STALL:g} s") from None
+            raise ProcessError(f"host {self.host.name} has accepted nothing for {_STALL:g} s") from None
 
     def _serve(
         self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
@@ -147,7 +147,7 @@ class SshSpawner(Spawner):
                 raise self._gone()
             line += byte
             if len(line) > _LONGEST_LINE:
-                raise ProcessError(f"host {self.host.name} does not talk as it should: no end of a line")
+                raise ProcessError(f"host {self.host.name} does not follow the protocol: no end of a line")
         return line.decode(errors="replace").rstrip("\n")
 
     def _gone(self) -> ProcessError:
@@ -159,7 +159,7 @@ class SshSpawner(Spawner):
         self._relay.end()
         if status == _MISSING:
             return ProcessError(f"host {self.host.name}: the shell there finds no {self.host.command!r}")
-        how = f"with status {status}; what it said stands above" if status >= 0 else f"by signal {-status}"
+        how = f"with status {status}; see its output above" if status >= 0 else f"by signal {-status}"
         return ProcessError(f"host {self.host.name} is gone: ssh ended {how}")
 
 

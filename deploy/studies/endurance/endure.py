@@ -18,7 +18,7 @@ from deploy.processes.table import ROUTER, WORLD
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.options import RunOptions
-from deploy.run.reports import Report
+from deploy.run.outcome.reports import Report
 from deploy.run.topology import Routed, Topology
 from deploy.studies.endurance import flatness
 from deploy.studies.endurance.cables import Cables

@@ -68,5 +68,5 @@ class SideProcess:
             self._process.join(_PATIENCE)
         status = self._process.exitcode
         raise ProcessError(
-            f"the process {self._process.name!r} says nothing (exit status {status}); see above"
+            f"the process {self._process.name!r} sends nothing (exit status {status}); see above"
         )

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
-from typing import Protocol
 
 from deploy.run.options import Transport
 from deploy.studies.falsify.archive import Archive, Entry
@@ -21,8 +20,9 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.scenarios.mutate import mutated
 from deploy.studies.falsify.trial import Result, Shrinking, Task, Trial
+from deploy.studies.runners.cluster import Cluster
 from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker import Batch
+from deploy.studies.runners.worker_pool import WorkerPool
 from deploy.studies.study import Run
 
 GENERATION = 256
@@ -32,11 +32,7 @@ _BATCH = 8
 _STREAM = 3
 
 
-class Workers(Protocol):
-    """Whoever performs tasks: a worker pool of `deploy.studies.runners`, or a cluster."""
-
-    def run(self, batches: Sequence[Batch]) -> Iterator[tuple[Run, Result]]:
-        """Results of all batches, as they come."""
+Workers = WorkerPool | Cluster
 
 
 @dataclass(frozen=True)

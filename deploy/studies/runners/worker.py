@@ -20,7 +20,7 @@ import psutil
 from deploy.processes.forked import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
-from deploy.run.result import complete
+from deploy.run.outcome.result import complete
 from deploy.studies.runners.metered import MeteredFleet
 from deploy.studies.study import Build, Run
 from protocol.errors import ProcessError

@@ -43,6 +43,6 @@ class WorkerPool:
                 yield from future.result()
         except BrokenProcessPool:
             raise ProcessError(
-                "a worker ended in the middle of a batch; what it said stands above. "
+                "a worker ended in the middle of a batch; see its output above. "
                 "The same command goes on from what is done"
             ) from None

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from agents.laws import Law, View, choose, require
-from agents.laws.nominal import Nominal
+from agents.laws.comparison.nominal import Nominal
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.load import load

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from agents.laws.velocity_obstacle import reciprocal
 from agents.laws.velocity_program import nearest
 from agents.lines.line import HalfPlane
-from deploy.library.load import load
+from deploy.library.load import load, resolved
+from deploy.library.random_instances import random_instance
 from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Link, ProcessFault, Scenario, Workspace
@@ -111,6 +112,18 @@ def test_a_swap_is_short_and_quick() -> None:
     assert (verdict, touched) == ("arrived", 0)
     assert nrl < 1.05
     assert time < 1.25 * 8.0  # 0.8 m at 0.1 m/s
+
+
+def test_a_few_that_cross_pass_without_a_turn() -> None:
+    """With the turn that swaps need the mean is 1.08."""
+    lengths = []
+    for seed in range(4):
+        scenario = random_instance(12, seed, density=0.05)
+        control = replace(scenario.control, law="reciprocal")
+        verdict, touched, nrl, _ = run(resolved(replace(scenario, control=control)))
+        assert (verdict, touched) == ("arrived", 0)
+        lengths.append(nrl)
+    assert sum(lengths) / len(lengths) < 1.065
 
 
 @pytest.mark.parametrize("name", ["swap-6", "head-on"])

@@ -14,9 +14,17 @@ from tests.interpreted import Edit
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (
     f"agents.lines.{name}" for name in ("ends", "robot_pair", "tangent", "separating_lines", "boundary")
 )
-_THINGS, _OWN_SET, _INITIAL, _TALK, _FAR_TALK, _LINE, _PLACEMENT = (
+_THINGS, _OWN_SET, _INITIAL, _NEAR, _FAR, _LINE, _PLACEMENT = (
     f"agents.lines.{name}"
-    for name in ("things", "own_set", "initial_lines", "talk.near", "talk.far", "line", "placement")
+    for name in (
+        "things",
+        "own_set",
+        "initial_lines",
+        "negotiation.near",
+        "negotiation.far",
+        "line",
+        "placement",
+    )
 )
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER, _RECKONING = (
     f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter", "reckoning")
@@ -82,7 +90,7 @@ PAIR = (
     Mutant(
         "propose-satisfied",
         "an owner proposes only a line that its own disk satisfies now",
-        (Edit(_TALK, "if line is None or not fits(line):", "if line is None:"),),
+        (Edit(_NEAR, "if line is None or not fits(line):", "if line is None:"),),
     ),
     Mutant(
         "obey-at-once",
@@ -252,9 +260,9 @@ LIVES = (
         "offer-to-who-was-heard",
         "nothing is offered to a life that has not been heard",
         (
-            Edit(_TALK, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
+            Edit(_NEAR, "if not end.met or len(end.proposed)", "if len(end.proposed)"),
             Edit(
-                _TALK,
+                _NEAR,
                 "        if state is None or not state.placed:\n            return 0\n",
                 "        if state is None:\n"
                 "            state = PeerState(pair.peer, 0, 0, True, 0.0, float(pair.peer), 0.0, 0.0, "
@@ -655,7 +663,7 @@ AFTERWARDS = (
     Mutant(
         "answer-who-lives-again",
         "a far peer that stood and has spoken since is answered, though its disk is kept clear of until then",
-        (Edit(_FAR_TALK, " and pair.heard < end.peer_incarnation:", ":"),),
+        (Edit(_FAR, " and pair.heard < end.peer_incarnation:", ":"),),
         model="aftermath",
     ),
     Mutant(

@@ -20,8 +20,8 @@ _LINES = [
         "robot_pair",
         "initial_lines",
         "talk.entries",
-        "talk.near",
-        "talk.far",
+        "negotiation.near",
+        "negotiation.far",
         "separating_lines",
         "things",
     )
@@ -51,7 +51,7 @@ class Product:
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
         names = [*_LINES, *_ROBOT, *_WORLD]
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.placement: Any = modules["agents.lines.talk.near"]  # where `fit_line` is looked up
+        self.placement: Any = modules["agents.lines.negotiation.near"]  # where `fit_line` is looked up
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
         self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines

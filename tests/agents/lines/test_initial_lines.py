@@ -2,8 +2,8 @@
 
 import math
 
+from agents.lines.negotiation.near import RENEWALS
 from agents.lines.separating_lines import SeparatingLines
-from agents.lines.talk.near import RENEWALS
 from agents.peers.state import addressed_to
 from protocol.messages import Answer, Member, Proposal, State
 

@@ -248,3 +248,25 @@ def test_far_lines_are_not_looked_at_one_by_one() -> None:
     lines.locate(0, starts[1], 0.0)
     lines.half_planes()
     assert len(lines.obeyed_lines()) < 20
+
+
+@given(st.integers(0, 2**32), st.floats(0.005, 0.2))
+def test_a_disk_that_grows_keeps_to_lines_it_has_not_looked_at(seed: int, growth: float) -> None:
+    """The initial ones were computed for the disk that it was at the start."""
+    starts, radii = fleet(seed, 40)
+    robot, random, reach = 20, Random(seed), SPEED * PERIOD
+    lines = ledger(robot, starts, radii, 0.02)
+    everything = ledger(robot, starts, radii, None)
+    x, y = starts[robot]
+    large = radii[robot] + growth
+    for tick in range(200):
+        for each in (lines, everything):
+            each.locate(tick, (x, y), 0.0)
+        if lines._radius < large:
+            assert lines.has_room(large) == everything.has_room(large)
+            if lines.has_room(large):
+                lines.resize(large)
+                everything.resize(large)
+        kept = {(side.nx, side.ny, side.limit) for side in lines.half_planes()}
+        assert {(side.nx, side.ny, side.limit) for side in everything.half_planes()} <= kept
+        x, y = x + random.uniform(-reach, reach), y + random.uniform(-reach, reach)

@@ -54,7 +54,8 @@ def test_foxglove_sees_a_run_live_and_after_its_end() -> None:
     fleet = LocalFleet([ring()], "r")
     with closing(FoxgloveServer("r", 0)) as server:
         bus = fleet.network.connect()
-        watcher = bus.node = Watcher(bus, "r", speed=1.0, listener=server)
+        watcher = bus.node = Watcher(bus, "r", listener=server)
+        watcher.steer(Steer(speed=1.0))
         with running(fleet):
             until(lambda: watcher.snapshot()["tick"] >= 2)
             with viewer(server) as (client, offered):

@@ -13,7 +13,7 @@ import pytest
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from deploy.monitor.metrics import PHASES, export
-from deploy.monitor.source import SharedView
+from deploy.monitor.source import Source
 from protocol.errors import UsageError
 from protocol.messages import Clock, Health, Truth
 from protocol.scenario.model import RobotSpec, Scenario
@@ -23,10 +23,10 @@ SCENARIO = Scenario((RobotSpec(1, 0.03, (0.0, 0.0), (0.1, 0.0)), RobotSpec(2, 0.
 Figures = dict[tuple[str, tuple[str, ...]], float]
 
 
-def watched() -> SharedView:
+def watched() -> Source:
     """Two robots after some ticks; robot 2 in its second life."""
     seconds = count()
-    source = SharedView("yard", lambda: float(next(seconds)))
+    source = Source("yard", lambda: float(next(seconds)))
     source.change(lambda view, _: view.begin(SCENARIO, False))
     for robot in (None, 1):
         source.change(lambda view, _, robot=robot: view.present(robot, True))
@@ -73,7 +73,7 @@ def test_what_an_operator_asks_for_is_there() -> None:
 
 
 def test_a_run_that_is_not_there_yet_has_its_phase() -> None:
-    found = asked(export(SharedView("yard"), "127.0.0.1:0"))
+    found = asked(export(Source("yard"), "127.0.0.1:0"))
     assert found["disknav_phase", ("searching",)] == 1
     assert not any(name == "disknav_ticks_total" for name, _ in found)
 
@@ -90,11 +90,11 @@ def test_the_dashboard_asks_for_what_is_exported() -> None:
 @pytest.mark.parametrize("where", ["here", "70000", "203.0.113.1:0"])
 def test_an_address_that_cannot_be_served_is_named(where: str) -> None:
     with pytest.raises(UsageError, match=f"--metrics {where}"):
-        export(SharedView("yard"), where)
+        export(Source("yard"), where)
 
 
 def test_a_port_that_is_taken_is_named() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(UsageError, match=f"--metrics {port}: .*free PORT"):
-            export(SharedView("yard"), str(port))
+            export(Source("yard"), str(port))

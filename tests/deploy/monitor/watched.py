@@ -14,6 +14,7 @@ from deploy.monitor.watcher import Watcher
 from deploy.monitor.web.server import Server, serve_in_thread
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalNetwork
+from protocol.requests.steering import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
 
 PATIENCE = 30.0
@@ -61,6 +62,7 @@ def served(source: Source) -> Iterator[Server]:
 def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:
     """Watch a run that goes on in this process; the network's own thread drives the watcher."""
     bus = network.connect()
-    watcher = Watcher(bus, run, speed=speed)
-    bus.node = watcher
+    watcher = bus.node = Watcher(bus, run)
+    if speed is not None:
+        watcher.steer(Steer(speed=speed))
     return watcher

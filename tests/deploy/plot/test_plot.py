@@ -15,10 +15,9 @@ from PIL import Image
 
 from deploy.library.load import load
 from deploy.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
-from deploy.plot.draw import check, draw
-from deploy.plot.excerpt import until
+from deploy.plot.draw import check, draw, until
 from deploy.plot.style import COLOURS, colour, dash
-from deploy.recording.reader import Recording, read
+from deploy.recording.reading.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.messages import Sense, Tick
 from protocol.scenario.model import Link, Network, Partition, Sensing

@@ -70,34 +70,38 @@ def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
     assert exited.max_rss_mb > 1.0
 
 
-def test_a_failure_leaves_its_traceback(spawner: Spawner, tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    spawner.start("calculator", "tests.deploy.processes.children:divide_by_zero", log=log)
-    assert exit_code(spawner) == FAULT
-    assert "calculator: failed:\nTraceback" in log.read_text()
-    assert "return 1 / 0" in log.read_text()
+def test_a_failure_leaves_its_traceback(capfd: pytest.CaptureFixture[str]) -> None:
+    with closing(children.spawner()) as spawner:  # whose standard error is that of this test
+        spawner.start("calculator", "tests.deploy.processes.children:divide_by_zero")
+        assert exit_code(spawner) == FAULT
+        printed = capfd.readouterr().err
+        assert "calculator: failed:\nTraceback" in printed
+        assert "return 1 / 0" in printed
 
 
-def test_an_error_of_our_own_is_one_line(spawner: Spawner, tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    spawner.start("radio", "tests.deploy.processes.children:fail_politely", log=log)
-    assert exit_code(spawner) == FAULT
-    assert log.read_text() == "radio: the cable is unplugged\n"
+def test_an_error_of_our_own_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
+    with closing(children.spawner()) as spawner:  # whose standard error is that of this test
+        spawner.start("radio", "tests.deploy.processes.children:fail_politely")
+        assert exit_code(spawner) == FAULT
+        assert capfd.readouterr().err == "radio: the cable is unplugged\n"
 
 
-def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner, tmp_path: Path) -> None:
-    spawner.start("nobody", "tests.deploy.processes.children:nothing", log=tmp_path / "log")
+def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner) -> None:
+    spawner.start("nobody", "tests.deploy.processes.children:nothing")
     assert exit_code(spawner) == FAULT
     spawner.start("one", "tests.deploy.processes.children:give", (0,))
     assert exit_code(spawner) == 0
 
 
-def test_a_process_reports_and_all_its_output_goes_to_the_log(spawner: Spawner, tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    spawner.start("one", "tests.deploy.processes.children:print_and_report", reports=True, log=log)
-    texts = [news.text for news in until_exit(spawner) if isinstance(news, Report)]
-    assert texts == ["reported"]
-    assert log.read_text() == "printed\n"
+def test_a_process_reports_and_all_its_output_goes_to_standard_error(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with closing(children.spawner()) as spawner:  # whose standard error is that of this test
+        spawner.start("one", "tests.deploy.processes.children:print_and_report", reports=True)
+        texts = [news.text for news in until_exit(spawner) if isinstance(news, Report)]
+        assert texts == ["reported"]
+        printed = capfd.readouterr()
+        assert (printed.out, printed.err) == ("", "printed\n")
 
 
 def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from deploy.recording.reader import Recording
+from deploy.recording.reading.reader import Recording
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 

@@ -6,7 +6,7 @@ from io import BytesIO
 import pytest
 
 from deploy.recording.mcap.contents import records
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from protocol.errors import RecordingError, UsageError
 
 

@@ -12,8 +12,8 @@ import pytest
 from deploy.processes import table
 from deploy.processes.router import listening
 from deploy.processes.supervisor import Supervisor
-from deploy.recording.reader import read
-from deploy.recording.trajectory import trajectory
+from deploy.recording.reading.reader import read
+from deploy.recording.reading.trajectory import trajectory
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.recording.recorder import PATIENCE, Recorder
 from deploy.recording.writer import RecordingFile
 from deploy.recording.writer_process import WriterProcess
@@ -210,5 +210,5 @@ def test_a_world_that_answers_nothing_else_is_named(tmp_path):
     FakeWorld(network.connect(), "odd").replies = [b"\xc1"] * 2
     recorder, _ = _recorder(network.connect(), "odd", tmp_path)
     recorder.handle(recorder._bus.receive(0.0))
-    with pytest.raises(BusError, match="the world does not say its scenario within"):
+    with pytest.raises(BusError, match="the world does not send its scenario within"):
         recorder.wake(time.monotonic() + PATIENCE)

@@ -14,10 +14,10 @@ import pytest
 from mcap.reader import make_reader
 
 from deploy.recording.parts import Parts
-from deploy.recording.reader import read
-from deploy.recording.replay import verify
+from deploy.recording.reading.reader import read
+from deploy.recording.reading.replay import verify
+from deploy.recording.reading.trajectory import trajectory
 from deploy.recording.rotation import Rotation, rotation
-from deploy.recording.trajectory import trajectory
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth

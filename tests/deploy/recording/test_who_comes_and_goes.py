@@ -13,12 +13,12 @@ from mcap.reader import make_reader
 import disknav
 from deploy.library.load import load
 from deploy.plot.animation import animate
-from deploy.plot.excerpt import until
+from deploy.plot.draw import until
 from deploy.plot.figure import figure
-from deploy.recording.participants import participants
-from deploy.recording.reader import Recording, Truths, read
-from deploy.recording.replay import verify
-from deploy.recording.ros2 import export
+from deploy.recording.reading.participants import participants
+from deploy.recording.reading.reader import Recording, Truths, read
+from deploy.recording.reading.replay import verify
+from deploy.recording.reading.ros2 import export
 from deploy.run.local import LocalFleet
 from protocol.errors import RecordingError
 from protocol.messages import State

@@ -9,9 +9,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from deploy.recording.mcap.contents import contents
-from deploy.recording.reader import read
-from deploy.recording.ros2 import export
-from deploy.recording.trajectory import trajectory
+from deploy.recording.reading.reader import read
+from deploy.recording.reading.ros2 import export
+from deploy.recording.reading.trajectory import trajectory
 from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
 from deploy.scene.fleet import TOPICS

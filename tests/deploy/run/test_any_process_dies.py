@@ -19,8 +19,8 @@ from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.hosts.table import parse_hosts
 from deploy.processes.supervisor import Supervisor
-from deploy.recording.reader import read
-from deploy.recording.trajectory import trajectory
+from deploy.recording.reading.reader import read
+from deploy.recording.reading.trajectory import trajectory
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name

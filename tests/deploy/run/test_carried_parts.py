@@ -15,7 +15,7 @@ from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
 from protocol.scenario.model import Network, Scenario, World
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
 

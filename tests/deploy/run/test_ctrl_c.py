@@ -18,7 +18,7 @@ from deploy.run import fleet as launcher
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import counted
 from deploy.run.options import RunOptions
-from deploy.run.unjudged import unjudged
+from deploy.run.outcome.unjudged import unjudged
 
 Then = Literal["arrives", "dies", "goes on"]
 SWAP = load("swap-2")

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 
 from deploy.library.load import load
 from deploy.output.exit_status import EXIT_INTERRUPTED
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.recording.recorder import Recorder
 from deploy.run import execute as execution
 from deploy.run.execute import Extras, execute

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.run.result import served_status
+from deploy.run.outcome.result import served_status
 
 
 @pytest.mark.parametrize(

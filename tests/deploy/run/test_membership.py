@@ -29,7 +29,7 @@ from tests.deploy.run.turnover import Turnover, asked
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 from world.shell.run import Run
 
 SWAP = load("swap-4")

@@ -28,7 +28,7 @@ from protocol.requests.goals import GoalOrder
 from protocol.scenario.model import Scenario
 from tests.deploy.monitor.watched import until
 from tests.deploy.processes.ports import free_ports
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 SCENARIO = load("swap-4")
 TOLERANCE = SCENARIO.time.tolerance

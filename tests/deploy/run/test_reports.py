@@ -7,8 +7,8 @@ import json
 import pytest
 
 from deploy.library.load import load
-from deploy.run.reports import Report, Reports
-from deploy.run.unjudged import unjudged
+from deploy.run.outcome.reports import Report, Reports
+from deploy.run.outcome.unjudged import unjudged
 from protocol.errors import MessageError
 
 SWAP = load("swap-2")

@@ -74,7 +74,7 @@ def test_real_processes_drive_the_same_trajectory(report: dict[str, Any], transp
 
 
 def test_a_world_that_died_asks_for_the_same_again(report: dict[str, Any], tmp_path: Path) -> None:
-    from world.shell.journal import Journal
+    from world.shell.persistence.journal import Journal
 
     journal = tmp_path / "journal"
     Journal.create(journal, "local", [EVERYTHING])

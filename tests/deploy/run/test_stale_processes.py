@@ -36,7 +36,7 @@ from protocol.wire.codec import decode
 from tests.deploy.run.turnover import asked
 from world.coordinator.life import Life
 from world.judge import trajectory
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 SWAP = load("swap-4")
 ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))

@@ -14,7 +14,7 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.unjudged import unjudged
+from deploy.run.outcome.unjudged import unjudged
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus

@@ -14,7 +14,7 @@ import pytest
 import disknav
 from deploy.library.load import load
 from deploy.plot.things import stays
-from deploy.recording.reader import read
+from deploy.recording.reading.reader import read
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -25,7 +25,7 @@ from protocol.messages import Clock
 from protocol.requests.things import decode_thing_change
 from protocol.scenario.model import Thing
 from tests.forks import Forks
-from world.shell.journal import Journal
+from world.shell.persistence.journal import Journal
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, things=(Thing(center=(0.2, 0.2), radius=0.02),))

@@ -9,7 +9,7 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.processes.router_config import router_config
+from deploy.processes.router import router_config
 from deploy.security.access import access_control
 from deploy.security.roster import Home, Roster
 from protocol.bus.connection import Connection

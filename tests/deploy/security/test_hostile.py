@@ -18,7 +18,7 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.unjudged import unjudged
+from deploy.run.outcome.unjudged import unjudged
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR, Roster

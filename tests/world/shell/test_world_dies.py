@@ -26,10 +26,10 @@ from tests.world.driving import advance, two
 from world.coordinator.inputs import Closed
 from world.judge import trajectory
 from world.node import WorldNode
-from world.shell import records
-from world.shell.journal import Journal
-from world.shell.replay import resume
-from world.shell.snapshot import Snapshot
+from world.shell.persistence import records
+from world.shell.persistence.journal import Journal
+from world.shell.persistence.replay import resume
+from world.shell.persistence.snapshot import Snapshot
 
 QUICK = load("swap-4", ["control.speed=0.3"])
 FAULTS = ((2, 0.2, "pause"), (2, 0.9, "resume"), (4, 0.3, "restart"), (3, 0.25, "pause"), (3, 0.5, "resume"))

@@ -19,7 +19,7 @@ import pytest
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
-from deploy.monitor.source import SharedView
+from deploy.monitor.source import Source
 from deploy.monitor.web.server import Server, serve_in_thread
 from deploy.monitor.web.stream import FrameStream
 from deploy.run.local import LocalFleet
@@ -125,7 +125,7 @@ def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
 
 def test_a_slow_viewer_gets_the_newest_frame_and_not_those_between() -> None:
     async def scene() -> tuple[int, int]:
-        stream = FrameStream(SharedView("r"))  # type: ignore[arg-type]  # nobody steers here
+        stream = FrameStream(Source("r"))  # nobody steers here
         stream.enter()
         number, _, _ = await stream.after(0)
         async with asyncio.timeout(PATIENCE):

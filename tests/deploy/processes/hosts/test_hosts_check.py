@@ -64,7 +64,7 @@ def test_a_host_that_is_not(far: Host) -> None:
     assert levels(replace(far, command="/nowhere/disknav")) == {"reach": "bad"}
     assert levels(replace(far, ssh="nobody-at-all@127.0.0.1")) == {"reach": "bad"}
     other = 'echo \'{"code": "0", "python": "3", "compiled": true, "free": 1, "port": ""}\'; cat #'
-    assert levels(replace(far, command=other)) == {"reach": "bad"}  # it does not tell its time
+    assert levels(replace(far, command=other)) == {"reach": "bad"}  # it does not report its time
 
 
 def test_a_host_that_says_nothing_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:

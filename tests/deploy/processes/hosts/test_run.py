@@ -254,7 +254,7 @@ def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> N
         (
             {"command": f"echo {GREETING} {code_digest(SOFTWARE)} /tmp; yes #"},
             EXIT_FAULT,
-            "does not talk as it should",
+            "does not follow the protocol",
         ),
         ({"name": "base"}, EXIT_INVALID, "hosts[1].name: is the name of hosts[0] already"),
     ],

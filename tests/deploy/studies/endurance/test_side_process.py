@@ -14,7 +14,7 @@ import pytest
 from deploy.run.topology import Routed
 from deploy.studies.endurance import side_process
 from deploy.studies.endurance.cables import Cables
-from deploy.studies.endurance.flooder import Flooder
+from deploy.studies.flooding.flooder import Flooder
 from protocol.bus.connection import Connection
 from protocol.errors import ProcessError
 from protocol.process.signals import ENDING
@@ -42,7 +42,7 @@ def test_a_flooder_that_a_silent_router_holds_up_ends_before_the_router(
     with socket.create_server(("127.0.0.1", 0)) as router:  # links come up, and nobody ever speaks
         endpoint = f"tcp/127.0.0.1:{router.getsockname()[1]}"
         flooder = Flooder(Connection(connect=(endpoint,), timeout=60.0), "test", (1,), 1.0)
-        with pytest.raises(ProcessError, match="'flooder' says nothing"), flooder:
+        with pytest.raises(ProcessError, match="'flooder' sends nothing"), flooder:
             flooder.connected()
         assert not flooder._process.is_alive()
 

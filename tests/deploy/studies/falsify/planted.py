@@ -26,7 +26,7 @@ _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
     *("agents.lines.ends", "agents.lines.robot_pair"),
-    *("agents.lines.talk.entries", "agents.lines.talk.near", "agents.lines.talk.far"),
+    *("agents.lines.negotiation.entries", "agents.lines.negotiation.near", "agents.lines.negotiation.far"),
     "agents.lines.separating_lines",
     *(
         "agents.roster",

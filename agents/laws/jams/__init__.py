@@ -1,0 +1,1 @@
+"""What keeps jams from forming, and ends them: right of way, giving way, dispersal."""

@@ -1,1 +1,0 @@
-"""What is said of lines: to near peers in States, to far ones in letters."""

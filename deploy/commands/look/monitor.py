@@ -1,0 +1,124 @@
+"""`disknav monitor`: look at a running fleet from outside."""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from deploy.commands import options
+from deploy.monitor.source import Source
+from deploy.security.membership import Membership
+from deploy.security.roster import MONITOR
+from protocol.bus.connection import Connection
+from protocol.process.installation import missing_library
+from protocol.process.title import entitle
+
+if TYPE_CHECKING:
+    from deploy.monitor.foxglove import FoxgloveServer
+
+_TIMEOUT = 5.0  # s to reach somebody
+_NICENESS = 10  # a fleet on the same machine first
+
+
+def monitor(
+    run: options.RunName = None,
+    router: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ENDPOINT",
+            help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure). "
+            "Repeat it for each process of a mesh.",
+        ),
+    ] = None,
+    web: options.Web = False,
+    secure: options.Secure = None,
+    foxglove: Annotated[
+        bool,
+        typer.Option("--foxglove", help="Let Foxglove connect and draw the run; its address is printed."),
+    ] = False,
+    metrics: Annotated[
+        str | None,
+        typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
+    ] = None,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=65535, help="Port of the page, a free one unless given; of --foxglove alone, 8765."
+        ),
+    ] = None,
+) -> None:
+    """Watch a running fleet: a table in the terminal, a live page with [b]--web[/b], a scene in Foxglove with
+    [b]--foxglove[/b]. Ctrl-C ends it.
+
+    The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
+    The run may begin later. The table ends with the run; all else stays until Ctrl-C.
+
+    Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
+
+    Exit status: 0 the run ended while it was watched, or Ctrl-C; 2 invalid; 3 nobody listens at the endpoint.
+    """
+    from deploy.monitor.attachment import attach
+
+    if not (web or foxglove):
+        options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
+    if secure is not None and len(router or ()) > 1:
+        options.refuse({"--router": router}, "with --secure there is one router")
+    os.nice(_NICENESS)
+    membership = Membership(secure)
+    name = membership.named_run(run)
+    entitle("monitor", name)
+    role = membership.viewer if web else MONITOR
+    connection = _connection(router, membership, role)
+    with ExitStack() as stack:
+        listener = None
+        if foxglove:
+            listener = stack.enter_context(closing(_foxglove(name, None if web else port)))
+        source = stack.enter_context(closing(attach(connection, name, listener=listener)))
+        try:
+            if metrics is not None:
+                _export(source, metrics)
+            if web:
+                _serve(source, port)
+            elif metrics is not None or foxglove:
+                signal.pause()
+            else:
+                from deploy.monitor.terminal import show
+
+                show(source)
+        except KeyboardInterrupt:
+            pass
+
+
+def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
+    """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
+    if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
+        return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+    return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
+
+
+def _foxglove(run: str, port: int | None) -> FoxgloveServer:
+    try:
+        from deploy.monitor.foxglove import FoxgloveServer
+    except ImportError as error:
+        raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
+    server = FoxgloveServer(run, port)
+    print(f"{server.address}  (open it in Foxglove)", flush=True)
+    return server
+
+
+def _export(source: Source, where: str) -> None:
+    from deploy.monitor.metrics import export
+
+    print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
+
+
+def _serve(source: Source, port: int | None) -> None:
+    from deploy.monitor.web.server import serve_in_thread
+
+    with closing(serve_in_thread(source, port)) as server:
+        print(f"{server.link}  (Ctrl-C ends it)", flush=True)
+        signal.pause()

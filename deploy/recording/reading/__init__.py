@@ -1,0 +1,1 @@
+"""Recordings read back: as messages and arrays, checked, published again, exported."""

@@ -1,0 +1,1 @@
+"""A fleet under a flood of garbage: what it costs, and what comes of it."""
