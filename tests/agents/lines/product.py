@@ -19,7 +19,7 @@ _LINES = [
         "tangent",
         "robot_pair",
         "initial_lines",
-        "talk.entries",
+        "negotiation.entries",
         "negotiation.near",
         "negotiation.far",
         "separating_lines",
