@@ -1,7 +1,8 @@
-"""The initial lines of one founding life with all peers of whom nothing else is known.
+"""The lines of one founding life about which nothing is open, with peers that are far from them.
 
-In a large fleet that is nearly everybody: nobody is told these lines, or keeps an object for each. They
-follow from starts and radii, and are looked at together, as often as somebody can have come near one.
+In a large fleet that is nearly all of them: the initial ones, which follow from starts and radii, so that
+nobody is told them, or keeps an object for each; and those that were agreed on later and left behind. They
+are looked at together, as often as somebody can have come near one.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.lines.line import HalfPlane
 from agents.peers.far import FarPicture, Places, shift
 
 Array = NDArray[np.float64]
@@ -24,7 +26,8 @@ _ROUNDING: Final = 1e-6  # m, more than the same line computed one by one may di
 
 @final
 class InitialLines:
-    """Each line lies in the middle of the gap between two disks at their starts (`placement.initial_line`).
+    """Each line lies in the middle of the gap between two disks at their starts (`placement.initial_line`),
+    until another one is put to rest.
 
     Args:
         robot: own id.
@@ -34,12 +37,15 @@ class InitialLines:
 
     Attributes:
         unusable: peers with whom there may be no line, for they may touch.
+        moved_on: whether lines may rest now that were too near when `rest` was last tried; whoever tries all
+            of them again takes it back.
     """
 
     def __init__(
         self, robot: int, starts: Mapping[int, Vector], radii: Mapping[int, float], ahead: float = 0.0
     ) -> None:
         self._robot, self._ahead = robot, ahead
+        self.moved_on = False
         self._looked_x = self._looked_y = 0.0
         self._looked = -1.0  # gap (m) up to which lines were looked at there
         self._peers = np.array(sorted(peer for peer in starts if peer != robot), dtype=np.int64)
@@ -69,6 +75,7 @@ class InitialLines:
         if math.hypot(x - self._looked_x, y - self._looked_y) + reach <= self._looked:
             return []
         self._looked_x, self._looked_y, self._looked = x, y, reach + self._ahead
+        self.moved_on = True
         return self.within(x, y, self._looked)
 
     def within(self, x: float, y: float, reach: float) -> list[int]:
@@ -89,7 +96,7 @@ class InitialLines:
     def _watch(self, said: Places, within: float) -> None:
         """Note which peers of own lines were less than `within` (m) from it: the others have to go that far
         before they can reach it."""
-        self._watched, self._within = said, within
+        self._watched, self._within, self.moved_on = said, within, True
         rows = np.arange(self._owned if len(said.robots) else len(self._peers), len(self._peers))
         there = np.minimum(np.searchsorted(said.robots, self._peers[rows]), len(said.robots) - 1)
         close = (said.robots[there] == self._peers[rows]) & (
@@ -103,8 +110,36 @@ class InitialLines:
         return normals[:, 0] * said.x[there] + normals[:, 1] * said.y[there] - self._theirs[rows]
 
     def leave(self, peer: int) -> None:
-        """More is known of this peer: look at its line no more."""
-        index = int(np.searchsorted(self._peers, peer))
-        if index < len(self._peers) and self._peers[index] == peer:
+        """The line with this peer is looked at by itself from now on."""
+        index = self._index(peer)
+        if index >= 0:
             self._limits[index] = np.inf  # farther than any reach
             self._theirs[index] = -np.inf
+
+    def rest(self, peer: int, side: HalfPlane, theirs: float) -> bool:
+        """Look at the line with a peer together with the others from now on; False if one of the two may be
+        near it.
+
+        Args:
+            peer: its id.
+            side: where the own centre stays.
+            theirs: offset along the normal of `side` beyond which the peer's centre stays, m.
+        """
+        if side.slack(self._looked_x, self._looked_y) < self._looked + _ROUNDING:
+            return False
+        if peer > self._robot and self._watched is not None:
+            place = self._watched.place(peer)
+            room = math.inf if place is None else side.nx * place[0] + side.ny * place[1] - theirs
+            if room < self._within + 3.0 * _ROUNDING:
+                return False
+        index = self._index(peer)
+        if index < 0:
+            return False
+        self._normals[index] = side.nx, side.ny
+        self._limits[index], self._theirs[index] = side.limit, theirs
+        return True
+
+    def _index(self, peer: int) -> int:
+        """Of the line with a peer; -1 if none can rest here."""
+        index = int(self._peers.searchsorted(peer))
+        return index if index < len(self._peers) and self._peers[index] == peer else -1

@@ -37,6 +37,7 @@ class RobotPair:
             nx, ny: its normal, away from this robot.
             offset: of the line along that, m.
             limit: of the own centre along that, m.
+        rests: whether the line is looked at together with others (`InitialLines`).
         moved_x, moved_y: how far the peer came in a tick between the last two States of its, m.
         answers_left: States that still have to carry the answer.
     """
@@ -58,6 +59,7 @@ class RobotPair:
         "owns",
         "peer",
         "radius",
+        "rests",
         "settled",
         "state",
     )
@@ -75,7 +77,7 @@ class RobotPair:
     ) -> None:
         # What is looked at in every tick comes first, so that it lies together in memory.
         self.owns = owns
-        self.settled = self.excused = False
+        self.settled = self.excused = self.rests = False
         self.heard = 0  # newest incarnation of the peer that was heard
         self.answers_left = 0
         self.state: PeerState | None = None
@@ -104,6 +106,14 @@ class RobotPair:
         if self.disk is None or self.disk.half_plane is None:
             return self.line_half_planes
         return (*self.line_half_planes, self.disk.half_plane)
+
+    @property
+    def quiet(self) -> bool:
+        """Whether both obey one and the same line, be it the initial one, and the peer says nothing, nor is
+        anything to be said to it."""
+        if self.state is not None or self.disk is not None or self.answers_left:
+            return False
+        return self.end.agreed and self.end.linked and len(self.line_half_planes) == 1
 
     def crowding(self, x: float, y: float, bound: float) -> tuple[float, float]:
         """How far to back off, m, so that a line fits between this robot and a peer's new incarnation, or its

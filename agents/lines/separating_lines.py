@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import insort
 from collections.abc import Iterable, Mapping
 from typing import Final
 
@@ -66,7 +67,7 @@ class SeparatingLines:
         self._reach = reach if reach > 0.0 else max_step
         self._first = members
         self._pairs: dict[int, RobotPair] = {}
-        self._each: list[RobotPair] = []
+        self._each: list[RobotPair] = []  # that do not rest
         self._near_negotiation = NearNegotiation(max_step, period, berth)
         self._far_negotiation = None if urgent is None else FarNegotiation(urgent)
         self._initial: InitialLines | None = None
@@ -89,8 +90,10 @@ class SeparatingLines:
                 self.on_member(member)
 
     def _pair(self, peer: int) -> RobotPair:
-        """All about a peer, as it was at the start unless something was said since."""
+        """All about a peer, as it was at the start unless something was said since. It rests no more."""
         pair = self._pairs.get(peer)
+        if pair is not None and not pair.rests:
+            return pair
         if pair is None:
             starts, founding = self._starts, peer in self._radii
             pair = self._pairs[peer] = RobotPair(
@@ -102,10 +105,12 @@ class SeparatingLines:
                 initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
                 peer_incarnation=self._first[peer].founding if founding and peer in self._first else 0,
             )
+        pair.rests = False
+        if self._initial is None:
             self._each.append(pair)
-            if self._initial is not None:
-                self._each.sort(key=_peer_of)  # as if all had been there from the beginning
-                self._initial.leave(peer)
+        else:
+            insort(self._each, pair, key=_peer_of)  # as if all had been there from the beginning
+            self._initial.leave(peer)
         return pair
 
     def locate(
@@ -127,7 +132,9 @@ class SeparatingLines:
 
     def on_state(self, state: PeerState) -> None:
         """Process what a peer's State says about the common line; old or repeated ones do no harm."""
-        pair = self._pairs.get(state.robot) or self._pair(state.robot)
+        pair = self._pairs.get(state.robot)
+        if pair is None or pair.rests:
+            pair = self._pair(state.robot)
         if not pair.accept(state):
             return
         if state.radius != pair.radius and pair.disk is None:
@@ -153,13 +160,14 @@ class SeparatingLines:
     def has_room(self, radius: float) -> bool:
         """Whether the own disk satisfies all it obeys if it is one of `radius`, m, around the same centre."""
         own, growth = self._own, radius - self._radius
-        return all(own.satisfies(side, growth) for pair in self._each for side in pair.half_planes)
+        self._look(own.x, own.y, own.bound + self._reach + 2.0 * ROUNDING + max(0.0, growth))
+        return all(own.satisfies(side, growth) for pair in self._pairs.values() for side in pair.half_planes)
 
     def resize(self, radius: float) -> None:
         """The own disk is one of `radius` from now on, m; a larger one only where it `has_room`."""
         self._radius = radius
-        for pair in self._each:
-            pair.resize(radius)
+        for peer in self._pairs:
+            self._pair(peer).resize(radius)
 
     @property
     def keeps_clear(self) -> bool:
@@ -223,15 +231,19 @@ class SeparatingLines:
         ]
 
     def _look(self, x: float, y: float, reach: float) -> None:
-        """Look at all initial lines that may be less than `reach` (m) from the own centre at (x, y), m."""
+        """Look at all lines that are looked at together, and may be less than `reach` (m) from where the own
+        centre at (x, y), m, would cross them; the initial ones are those of the disk that it was at the start.
+        """
         if self._initial is not None:
-            for peer in self._initial.approached(x, y, reach):
+            grown = max(0.0, self._radius - self._radii[self._robot])
+            for peer in self._initial.approached(x, y, reach + grown):
                 self._pair(peer)
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
         """The obeyed lines for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit. All of
         them, or if those are too many, the tightest of each pair."""
-        obeyed_lines = [(pair.peer, side) for pair in self._each for side in pair.half_planes]
+        pairs = sorted(self._pairs.values(), key=_peer_of)
+        obeyed_lines = [(pair.peer, side) for pair in pairs for side in pair.half_planes]
         if len(obeyed_lines) > SHOWN:
             obeyed_lines.sort(key=self._slack, reverse=True)
             obeyed_lines = list(dict(obeyed_lines).items())  # the last of each pair
@@ -273,6 +285,18 @@ class SeparatingLines:
             owner = pair.end if isinstance(pair.end, Owner) else None
             if not pair.ready or pair.answers_left or (owner is not None and owner.proposed):
                 talk.take_up(pair)
+        if self._initial is not None and self._initial.moved_on:
+            self._initial.moved_on = False
+            self._put_to_rest(self._initial, talk)
+
+    def _put_to_rest(self, lines: InitialLines, negotiation: FarNegotiation) -> None:
+        """Look one by one only at lines that somebody is near, or about which something is open."""
+        for pair in self._each:
+            if pair.quiet and pair.peer not in self._near and not negotiation.concerns(pair):
+                side = pair.line_half_planes[0]
+                theirs = side.limit + self._radius + pair.radius
+                pair.rests = lines.rest(pair.peer, side, theirs)
+        self._each = [pair for pair in self._each if not pair.rests]
 
     def survey(self, picture: FarPicture) -> None:
         """More is known of where everybody is: see to lines that this robot or a far peer may soon reach."""
@@ -281,12 +305,13 @@ class SeparatingLines:
         own = self._own
         if math.isinf(own.bound):
             return
+        me = self._own_disk((0.0, 0.0))
         if self._initial is not None:
-            self._look(own.x, own.y, talk.urgent + own.bound)
+            self._look(me.x, me.y, talk.urgent + me.radius - self._radius)
             for peer in self._initial.reached(picture, talk.urgent):
                 self._pair(peer)
         far = [pair for pair in self._each if pair.owns and pair.peer not in self._near]
-        talk.survey(picture, self._own_disk((0.0, 0.0)), far)
+        talk.survey(picture, me, far)
 
     def on_letter(self, state: PeerState) -> None:
         """Process what a far peer says of the common line."""

@@ -78,6 +78,11 @@ class Places:
         self._radii: Mapping[int, float] | None = None
         self._sizes = self.x
 
+    def place(self, robot: int) -> Vector | None:
+        """Where a robot was, m; None if nobody knows."""
+        index = self.index.get(robot)
+        return None if index is None else (self.x.item(index), self.y.item(index))
+
     def sizes(self, radii: Mapping[int, float]) -> Array:
         """Radii of `robots`, m, from those of everybody, by id; 0 of whom it lacks. Robots of one process
         share them."""
@@ -122,9 +127,7 @@ class FarPicture:
 
     def place(self, robot: int) -> Vector | None:
         """Where a robot was, m; None if nobody knows."""
-        said = self.said
-        index = said.index.get(robot)
-        return None if index is None else (said.x.item(index), said.y.item(index))
+        return self.said.place(robot)
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """What all of them but the `known` add to a robot's slice near its own position.

@@ -51,6 +51,10 @@ class FarNegotiation:
         """Something may have to be said to this peer."""
         self._open[pair.peer] = pair
 
+    def concerns(self, pair: RobotPair) -> bool:
+        """Whether something may have to be said to this peer."""
+        return pair.peer in self._open or pair.peer in self._said or pair.peer in self._asked
+
     def drop(self, near: frozenset[int]) -> None:
         """These are heard; lines with them are talked about in States."""
         self._open, self._said, self._asked = (
@@ -103,7 +107,7 @@ class FarNegotiation:
             return
         peer = Disk(*place, pair.radius)
         line = fit_line(me, peer)
-        if line is not None and fits(line) and _gap(line, me, peer) > _WORTH * max(gap, 0.0):
+        if line is not None and fits(line) and _gap(line, me, *place, pair.radius) > _WORTH * max(gap, 0.0):
             end.propose(line)
             pair.renew()
 
@@ -111,10 +115,10 @@ class FarNegotiation:
         """What the held line leaves, m; less than nothing if there is none."""
         assert isinstance(pair.end, Owner)
         held = pair.end.held
-        return -math.inf if held is None else _gap(held, me, Disk(*place, pair.radius))
+        return -math.inf if held is None else _gap(held, me, *place, pair.radius)
 
 
-def _gap(line: Line, owner: Disk, follower: Disk) -> float:
-    """The smaller of the gaps that a line leaves two disks, m."""
+def _gap(line: Line, owner: Disk, x: float, y: float, radius: float) -> float:
+    """The smaller of the gaps that a line leaves its owner's disk and one of `radius` at (x, y), m."""
     mine = line.gap(owner.x, owner.y) - owner.radius
-    return min(mine, -line.gap(follower.x, follower.y) - follower.radius)
+    return min(mine, -line.gap(x, y) - radius)
