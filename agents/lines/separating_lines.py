@@ -232,7 +232,7 @@ class SeparatingLines:
 
     def _look(self, x: float, y: float, reach: float) -> None:
         """Look at all lines that are looked at together, and may be less than `reach` (m) from where the own
-        centre at (x, y), m, would cross them; the initial ones are those of the disk that it was at the start.
+        centre at (x, y), m, would cross them; the initial ones are of the disk that it was at the start.
         """
         if self._initial is not None:
             grown = max(0.0, self._radius - self._radii[self._robot])

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from tests.agents.lines import aftermath, skirmish, walk
-from tests.agents.lines.product import Product
+from tests.agents.lines.product import LARGE_ROOM, Product
 from tests.agents.lines.small_model import Bounds, search
 from tests.interpreted import Edit
 
@@ -645,6 +645,24 @@ FAR = (
         ),
         model="skirmish",
         first=54,
+    ),
+    Mutant(
+        "rest-out-of-reach",
+        "a line rests only where the own disk is farther off than it has looked",
+        (
+            Edit(
+                _INITIAL,
+                "if side.slack(self._looked_x, self._looked_y) < self._looked + _ROUNDING:",
+                "if False:",
+            ),
+        ),
+        model="skirmish",
+    ),
+    Mutant(
+        "wake",
+        "a line that rested is looked at by itself again as soon as somebody may be near, or speaks of it",
+        (*LARGE_ROOM, Edit(_LEDGER, "if pair is not None and not pair.rests:", "if pair is not None:")),
+        model="skirmish",
     ),
     Mutant(
         "silence-is-no-news",

@@ -39,6 +39,11 @@ _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "parts", "coordinator")),
     *("world.plants.integrator", "world.plants.choice", "world.simulation", "world.world"),
 ]
+# As if the models' little room were large: lines rest in it until somebody comes near.
+LARGE_ROOM = (
+    Edit("agents.lines.separating_lines", "AHEAD: Final = 20.0", "AHEAD: Final = 0.0"),
+    Edit("agents.safety_filter", "urgent=urgent(scenario) if", "urgent=0.02 if"),
+)
 
 
 class Product:

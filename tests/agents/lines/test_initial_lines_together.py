@@ -17,7 +17,7 @@ from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.far import FarPicture, places_of
 from agents.peers.state import PeerState
-from protocol.messages import Member, Proposal, Summary
+from protocol.messages import Answer, Member, Proposal, Summary
 from world.coordinator.crowd.interest import runs
 
 SPEED, PERIOD, ROOM = 0.1, 0.1, 3.0
@@ -258,6 +258,7 @@ def test_a_disk_that_grows_keeps_to_lines_it_has_not_looked_at(seed: int, growth
     lines = ledger(robot, starts, radii, 0.02)
     everything = ledger(robot, starts, radii, None)
     x, y = starts[robot]
+    angle = random.uniform(0.0, math.tau)
     large = radii[robot] + growth
     for tick in range(200):
         for each in (lines, everything):
@@ -269,4 +270,25 @@ def test_a_disk_that_grows_keeps_to_lines_it_has_not_looked_at(seed: int, growth
                 everything.resize(large)
         kept = {(side.nx, side.ny, side.limit) for side in lines.half_planes()}
         assert {(side.nx, side.ny, side.limit) for side in everything.half_planes()} <= kept
-        x, y = x + random.uniform(-reach, reach), y + random.uniform(-reach, reach)
+        angle += random.uniform(-0.3, 0.3)  # far enough to look again as the larger disk
+        x, y = x + reach * math.cos(angle), y + reach * math.sin(angle)
+
+
+def test_a_line_does_not_rest_while_another_is_about_to_be_offered() -> None:
+    """The peer has said that it lives: the next letter offers a line, which is obeyed from then on."""
+    starts, radii = {1: (0.0, 0.0), 2: (3.0, 0.0)}, {1: 0.05, 2: 0.05}
+    lines = ledger(1, starts, radii, 0.5)
+    places = np.array([0.0, 0.0, 4.0, 3.0], dtype="<f4").tobytes()
+    nothing = np.zeros(2, dtype="<f4").tobytes()
+    lines.locate(0, (1.1, 0.0), 0.0)
+    lines.survey(FarPicture(places_of(Summary(0, runs([1, 2]), places, nothing, nothing)), radii))
+    assert lines.letters() == ((), (Answer(2, 1, 0, 0),))
+    lines.locate(1, (1.1, 0.7), 0.0)
+    lines.on_letter(PeerState(2, 1, 1, False, *[0.0] * 7, answers=(Answer(1, 1, 0, 0),), is_letter=True))
+    assert lines.letters() == ((), ())
+    assert lines.half_planes() == []  # looked no farther than it may go
+    lines.attend(())
+    (offer,), _ = lines.letters()
+    y = (offer.offset - radii[1] - 0.001 + 2.0 * offer.nx) / offer.ny
+    lines.locate(2, (-2.0, y), 0.0)  # near that one only
+    assert [(side.nx, side.ny) for side in lines.half_planes()] == [(offer.nx, offer.ny)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.agents.lines import aftermath, skirmish, walk
-from tests.agents.lines.product import Product
+from tests.agents.lines.product import LARGE_ROOM, Product
 
 PRODUCT = Product()
 
@@ -25,6 +25,20 @@ def test_no_walk_of_some_thousand_breaks_the_invariant() -> None:
 @pytest.mark.long(8)
 def test_nobody_touches_in_a_skirmish() -> None:
     assert [seed for seed in range(300) if skirmish.violation_of(seed, PRODUCT)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_nobody_touches_where_lines_rest() -> None:
+    product, far = Product(LARGE_ROOM), [seed for seed in range(400) if seed % 5 in (1, 4)]
+    assert [seed for seed in far if skirmish.violation_of(seed, product)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_when_trouble_is_over_everybody_becomes_ready_where_lines_rest() -> None:
+    product, far = Product(LARGE_ROOM), [seed for seed in range(150) if seed % 5 in (1, 4)]
+    assert [seed for seed in far if aftermath.violation_of(seed, product)] == []
 
 
 def test_when_trouble_is_over_everybody_becomes_ready() -> None:
