@@ -38,9 +38,7 @@ class FarEnd(NamedTuple):
 
     def start(self, function: str, *arguments: object) -> int:
         """Start a process that reports; its pid, once it has."""
-        self.requests.send(
-            Start(1, "one", f"tests.deploy.processes.children:{function}", arguments, True)
-        )
+        self.requests.send(Start(1, "one", f"tests.deploy.processes.children:{function}", arguments, True))
         started, report = self.news(), self.news()
         assert isinstance(started, Started)
         assert isinstance(report, Report)
