@@ -28,8 +28,8 @@ Vector = tuple[float, float]
 HORIZON: Final = 10.0  # laps, ahead of which encounters count
 TURN: Final = 0.2  # rad to the left, the sense in which `circling` escapes, for every disk in the way
 MOST: Final = 0.4  # rad, of that: the more are in the way the more they have to circle each other
-MANY: Final = 5  # peers met within twice the horizon, as all move now, from which on it turns
-MEMORY: Final = 20.0  # laps, for which it goes on turning: who has turned no longer makes for the same place
+MANY: Final = 3  # peers met within twice the horizon, as all move now, from which on it turns
+MEMORY: Final = 4.0  # laps for each of them, for which it goes on turning: who turned makes for another place
 LATE: Final = 0.5  # more of it per lap by which States are late, up to one: lines follow only later, too
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
 SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
@@ -50,7 +50,7 @@ class ReciprocalLaw:
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
-        self._many = -math.inf  # tick in which many were last about to meet
+        self._until = -math.inf  # s, since the start: until then it turns, for many were about to meet
         self._wish: Vector = (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
@@ -77,13 +77,14 @@ class ReciprocalLaw:
         limits = self._walls(x, y)
         walls = len(limits)
         limits += self._obstacles(view)
-        if self._meets(view, px, py) >= MANY:
-            self._many = float(view.tick)
+        now, met = view.tick * self._period, self._meets(view, px, py)
+        if met >= MANY:
+            self._until = max(self._until, now + MEMORY * self._lap * met)
         barring = _violated(px, py, limits)
         if barring == 0:
             return px, py
         turn = 0.0
-        if (view.tick - self._many) * self._period <= MEMORY * self._lap:
+        if now <= self._until:
             turn = min(TURN * barring, MOST) * (1.0 + LATE * min(self._late, 1.0))
         cosine, sine = math.cos(turn), math.sin(turn)
         wish = cosine * px - sine * py, sine * px + cosine * py
