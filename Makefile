@@ -9,11 +9,11 @@ KERNEL := .venv/.kernel
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix protocol/geometry/,disk.py polygon.py) \
   $(addprefix protocol/wire/,cursor.py reader.py codec.py) \
-  $(addprefix agents/,roster.py polygon.py estimate.py safety_filter.py robot.py node.py) \
-  $(addprefix agents/shell/,contact.py subscriptions.py) \
-  $(addprefix agents/peers/,awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
+  $(addprefix agents/,localisation/estimate.py safety_filter.py robot.py) \
+  $(addprefix agents/shell/,contact.py subscriptions.py node.py) \
+  $(addprefix agents/peers/,roster.py awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
-  $(addprefix agents/lines/,safe_velocity.py line.py own_set.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py initial_lines.py separating_lines.py) \
+  $(addprefix agents/lines/,polygon.py safe_velocity.py line.py own_set.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py initial_lines.py separating_lines.py) \
   $(addprefix agents/lines/negotiation/,entries.py near.py far.py) \
   $(addprefix agents/bodies/,point.py inertial.py) \
   $(addprefix protocol/bodies/,base.py sweep.py) \
@@ -22,8 +22,8 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix world/plants/,base.py integrator.py) \
   $(addprefix world/judge/,verdict.py record.py referee.py) \
   $(addprefix world/sensing/,position.py odometry.py) \
-  $(addprefix world/,simulation.py world.py node.py) \
-  $(addprefix world/shell/,run.py publishers.py pacing.py)
+  $(addprefix world/,simulation.py world.py) \
+  $(addprefix world/shell/,run.py publishers.py pacing.py node.py)
 
 # What a certificate's search runs; numba compiles it for whoever comes first, which takes as long as a whole proof.
 SEARCH := $(wildcard deploy/theory/certify/boxes/*.py)

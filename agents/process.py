@@ -6,8 +6,8 @@ import os
 import sys
 from pathlib import Path
 
-from agents.node import RobotNode
 from agents.shell.contact import PATIENCE
+from agents.shell.node import RobotNode
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal

@@ -12,19 +12,19 @@ from math import hypot
 from typing import Final
 
 from agents.bodies.choice import body_of
-from agents.estimate import Estimate
-from agents.fleet import fleet_of
 from agents.laws import Law, View, choose
 from agents.laws.turns import turn_of
+from agents.localisation.estimate import Estimate
+from agents.localisation.reckoning import Reckoning
 from agents.movers.mover import Mover
 from agents.peers.attention import Attention
 from agents.peers.awaited import Awaited
 from agents.peers.far import places_of
+from agents.peers.fleet import fleet_of
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
+from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import PeerState, from_afar
-from agents.reckoning import Reckoning
-from agents.roster import KnownRoster, has_ended
 from agents.safety_filter import SafetyFilter
 from protocol.interest import period, turn
 from protocol.messages import (

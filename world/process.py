@@ -16,8 +16,8 @@ from protocol.errors import DisknavError
 from protocol.keys import checked_run
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
-from world.node import WorldNode
 from world.shell.failure_detector import GATHERING, returning
+from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
-from agents.polygon import Polygon
+from agents.lines.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.messages import BaseMotion
 

@@ -19,8 +19,8 @@ from typing import Final, final
 
 from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
+from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import nearest, wedge
-from agents.polygon import Polygon
 from protocol.bodies.base import Base, Motion
 from protocol.bodies.sweep import Miss, Sweep, sweep
 from protocol.messages import BaseMotion

@@ -7,8 +7,8 @@ from typing import final
 
 from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
+from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import safe_velocity
-from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.messages import BaseMotion
 

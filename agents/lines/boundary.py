@@ -16,7 +16,7 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane, room_of
-from agents.polygon import Polygon
+from agents.lines.polygon import Polygon
 from protocol.geometry import Disk, Shape
 
 _WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left

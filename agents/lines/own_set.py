@@ -7,7 +7,7 @@ from typing import final
 from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, SURE, HalfPlane
-from agents.polygon import Polygon
+from agents.lines.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 
 

@@ -14,10 +14,10 @@ from agents.lines.negotiation.far import FarNegotiation
 from agents.lines.negotiation.near import ANSWER_TICKS, NearNegotiation
 from agents.lines.own_set import OwnSet
 from agents.lines.placement import Disk, initial_line
+from agents.lines.polygon import Polygon
 from agents.lines.robot_pair import RobotPair
 from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
-from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.messages import Answer, Member, Proposal
 

@@ -8,8 +8,8 @@ from typing import Final
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.own_set import OwnSet
+from agents.lines.polygon import Polygon
 from agents.lines.tangent import Tangent
-from agents.polygon import Polygon
 from protocol.bodies.sweep import Sweep
 from protocol.geometry import Shape
 from protocol.messages import Thing

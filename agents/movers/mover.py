@@ -17,8 +17,8 @@ from agents.movers.places import Floor
 from agents.movers.plan import Planner
 from agents.movers.precedence import first, traveller
 from agents.movers.traffic import Traffic, Traveller
+from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
-from agents.roster import KnownRoster
 from protocol.messages import Claim, Handling, Member
 from protocol.scenario.model import Part, Scenario
 

@@ -8,8 +8,8 @@ from copy import copy
 from dataclasses import replace
 
 from agents.movers.places import Floor
+from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
-from agents.roster import KnownRoster
 from protocol.geometry import Disk, Shape
 from protocol.messages import Claim, Member
 from protocol.scenario.model import Scenario

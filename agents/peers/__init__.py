@@ -1,1 +1,1 @@
-"""What one robot hears of the others, through the link's injected faults."""
+"""What one robot knows of the others: fleet, roster, and what it hears through the link's injected faults."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final, final
 
-from agents.fleet import fleet_of
+from agents.peers.fleet import fleet_of
 from agents.peers.reader import PeerReader
 from protocol.bus.bus import Bus
 from protocol.keys import robot_key

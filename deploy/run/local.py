@@ -15,7 +15,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.recording.recorder import Recorder
 from deploy.recording.writer_process import WriterProcess
 from deploy.run.collector import seldom_collecting
@@ -31,7 +31,7 @@ from protocol.process.log import LOG
 from protocol.requests.joining import decode_reply
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.wire.codec import decode
-from world.node import WorldNode
+from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from agents.node import RobotNode
 from agents.shell.contact import PATIENCE
+from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Presence, Sample
@@ -17,7 +17,7 @@ from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Tick
 from protocol.wire.codec import encode
-from world.node import WorldNode
+from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 
 SCENARIO = load("swap-2")

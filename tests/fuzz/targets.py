@@ -14,9 +14,9 @@ from typing import Any
 
 import msgspec
 
-from agents.node import RobotNode
 from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState
+from agents.shell.node import RobotNode
 from deploy.library.demonstrations import crash
 from deploy.library.load import load, read
 from deploy.run.fleet import Fleet
@@ -49,7 +49,7 @@ from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged
 from tests.fuzz.orders import ORDERS
 from tests.fuzz.target import Target
 from tests.sample_messages import ONE
-from world.node import WorldNode
+from world.shell.node import WorldNode
 
 _KEPT = 40  # valid messages a stream
 _SETTINGS = (

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.reckoning import Reckoning
+from agents.localisation.reckoning import Reckoning
 from protocol.messages import Sense, Vector
 from world.coordinator.crowd.omission import Omission
 

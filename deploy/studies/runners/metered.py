@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event
 

@@ -17,8 +17,8 @@ from itertools import count
 from agents.bases.ros2 import Ros2Base
 from agents.bases.ros_messages import NANO, Header, Odometry, Pose, StampedPose, Velocity
 from agents.bodies.inertial import InertialBody
+from agents.lines.polygon import DIRECTIONS
 from agents.peers.state import addressed_to
-from agents.polygon import DIRECTIONS
 from agents.robot import Robot
 from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick

@@ -9,14 +9,14 @@ import time
 import pytest
 
 from agents.bases.choice import base_of
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.library.load import load
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.floor import STEP, Wheels
-from world.node import WorldNode
+from world.shell.node import WorldNode
 
 SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006", "time.endless=true")
 

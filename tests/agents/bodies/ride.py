@@ -14,8 +14,8 @@ from random import Random
 from types import ModuleType
 from typing import Any
 
+from agents.lines.polygon import around
 from agents.peers.state import PeerState
-from agents.polygon import around
 from protocol.messages import BaseMotion, Member, Proposal
 from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted

@@ -27,9 +27,9 @@ _LINES = [
     )
 ]
 _ROBOT = [
-    "agents.roster",
-    "agents.estimate",
-    "agents.reckoning",
+    "agents.peers.roster",
+    "agents.localisation.estimate",
+    "agents.localisation.reckoning",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
     "agents.safety_filter",
@@ -60,7 +60,7 @@ class Product:
         self.Line: Any = modules["agents.lines.line"].Line
         self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
         self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines
-        self.KnownRoster: Any = modules["agents.roster"].KnownRoster
+        self.KnownRoster: Any = modules["agents.peers.roster"].KnownRoster
         self.Robot: Any = modules["agents.robot"].Robot
         self.Roster: Any = modules["world.coordinator.roster"].Roster
         self.World: Any = modules["world.world"].World

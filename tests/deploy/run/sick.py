@@ -9,8 +9,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from agents.node import RobotNode
 from agents.process import main
+from agents.shell.node import RobotNode
 from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions

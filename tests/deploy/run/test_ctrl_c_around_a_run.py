@@ -22,7 +22,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import RecordingError
 from tests.scripts import ended
-from world.node import WorldNode
+from world.shell.node import WorldNode
 
 SWAP = load("swap-2")
 

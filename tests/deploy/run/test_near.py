@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import FaultInjector, LocalFleet

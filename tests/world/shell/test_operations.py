@@ -9,7 +9,7 @@ import pytest
 from deploy.library.load import load
 from protocol.bus.events import Request
 from protocol.bus.local import LocalNetwork
-from world.node import WorldNode
+from world.shell.node import WorldNode
 
 ASKED = (
     ("robot/2/goal", {"points": [[0.05, 0.02]]}),

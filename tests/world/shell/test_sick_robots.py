@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
@@ -21,8 +21,8 @@ from protocol.messages import Command, Proposal, State, Tick
 from protocol.wire.codec import decode
 from tests.world.driving import joined, two
 from world.coordinator.patience import SILENT, blamed
-from world.node import WorldNode
 from world.shell.admission import CHANCES
+from world.shell.node import WorldNode
 
 pytestmark = pytest.mark.slow
 

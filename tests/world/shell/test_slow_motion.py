@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from protocol.bus.local import LocalNetwork
 from tests.world.driving import STEP, two
 from tests.world.stopwatch import Stopwatch
-from world.node import WorldNode
 from world.shell.failure_detector import GATHERING
+from world.shell.node import WorldNode
 from world.shell.pacing import BEAT, Pacing
 
 

@@ -25,7 +25,7 @@ from protocol.streams import Stream
 from tests.world.driving import advance, two
 from world.coordinator.inputs import Closed
 from world.judge import trajectory
-from world.node import WorldNode
+from world.shell.node import WorldNode
 from world.shell.persistence import records
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import resume

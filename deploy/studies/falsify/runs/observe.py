@@ -9,7 +9,7 @@ from math import inf
 from random import Random
 from typing import Any
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from deploy.studies.falsify.runs.exposure import Sides
 from deploy.studies.falsify.runs.skipped_waits import skipped_waits

@@ -29,11 +29,11 @@ _CHAIN = (
     *("agents.lines.negotiation.entries", "agents.lines.negotiation.near", "agents.lines.negotiation.far"),
     "agents.lines.separating_lines",
     *(
-        "agents.roster",
+        "agents.peers.roster",
         "agents.peers.link",
         "agents.safety_filter",
         "agents.robot",
-        "agents.node",
+        "agents.shell.node",
         "deploy.run.local",
     ),
 )
@@ -75,7 +75,7 @@ def plant(fault: Callable[[Modules, pytest.MonkeyPatch], None], monkeypatch: pyt
     modules = dict(zip(_CHAIN, interpreted(*_CHAIN), strict=True))
     fault(modules, monkeypatch)
     monkeypatch.setattr(observe, "LocalFleet", modules["deploy.run.local"].LocalFleet)
-    monkeypatch.setattr(observe, "RobotNode", modules["agents.node"].RobotNode)
+    monkeypatch.setattr(observe, "RobotNode", modules["agents.shell.node"].RobotNode)
 
 
 # -- faults
@@ -111,7 +111,7 @@ def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """Every life takes itself for one that was there at the start."""
-    modules["agents.roster"].KnownRoster.founding = True
+    modules["agents.peers.roster"].KnownRoster.founding = True
 
 
 def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
@@ -193,7 +193,7 @@ def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def trusting_earlier_sensors(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A process takes its sensors for as good as they were in the first scenario that it joined."""
-    node = modules["agents.node"].RobotNode
+    node = modules["agents.shell.node"].RobotNode
     before, first = node._begin, "_first_sensing"
 
     def begin(self: Any, admission: Any) -> None:

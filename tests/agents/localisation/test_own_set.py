@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from msgspec import structs
 
-from agents.node import RobotNode
+from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
 from protocol.messages import Tick

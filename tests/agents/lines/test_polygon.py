@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.polygon import DIRECTIONS, SIDES, Polygon, around, circumscribed
+from agents.lines.polygon import DIRECTIONS, SIDES, Polygon, around, circumscribed
 
 angles = st.floats(0.0, 2.0 * math.pi)
 cuts = st.lists(st.tuples(angles, st.floats(-0.5, 1.0)), max_size=40)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agents.roster import KnownRoster, has_ended
+from agents.peers.roster import KnownRoster, has_ended
 from protocol.messages import Member, Roster
 
 FIRST = Roster(1, (Member(1, 1, "live", 0.1, founding=1), Member(2, 1, "live", 0.1, founding=1)))

@@ -1,0 +1,1 @@
+"""Where a robot is, as far as it knows: the set that holds its true place, from measurements and odometry."""
