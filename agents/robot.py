@@ -26,7 +26,7 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import PeerState, from_afar
 from agents.safety_filter import SafetyFilter
-from protocol.interest import period, turn
+from protocol.crowd.interest import period, turn
 from protocol.messages import (
     Answer,
     Command,

@@ -17,7 +17,7 @@ from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
 from agents.localisation.estimate import Estimate
 from agents.peers.fleet import fleet_of
-from protocol.interest import urgent
+from protocol.crowd.interest import urgent
 from protocol.messages import Member, Thing
 from protocol.scenario.model import Scenario
 

@@ -1,11 +1,11 @@
-"""What a robot knows of itself once it is told that all went as it commanded (`protocol.reckoning`)."""
+"""What a robot knows of itself once it is told that all went as it commanded (`protocol.crowd.reckoning`)."""
 
 from __future__ import annotations
 
 from typing import final
 
+from protocol.crowd.reckoning import as_commanded, exact_place
 from protocol.messages import Sense, Vector
-from protocol.reckoning import as_commanded, exact_place
 
 
 @final

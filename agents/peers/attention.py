@@ -9,7 +9,7 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from agents.peers.far import FarPicture, Places
-from protocol.interest import LEAD
+from protocol.crowd.interest import LEAD
 
 _EARLY: Final = 8  # summaries that are kept until they are due: more wait after a long pause only
 

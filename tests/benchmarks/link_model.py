@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from protocol.interest import inner, period
+from protocol.crowd.interest import inner, period
 from protocol.scenario.model import Network, Scenario
 from tests.benchmarks.links import homes, in_blocks, measure
 from world.close_pairs import close_pairs

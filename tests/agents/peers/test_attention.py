@@ -6,7 +6,7 @@ import pytest
 
 from agents.peers.attention import Attention
 from agents.peers.far import Places, places_of
-from protocol.interest import LEAD
+from protocol.crowd.interest import LEAD
 from protocol.messages import Summary
 from world.coordinator.crowd.interest import runs
 

@@ -1,8 +1,8 @@
 """Who is near whom, and what everybody is told of the others.
 
 Both follow from what robots were told of their own places, so from scenario and inputs alone. Two robots come
-to be near when the gap between their disks is less than `protocol.interest.inner`, and cease to be when it is
-more than `outer`: always both.
+to be near when the gap between their disks is less than `protocol.crowd.interest.inner`, and cease to be when
+it is more than `outer`: always both.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from protocol.interest import LEAD, inner, outer, period
+from protocol.crowd.interest import LEAD, inner, outer, period
 from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Scenario
 from world.close_pairs import close_pairs

@@ -1,12 +1,12 @@
-"""What robots of a large fleet are not told of themselves, for they know it (`protocol.reckoning`)."""
+"""What robots of a large fleet are not told of themselves, for they know it (`protocol.crowd.reckoning`)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from protocol.crowd.reckoning import as_commanded, exact_place
 from protocol.messages import Sense, Vector
-from protocol.reckoning import as_commanded, exact_place
 
 
 class _Known(NamedTuple):

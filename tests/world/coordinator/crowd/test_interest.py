@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.peers.far import FarPicture, places_of
+from protocol.crowd.interest import LEAD, inner, outer, period
 from protocol.errors import MessageError
-from protocol.interest import LEAD, inner, outer, period
 from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Network, Scenario
 from tests.world.driving import joined, scenario
