@@ -9,10 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from deploy.recording.reading.reader import read as read_recording
 from deploy.run.execute import Extras, execute
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.run.outcome.result import complete
+from deploy.telemetry.recording.reading.reader import read as read_recording
 from disknav.scenarios import Settings, load
 from disknav.simulation import Simulation
 from disknav.trajectory import Trajectory

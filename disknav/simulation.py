@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from deploy.recording.reading.reader import Said, Truths
 from deploy.run.interruption import undisturbed
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
+from deploy.telemetry.recording.reading.reader import Said, Truths
 from disknav.orders import Orders
 from disknav.trajectory import Floats, Trajectory
 from protocol.messages import Truth

@@ -63,8 +63,8 @@ def run(
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
-    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
+    from deploy.telemetry.recording.rotation import rotation
 
     options.refuse_idle(record, rotate, mode, speed)
     if hosts is None:

@@ -55,8 +55,8 @@ def serve(
     Exit status: 0 stopped and nothing touched, 1 something touched, 2 invalid, 3 fault, or the fleet died.
     """
     from deploy.library.load import load
-    from deploy.recording.rotation import rotation
     from deploy.run.execute import Extras, execute
+    from deploy.telemetry.recording.rotation import rotation
 
     options.refuse_idle(record, rotate, mode, speed)
     if router is not None:

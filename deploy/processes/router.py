@@ -22,7 +22,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import CertificateError, EndpointTakenError
 
 if TYPE_CHECKING:
-    from deploy.recording.process import Aboard
+    from deploy.telemetry.recording.process import Aboard
 
 HOST = "127.0.0.1"
 PORTS = range(7447, 7547)  # zenoh's own port and those after it
@@ -65,7 +65,9 @@ def main(
 
 
 def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
-    from deploy.recording.process import Aboard  # only where it is needed: the router itself stays lean
+    from deploy.telemetry.recording.process import (
+        Aboard,  # only where it is needed: the router itself stays lean
+    )
 
     return Aboard(bus, run, address)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from deploy.recording.rotation import ONE_FILE, Rotation
+from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING
@@ -17,6 +17,7 @@ ROUTER = "router"
 WORLD = "world"
 WRITER = "writer"
 _ROUTING = "deploy.processes.router:main"
+_RECORDING = "deploy.telemetry.recording"
 _LINKING = 8.0  # s for the routers of all hosts to find each other
 
 
@@ -75,13 +76,13 @@ def robot(
 def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:
     """Who writes what recorders hand over at `address`; it reports the name of each of its files."""
     arguments = (path, address, rotation)
-    return Process(WRITER, "deploy.recording.writer_process:main", arguments, restarts=restarts, reports=True)
+    return Process(WRITER, f"{_RECORDING}.writer_process:main", arguments, restarts=restarts, reports=True)
 
 
 def recorder(connection: Connection, run: str, address: Path, away: float, restarts: int) -> Process:
     """A recorder beside the router; it reports once it cannot miss anything. `away`: see `Recorder`."""
     arguments = (connection, run, address, away)
-    return Process(RECORDER, "deploy.recording.process:main", arguments, restarts=restarts, reports=True)
+    return Process(RECORDER, f"{_RECORDING}.process:main", arguments, restarts=restarts, reports=True)
 
 
 def router_name(host: str) -> str:

@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory
 from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
-from deploy.plot.draw import check, draw
-from deploy.recording.rotation import ONE_FILE
 from deploy.run.fleet import Fleet
 from deploy.run.interruption import undisturbed
 from deploy.run.live_page import linger, live_page
@@ -21,6 +19,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.outcome.result import Result, complete
 from deploy.run.outcome.unjudged import interrupted, unjudged
+from deploy.telemetry.plot.draw import check, draw
+from deploy.telemetry.recording.rotation import ONE_FILE
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario

@@ -14,7 +14,6 @@ from typing import Any
 from deploy.processes import table
 from deploy.processes.hosts.topology import places
 from deploy.processes.row import Exit, Usage
-from deploy.recording.writer_process import Writer
 from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.interruption import counted, undisturbed
@@ -22,6 +21,7 @@ from deploy.run.options import RunOptions
 from deploy.run.outcome.reports import Report, Reports
 from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
 from deploy.run.topology import Topology
+from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus

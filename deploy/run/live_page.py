@@ -7,11 +7,11 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from deploy.monitor.attachment import Attachment
-from deploy.monitor.watcher import Watcher
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from deploy.telemetry.monitor.attachment import Attachment
+from deploy.telemetry.monitor.watcher import Watcher
 from protocol.bus.zenoh import ZenohBus
 
 
@@ -30,7 +30,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     Raises:
         UsageError: the libraries of the extra `web` are not installed.
     """
-    from deploy.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.web.server import serve_in_thread
 
     source = _watch(fleet, options.run)
     server = serve_in_thread(source)

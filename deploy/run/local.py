@@ -16,12 +16,12 @@ from random import Random
 from typing import Any
 
 from agents.shell.node import RobotNode
-from deploy.recording.recorder import Recorder
-from deploy.recording.writer_process import WriterProcess
 from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
 from deploy.run.interruption import undisturbed
 from deploy.run.outcome.unjudged import INTERRUPTED
+from deploy.telemetry.recording.recorder import Recorder
+from deploy.telemetry.recording.writer_process import WriterProcess
 from protocol.bus.bus import Bus, Node
 from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork

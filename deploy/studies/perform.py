@@ -10,8 +10,6 @@ from rich.console import Console
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.output.json_output import check as check_json
 from deploy.output.json_output import is_standard_output, write_json
-from deploy.plot.draw import PICTURES
-from deploy.plot.draw import check as check_plot
 from deploy.software.provenance import provenance
 from deploy.studies.adjusted import adjusted
 from deploy.studies.catalogue import defaults, find
@@ -21,6 +19,8 @@ from deploy.studies.request import Request
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import Outcome, execute
 from deploy.studies.study import Study
+from deploy.telemetry.plot.draw import PICTURES
+from deploy.telemetry.plot.draw import check as check_plot
 from protocol.errors import UsageError
 
 _PAPER = 160  # columns where there is no terminal

@@ -29,7 +29,7 @@ from mcap.writer import CompressionType, Writer
 from deploy.processes.spawn import MODULES, Spawner, environment
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process
-from deploy.recording.mcap.file import McapFile
+from deploy.telemetry.recording.mcap.file import McapFile
 
 _LINE = (
     b'{"robot":1,"incarnation":1,"tick":12345,"velocity":{"x":0.0123456789,"y":-0.0987654321},"roster":0}\n'

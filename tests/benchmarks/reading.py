@@ -18,9 +18,9 @@ from typing import NamedTuple
 from msgspec.structs import replace
 
 from deploy.library.load import load
-from deploy.recording.reading.reader import read
-from deploy.recording.writer import RecordingFile
 from deploy.run.local import LocalFleet
+from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.writer import RecordingFile
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import encode
 

@@ -22,11 +22,11 @@ from typing import NamedTuple
 
 from rich.console import Console
 
-from deploy.monitor.terminal import table
 from deploy.run.local import LocalFleet
+from deploy.telemetry.monitor.terminal import table
 from protocol.scenario.model import Network, Scenario
 from tests.benchmarks.crowds import restless
-from tests.deploy.monitor.watched import PATIENCE, running, served, until, watch_local
+from tests.deploy.telemetry.monitor.watched import PATIENCE, running, served, until, watch_local
 
 _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 _FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync")

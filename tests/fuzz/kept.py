@@ -15,12 +15,12 @@ from unittest.mock import patch
 
 import msgspec
 
-from deploy.recording.reading.reader import read
 from deploy.run.local import LocalFleet
+from deploy.telemetry.recording.reading.reader import read
 from protocol.errors import JournalError, RecordingError, UsageError
 from protocol.scenario.model import Time
 from protocol.wire.reader import DAMAGED
-from tests.deploy.recording.recorded import record
+from tests.deploy.telemetry.recording.recorded import record
 from tests.fuzz.mutation import damaged_bytes, damaged_tree
 from tests.fuzz.target import Target
 from tests.world.driving import two

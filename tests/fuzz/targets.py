@@ -42,7 +42,7 @@ from protocol.scenario.file import (
 from protocol.scenario.model import Network, Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import REASONS, decode, encode
-from tests.deploy.monitor.watched import watch_local
+from tests.deploy.telemetry.monitor.watched import watch_local
 from tests.fuzz.hosts import HOSTS
 from tests.fuzz.kept import KEPT, folder
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep

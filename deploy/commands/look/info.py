@@ -15,7 +15,7 @@ from deploy.output.bar import bar
 from protocol.errors import RecordingError
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
-    from deploy.recording.reading.reader import Recording
+    from deploy.telemetry.recording.reading.reader import Recording
 
 
 def info(
@@ -26,7 +26,7 @@ def info(
 
     Example: disknav info figure-1.mcap
     """
-    from deploy.recording.reading.reader import read
+    from deploy.telemetry.recording.reading.reader import read
 
     json_output.check(json_file)
     with bar(f"reading {recording.name}") as progress:
@@ -61,7 +61,7 @@ def _grid(rows: Mapping[str, str]) -> Table:
 
 
 def _check(recording: Recording) -> str:
-    from deploy.recording.reading.trajectory import trajectory
+    from deploy.telemetry.recording.reading.trajectory import trajectory
 
     try:
         found = trajectory(recording)

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.commands import options
-from deploy.monitor.source import Source
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
+from deploy.telemetry.monitor.source import Source
 from protocol.bus.connection import Connection
 from protocol.process.installation import missing_library
 from protocol.process.title import entitle
 
 if TYPE_CHECKING:
-    from deploy.monitor.foxglove import FoxgloveServer
+    from deploy.telemetry.monitor.foxglove import FoxgloveServer
 
 _TIMEOUT = 5.0  # s to reach somebody
 _NICENESS = 10  # a fleet on the same machine first
@@ -61,7 +61,7 @@ def monitor(
 
     Exit status: 0 the run ended while it was watched, or Ctrl-C; 2 invalid; 3 nobody listens at the endpoint.
     """
-    from deploy.monitor.attachment import attach
+    from deploy.telemetry.monitor.attachment import attach
 
     if not (web or foxglove):
         options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
@@ -86,7 +86,7 @@ def monitor(
             elif metrics is not None or foxglove:
                 signal.pause()
             else:
-                from deploy.monitor.terminal import show
+                from deploy.telemetry.monitor.terminal import show
 
                 show(source)
         except KeyboardInterrupt:
@@ -102,7 +102,7 @@ def _connection(endpoints: list[str] | None, membership: Membership, role: str) 
 
 def _foxglove(run: str, port: int | None) -> FoxgloveServer:
     try:
-        from deploy.monitor.foxglove import FoxgloveServer
+        from deploy.telemetry.monitor.foxglove import FoxgloveServer
     except ImportError as error:
         raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
     server = FoxgloveServer(run, port)
@@ -111,13 +111,13 @@ def _foxglove(run: str, port: int | None) -> FoxgloveServer:
 
 
 def _export(source: Source, where: str) -> None:
-    from deploy.monitor.metrics import export
+    from deploy.telemetry.monitor.metrics import export
 
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
 
 
 def _serve(source: Source, port: int | None) -> None:
-    from deploy.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.web.server import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:
         print(f"{server.link}  (Ctrl-C ends it)", flush=True)

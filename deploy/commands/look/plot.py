@@ -11,7 +11,7 @@ from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
-    from deploy.recording.reading.reader import Recording
+    from deploy.telemetry.recording.reading.reader import Recording
 
 
 def plot(
@@ -29,7 +29,7 @@ def plot(
     Examples: disknav plot figure-1.mcap -o figure-1.pdf;
     disknav plot figure-2.mcap --until 2.5 -o blocked.png
     """
-    from deploy.plot import draw
+    from deploy.telemetry.plot import draw
 
     draw.check(out, len(recordings))
     found = [_read(path) for path in recordings]
@@ -40,7 +40,7 @@ def plot(
 
 
 def _read(path: Path) -> Recording:
-    from deploy.recording.reading.reader import read
+    from deploy.telemetry.recording.reading.reader import read
 
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)

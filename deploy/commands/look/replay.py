@@ -13,7 +13,7 @@ from deploy.commands import options
 from deploy.output.bar import bar
 
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
-    from deploy.recording.reading.reader import Recording
+    from deploy.telemetry.recording.reading.reader import Recording
 
 
 def replay(
@@ -50,8 +50,8 @@ def replay(
 
     Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
     """
-    from deploy.recording.reading.reader import read
-    from deploy.recording.reading.replay import verify
+    from deploy.telemetry.recording.reading.reader import read
+    from deploy.telemetry.recording.reading.replay import verify
 
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
@@ -66,7 +66,7 @@ def replay(
             "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
         )
     if ros2 is not None:
-        from deploy.recording.reading.ros2 import export
+        from deploy.telemetry.recording.reading.ros2 import export
 
         export(found, ros2)
     if zenoh or router is not None:
@@ -77,7 +77,7 @@ def replay(
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
-    from deploy.recording.reading.replay import publish
+    from deploy.telemetry.recording.reading.replay import publish
     from protocol.bus.connection import Connection
     from protocol.bus.zenoh import ZenohBus
 
@@ -91,8 +91,8 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
 
 
 def _show(recording: Recording, run: str | None, speed: float) -> None:
-    from deploy.monitor.player import Player
-    from deploy.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.player import Player
+    from deploy.telemetry.monitor.web.server import serve_in_thread
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)

@@ -11,11 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from deploy.plot.style import INK, RC, colour
 from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
 from deploy.studies.charts.peers import peers
 from deploy.studies.study import Row
+from deploy.telemetry.plot.style import INK, RC, colour
 
 _SCALE = {
     "nrl_mean": "nrl",

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MaxNLocator
 
-from deploy.plot.style import FAINT
 from deploy.studies.charts.panels import Curve, heading, legend, panels, runs
 from deploy.studies.study import Row
+from deploy.telemetry.plot.style import FAINT
 
 _AXIS = "one-way delay, s"
 _FILTERS = {"separating-lines": "separating lines", "none": "bare law"}

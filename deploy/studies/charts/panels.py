@@ -11,8 +11,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullLocator
 
-from deploy.plot.style import colour, dash, marker
 from deploy.studies.study import Row
+from deploy.telemetry.plot.style import colour, dash, marker
 
 WIDTH = 7.2  # inches, what an A4 page has room for
 HOLLOW = "white"

@@ -19,11 +19,11 @@ from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.hosts.table import parse_hosts
 from deploy.processes.supervisor import Supervisor
-from deploy.recording.reading.reader import read
-from deploy.recording.reading.trajectory import trajectory
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
+from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.reading.trajectory import trajectory
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.scenario.model import Scenario

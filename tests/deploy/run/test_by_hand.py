@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
-from tests.deploy.monitor.watched import until
 from tests.deploy.processes.ports import free_ports
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(110)]
 

@@ -13,13 +13,13 @@ from mcap.reader import make_reader
 
 from deploy.library.load import load
 from deploy.output.exit_status import EXIT_INTERRUPTED
-from deploy.recording.reading.reader import read
-from deploy.recording.recorder import Recorder
 from deploy.run import execute as execution
 from deploy.run.execute import Extras, execute
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.recorder import Recorder
 from protocol.errors import RecordingError
 from tests.scripts import ended
 from world.shell.node import WorldNode

@@ -32,8 +32,8 @@ from protocol.keys import world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.wire.codec import decode
-from tests.deploy.monitor.watched import until
 from tests.deploy.processes.test_spawn import gone
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 

@@ -26,8 +26,8 @@ from protocol.keys import robot_key
 from protocol.messages import Clock
 from protocol.requests.goals import GoalOrder
 from protocol.scenario.model import Scenario
-from tests.deploy.monitor.watched import until
 from tests.deploy.processes.ports import free_ports
+from tests.deploy.telemetry.monitor.watched import until
 from world.shell.persistence.journal import Journal
 
 SCENARIO = load("swap-4")

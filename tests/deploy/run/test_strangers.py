@@ -25,7 +25,7 @@ from protocol.requests.joining import Refusal, decode_reply
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from protocol.wire.codec import encode
-from tests.deploy.monitor.watched import watch_local
+from tests.deploy.telemetry.monitor.watched import watch_local
 
 TOKENS = ("robot/0/alive", "robot/x/alive", "robot/01/alive", "robot/7/alive", "robot/999999999/alive")
 PATTERNS = ("**", "world/*", "world/**", "robot/*/command")

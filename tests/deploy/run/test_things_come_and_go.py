@@ -13,11 +13,11 @@ import pytest
 
 import disknav
 from deploy.library.load import load
-from deploy.plot.things import stays
-from deploy.recording.reading.reader import read
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from deploy.telemetry.plot.things import stays
+from deploy.telemetry.recording.reading.reader import read
 from protocol.bus.events import Request
 from protocol.errors import MessageError
 from protocol.keys import world_key

@@ -14,7 +14,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from deploy.plot.style import RC
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, plain_numbers, runs
@@ -22,6 +21,7 @@ from deploy.studies.charts.peers import peers
 from deploy.studies.peers.places import places
 from deploy.studies.peers.study import LAWS, NAMES
 from deploy.studies.study import Row
+from deploy.telemetry.plot.style import RC
 
 
 def contest_row(scenario: str, late: float, law: str, came: int, touched: int = 0, **over: Any) -> Row:

@@ -30,8 +30,8 @@ from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import execute
 from deploy.studies.study import Study
 from protocol.errors import ProcessError, UsageError
-from tests.deploy.monitor.watched import until
 from tests.deploy.studies.falsify.planted import Here
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 

@@ -16,7 +16,7 @@ from deploy.studies.paper.experiments import tightness
 from deploy.studies.runners.run_log import RunLog
 from deploy.studies.runners.runner import execute
 from deploy.studies.study import Study
-from tests.deploy.monitor.watched import until
+from tests.deploy.telemetry.monitor.watched import until
 
 COARSE = ("time.step=0.05",)  # fewer ticks
 

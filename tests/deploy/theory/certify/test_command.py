@@ -16,7 +16,7 @@ from deploy.commands.application import app
 from deploy.library.load import load
 from deploy.theory.certify.certificate import ProofError, fetch
 from protocol.errors import UsageError
-from tests.deploy.monitor.watched import until
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = pytest.mark.slow
 

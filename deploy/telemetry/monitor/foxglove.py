@@ -1,0 +1,109 @@
+"""A live connection for Foxglove: the scene of a run over its WebSocket protocol, on this host alone."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable
+from queue import SimpleQueue
+
+from foxglove import Capability, Channel, Context, Schema, start_server
+from foxglove.websocket import ChannelView, Client, ServerListener
+
+from deploy.telemetry.scene.fleet import DRAWN, TOPICS, FleetScene, Picture
+from protocol.errors import UsageError
+from protocol.messages import Message
+from protocol.scenario.model import Scenario
+
+HOST, PORT = "127.0.0.1", 8765  # where Foxglove looks unless told otherwise
+
+
+class FoxgloveServer:
+    """Draws what a `Watcher` passes on to it, and all there is for whoever comes later.
+
+    Attributes:
+        address: what to open in Foxglove, such as `ws://127.0.0.1:8765`.
+    """
+
+    def __init__(self, run: str, port: int | None = None) -> None:
+        """Args:
+        run: its name, which viewers see.
+        port: Foxglove's own unless given; 0 is a free one.
+
+        Raises:
+            UsageError: the port is taken.
+        """
+        self._scene: FleetScene | None = None
+        self._lock = threading.Lock()
+        self._wanted: SimpleQueue[str | None] = SimpleQueue()
+        port = PORT if port is None else port
+        self._context = Context()  # its channels close when it is gone
+        self._channels = {name: _channel(self._context, name) for name in TOPICS}
+        try:
+            self._server = start_server(
+                name=f"disknav {run}",
+                host=HOST,
+                port=port,
+                capabilities=[Capability.Time],
+                server_listener=_Newcomers(self._wanted),
+                context=self._context,
+            )
+        except (OSError, RuntimeError) as error:
+            raise UsageError(f"--port {port}: {error}; name another port") from error
+        self.address = f"ws://{HOST}:{self._server.port}"
+        self._thread = threading.Thread(target=self._welcome, name="foxglove newcomers", daemon=True)
+        self._thread.start()
+
+    def begin(self, scenario: Scenario) -> None:
+        """A scenario begins, or is under way."""
+        with self._lock:
+            self._scene = FleetScene(scenario)
+            self._log(self._scene.whole())
+
+    def meet(self, scenario: Scenario) -> None:
+        """Robots have come whom no order of the scenario adds."""
+        with self._lock:
+            if self._scene is not None:
+                self._scene.meet(scenario)
+
+    def hear(self, message: Message) -> None:
+        """Something was published."""
+        if type(message) in DRAWN:
+            with self._lock:
+                if self._scene is not None:
+                    self._log(self._scene.hear(message))
+
+    def close(self) -> None:
+        """Say good-bye to all viewers and stop; may be called twice."""
+        self._wanted.put(None)
+        self._thread.join()
+        with self._lock:
+            self._scene = None
+        self._server.stop()
+
+    def _welcome(self) -> None:
+        """Draw topics for whoever subscribed to them: the next of it may never be due."""
+        while (topic := self._wanted.get()) is not None:
+            with self._lock:
+                if self._scene is not None:
+                    self._log(self._scene.latest(topic))
+
+    def _log(self, pictures: Iterable[Picture]) -> None:
+        for picture in pictures:
+            self._server.broadcast_time(picture.time)
+            self._channels[picture.topic].log(picture.data, log_time=picture.time)
+
+
+class _Newcomers(ServerListener):
+    """Notes what viewers subscribe to; called by the server, which must not be kept waiting."""
+
+    def __init__(self, wanted: SimpleQueue[str | None]) -> None:
+        self._wanted = wanted
+
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002
+        self._wanted.put(channel.topic)
+
+
+def _channel(context: Context, name: str) -> Channel:
+    topic = TOPICS[name]
+    schema = Schema(name=topic.schema, encoding=topic.schema_encoding, data=topic.definition)
+    return Channel(name, schema=schema, message_encoding=topic.encoding, context=context)

@@ -1,0 +1,112 @@
+"""A fleet in figures for Prometheus and its like: what a watcher knows, in OpenMetrics form, over HTTP.
+
+Names and meanings are a promise to dashboards; `docs/dashboard.json` is an example of one (Grafana).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.view.fleet import View
+from protocol.errors import UsageError
+from protocol.process.installation import missing_library
+
+try:
+    from prometheus_client import CollectorRegistry, start_http_server
+    from prometheus_client.metrics_core import (
+        CounterMetricFamily,
+        GaugeMetricFamily,
+        InfoMetricFamily,
+        Metric,
+        StateSetMetricFamily,
+    )
+    from prometheus_client.registry import Collector
+except ModuleNotFoundError as error:
+    raise missing_library("serving metrics", "prometheus-client", "metrics") from error
+
+PHASES = ("searching", "gathering", "running", "paused", "halted", "ended", "lost")
+HOST = "127.0.0.1"
+
+
+class FleetCollector(Collector):
+    """Everything about one run, as of the moment when it is asked for."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+
+    def collect(self) -> Iterator[Metric]:
+        """See prometheus_client: families of metrics with their samples."""
+        found: list[Metric] = []
+        self._source.change(lambda view, now: found.extend([*_fleet(view), *_robots(view, now)]))
+        yield from found
+
+
+def _fleet(view: View) -> Iterator[Metric]:
+    scenario = "" if view.scenario is None else view.scenario.name
+    yield InfoMetricFamily(
+        "disknav_run", "What runs.", {"run": view.run, "scenario": scenario, "verdict": view.verdict}
+    )
+    phases = {phase: view.phase == phase for phase in PHASES}
+    yield StateSetMetricFamily("disknav_phase", "How far the run is.", phases)
+    if view.scenario is None:
+        return
+    yield CounterMetricFamily("disknav_ticks", "Ticks of the present scenario.", view.tick)
+    yield CounterMetricFamily("disknav_missed_commands", "Commands that never came.", view.missed)
+    if view.recent:
+        last = view.recent[-1].clearance
+        yield GaugeMetricFamily(
+            "disknav_clearance_meters", "Gap in the last tick; negative is overlap.", last
+        )
+    if view.smallest is not None:
+        yield GaugeMetricFamily("disknav_smallest_clearance_meters", "Smallest gap so far.", view.smallest)
+
+
+def _robots(view: View, now: float) -> Iterator[Metric]:
+    rejected = CounterMetricFamily(
+        "disknav_rejected_messages", "Messages that were dropped.", labels=["receiver", "reason"]
+    )
+    restarts = CounterMetricFamily("disknav_restarts", "Lives after the first.", labels=["robot"])
+    present = GaugeMetricFamily("disknav_present", "Whether its liveliness token is there.", labels=["robot"])
+    fenced = GaugeMetricFamily(
+        "disknav_fenced", "Whether its disk stands, for no life moves it.", labels=["robot"]
+    )
+    lines = GaugeMetricFamily("disknav_lines", "Separating lines that it obeys.", labels=["robot"])
+    age = GaugeMetricFamily("disknav_state_age_seconds", "Since its newest state.", labels=["robot"])
+    distance = GaugeMetricFamily("disknav_goal_distance_meters", "To its goal.", labels=["robot"])
+    for reason, count in view.rejected.items():
+        rejected.add_metric(["world", reason], count)
+    for robot, seen in view.robots.items():
+        name = [f"robot-{robot}"]
+        present.add_metric(name, float(seen.alive is True))
+        fenced.add_metric(name, float(seen.fenced))
+        restarts.add_metric(name, seen.restarts)
+        distance.add_metric(name, seen.distance)
+        if (since := seen.age(now)) is not None:
+            age.add_metric(name, since)
+        if seen.health is not None:
+            lines.add_metric(name, len(seen.health.lines))
+            for reason, count in seen.health.rejected.items():
+                rejected.add_metric([*name, reason], count)
+    yield from (rejected, restarts, present, fenced, lines, age, distance)
+
+
+def export(source: Source, where: str) -> str:
+    """Serve the figures at `[ADDRESS:]PORT`, on a thread of its own, for as long as this process lives.
+
+    Returns: the address to ask, such as `http://127.0.0.1:9464/metrics`.
+
+    Raises:
+        UsageError: this is no address, or it is taken.
+    """
+    address, _, port = where.rpartition(":")
+    host = address.strip("[]") or HOST
+    registry = CollectorRegistry(auto_describe=False)
+    registry.register(FleetCollector(source))
+    try:
+        server, _ = start_http_server(int(port), host, registry)
+    except (OSError, ValueError, OverflowError) as error:
+        raise UsageError(
+            f"--metrics {where}: {error}; give a free PORT, or ADDRESS:PORT of this host"
+        ) from error
+    return f"http://{address or HOST}:{server.server_port}/metrics"

@@ -1,0 +1,100 @@
+"""A view in plain data, as the page and the terminal take it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from deploy.telemetry.monitor.view.fleet import View
+from deploy.telemetry.monitor.view.robot import ALARMS, RobotView
+from protocol.geometry import Disk, Shape
+from protocol.messages import Thing, Truth
+
+_SAMPLES = 8  # of the past that a snapshot carries, at most
+
+
+def overview(view: View) -> dict[str, Any]:
+    """What does not change during a run, and its past: for a viewer that has just arrived."""
+    told: dict[str, Any] = {"kind": "overview", "epoch": view.epoch, "run": view.run, "scenario": None}
+    if view.scenario is not None:
+        scenario = view.scenario
+        told |= {
+            "scenario": scenario.name,
+            "description": scenario.description,
+            "room": _outline(scenario.workspace.shape),
+            "box": scenario.workspace.shape.box,
+            "things": {str(number): _outline(shape) for number, shape in scenario.shapes.items()},
+            "step": scenario.time.step,
+            "limit": scenario.time.limit,
+            "speed": scenario.control.speed,
+            "lockstep": view.lockstep,
+            "robots": [_still(robot) for robot in view.robots.values()],
+            "history": view.history.items,
+            "tick": view.recent[-1].tick if view.recent else -1,
+        }
+    return told
+
+
+def _outline(shape: Shape) -> dict[str, Any]:
+    """A disk or a polygon, as a scenario file has it."""
+    if isinstance(shape, Disk):
+        return {"center": (shape.x, shape.y), "radius": shape.radius}
+    return {"points": shape.points}
+
+
+def _change(thing: Thing) -> dict[str, Any] | None:
+    """A thing that came, or None for one that went."""
+    return None if thing.status == "gone" else _outline(thing.shape) | {"status": thing.status}
+
+
+def _still(robot: RobotView) -> dict[str, Any]:
+    spec = robot.spec
+    trail = [[round(x, 5), round(y, 5)] for x, y in robot.trail.items]
+    goal = robot.errand.goal
+    return {"id": spec.id, "radius": spec.radius, "start": spec.start, "goal": goal, "trail": trail}
+
+
+def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
+    """The present, with a few samples of what happened after tick `since`."""
+    newest = max((robot.tick for robot in view.robots.values()), default=0)
+    step = view.scenario.time.step if view.scenario else 0.0
+    return {
+        "kind": "frame",
+        "epoch": view.epoch,
+        "run": view.run,
+        "phase": view.phase,
+        "tick": view.tick,
+        "time": round(view.tick * step, 6),
+        "pace": view.ticks_per_second(now),
+        "verdict": view.verdict,
+        "reason": view.reason,
+        "steering": {"paused": view.steering.paused, "speed": view.steering.speed},
+        "smallest": view.smallest,
+        "router": None if view.router is None else view.router.told(),
+        "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
+        "samples": _samples(view, since),
+        "things": {str(thing.number): _change(thing) for thing in view.things},
+    }
+
+
+def _row(view: View, robot: RobotView, now: float, newest: int) -> dict[str, Any]:
+    assert view.scenario is not None
+    status = robot.status(now, newest, view.scenario.time.tolerance, ended=bool(view.verdict))
+    return robot.row(now, newest) | {"status": status, "alarm": status in ALARMS}
+
+
+def _samples(view: View, since: int) -> list[list[Any]]:
+    """At most `_SAMPLES` of the truths after `since`, each with the smallest clearance up to it."""
+    fresh = [truth for truth in view.recent if truth.tick > since]
+    stride = -(-len(fresh) // _SAMPLES) or 1
+    return [_sample(view, fresh[n : n + stride]) for n in range(0, len(fresh), stride)]
+
+
+def _sample(view: View, group: list[Truth]) -> list[Any]:
+    assert view.scenario is not None
+    last = group[-1]
+    where = dict(zip(last.robots, last.positions, strict=False))
+    places = [
+        [round(part, 6) for part in where.get(robot, known.position)] for robot, known in view.robots.items()
+    ]
+    clearance = min(truth.clearance for truth in group)
+    return [last.tick, round(last.tick * view.scenario.time.step, 6), clearance, last.phi, places]

@@ -1,0 +1,216 @@
+"""A participant that watches one run, on any bus: it keeps a view, and passes on what viewers ask for."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Future
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.view.fleet import View
+from protocol.bus.bus import Bus
+from protocol.bus.events import Event, Presence, Sample
+from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.messages import AnyMessage
+from protocol.requests.form import read_reply
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.halt import Halt, Halted
+from protocol.requests.joining import Overview, decode_reply
+from protocol.requests.steering import Steer, Steering
+from protocol.wire.codec import decode
+from protocol.wire.reader import DAMAGED
+
+if TYPE_CHECKING:
+    from deploy.telemetry.monitor.foxglove import FoxgloveServer
+
+PERIOD = 0.05  # s between looks at what viewers ask for
+RETRY = 0.5  # s between attempts to learn the scenario
+_ASK_TIMEOUT = 2.0
+_UNANSWERED = "nobody answered: the world has gone, or the keys of this page are not an operator's"
+_NO_RUN = "there is no run yet to send a robot in"
+_NOBODY = "there is no run yet to stop"
+
+
+class Watcher(Source):
+    """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Source` to all others.
+
+    Attributes:
+        rejected: messages and tokens that are nobody's, by reason.
+    """
+
+    def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
+        """Args:
+        bus: a connection of its own.
+        run: name of the run.
+        listener: gets what the view gets, on the thread that owns the bus.
+        """
+        super().__init__(run)
+        self.finished = False
+        self.rejected: Counter[str] = Counter()
+        self.deadline = time.monotonic()
+        self._bus, self._run, self._listener = bus, run, listener
+        self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._there, self._known = False, False  # the world; the scenario it runs
+        self._ask_at = self.deadline
+        for stream in ("clock", "truth"):
+            bus.subscribe(world_key(run, stream))
+        for stream in ("health", "goalstatus"):
+            bus.subscribe(every_robot(run, stream))
+        bus.watch(every_robot(run, "alive"))
+        bus.watch(world_key(run, "alive"))
+
+    def steer(self, steer: Steer) -> None:
+        """Wait for the owning thread to pass it on; see `Source.steer`."""
+        self._wishes.put(partial(self._ask_for, steer))
+
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
+        """Wait for the owning thread to pass it on; see `Source.order`."""
+        answer: Future[GoalReply] = Future()
+        if self._known:
+            self._wishes.put(lambda: answer.set_result(self._send(robot, order)))
+        else:
+            answer.set_result(GoalReply(False, text=_NO_RUN))
+        return answer
+
+    def halt(self, halt: bool) -> Future[str]:
+        """Wait for the owning thread to pass it on; see `Source.halt`."""
+        answer: Future[str] = Future()
+        if self._known:
+            self._wishes.put(lambda: answer.set_result(self._hold_everybody(halt)))
+        else:
+            answer.set_result(_NOBODY)
+        return answer
+
+    # -- on the thread that owns the bus
+
+    def handle(self, event: Event) -> None:
+        """Take over what was published, or who came and went."""
+        if isinstance(event, Presence):
+            self._on_presence(event)
+        elif isinstance(event, Sample):
+            self._on_sample(event)
+        if (now := time.monotonic()) >= self.deadline:
+            self.wake(now)
+
+    def wake(self, now: float) -> None:
+        """Learn the scenario if it is unknown, and pass on what viewers asked for."""
+        self.deadline = now + PERIOD
+        if self._there and not self._known and now >= self._ask_at:
+            self._learn()
+            self._ask_at = time.monotonic() + RETRY
+        if self._known and self._view.strangers and now >= self._ask_at:
+            self._meet()
+            self._ask_at = time.monotonic() + RETRY
+        if self._known:
+            self._pass_on()
+
+    def _on_presence(self, event: Presence) -> None:
+        try:
+            robot = parse(event.key).robot
+        except KeyGrammarError:
+            self.rejected["key"] += 1  # a stranger's token under our name says nothing about any robot
+            return
+        self.change(lambda view, _: view.present(robot, event.alive))
+        if robot is None:
+            if event.alive and not self._there:
+                self._known, self._ask_at = False, 0.0  # perhaps another world under this name
+            self._there = event.alive
+
+    def _on_sample(self, sample: Sample) -> None:
+        try:
+            message = decode(sample.key, sample.payload)
+        except MessageError as error:
+            self.rejected[error.reason] += 1
+            return
+        if self._known and self._is_news(message):
+            self._learn()
+        self.change(lambda view, now: view.on_message(message, now))
+        if self._known and self._listener is not None:
+            self._listener.hear(message)
+
+    def _is_news(self, message: AnyMessage) -> bool:
+        news = False
+
+        def look(view: View, _: float) -> None:
+            nonlocal news
+            news = view.is_news(message)
+
+        self.change(look)
+        return news
+
+    def _learn(self) -> None:
+        """Ask the world for the scenario; if nobody answers, a later `wake` asks again."""
+        reply = self._present()
+        self._known = reply is not None
+        if reply is not None:
+            self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
+            if self._listener is not None:
+                self._listener.begin(reply.scenario)
+                for status in reply.goals:
+                    self._listener.hear(status)
+            self._ask_for(Steer())  # which changes nothing: what is in force is the answer
+
+    def _meet(self) -> None:
+        """Ask the world who has come of whom nobody else said anything."""
+        reply = self._present()
+        if reply is None:
+            self._known = False
+            return
+        self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
+        if self._listener is not None:
+            self._listener.meet(reply.scenario)
+
+    def _present(self) -> Overview | None:
+        """What the world says of its run; None if nobody answers."""
+        try:
+            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+        except (BusError, MessageError):
+            return None
+        return reply if isinstance(reply, Overview) else None
+
+    def _pass_on(self) -> None:
+        while True:
+            try:
+                wish = self._wishes.get_nowait()
+            except Empty:
+                return
+            wish()
+
+    def _send(self, robot: int, order: GoalOrder) -> GoalReply:
+        try:
+            key, request = robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order)
+            reply = read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), GoalReply, "goal")
+        except (BusError, MessageError):
+            return GoalReply(False, text=_UNANSWERED)
+        status = reply.status
+        if status is not None:
+            self.change(lambda view, now: view.on_message(status, now))
+        return reply
+
+    def _hold_everybody(self, halt: bool) -> str:
+        try:
+            key, request = world_key(self._run, "halt"), msgspec.msgpack.encode(Halt(halt))
+            read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), Halted, "halt")
+        except (BusError, MessageError):
+            return _UNANSWERED
+        return ""
+
+    def _ask_for(self, steer: Steer) -> None:
+        request: dict[str, Any] = {
+            name: value for name, value in msgspec.structs.asdict(steer).items() if value is not None
+        }
+        try:
+            reply = self._bus.ask(
+                world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
+            )
+            steering = msgspec.msgpack.decode(reply, type=Steering)
+        except (BusError, *DAMAGED):
+            return  # the world has gone, or is of another version: its controls stay as they are shown
+        self.change(lambda view, _: setattr(view, "steering", steering))

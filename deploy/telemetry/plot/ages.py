@@ -1,0 +1,85 @@
+"""How old the information was that each robot acted on, as the scenario's faults made it."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from operator import attrgetter
+
+import numpy as np
+
+from agents.peers.link import Link
+from agents.peers.state import addressed_to
+from deploy.telemetry.recording.reading.reader import Recording
+from protocol.messages import State, Tick
+from protocol.scenario.model import Link as LinkFaults
+
+
+def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position, of the scenario's
+    robots; NaN without any."""
+    ids, ticks = recording.scenario.ids, recording.truths.ticks
+    ages = np.full((len(ticks), len(ids)), np.nan)
+    row = {int(tick): index for index, tick in enumerate(ticks)}
+    newest = dict.fromkeys(ids, -1)
+    for told in recording.said(Tick):
+        robot, sense = told.robot, told.sense
+        if robot not in newest:
+            continue
+        if told.as_commanded:  # its place is measured, and without error
+            newest[robot] = told.tick
+        elif sense is not None and sense.position is not None:
+            newest[robot] = max(newest[robot], sense.stamp)
+        if newest[robot] >= 0 and told.tick in row:
+            ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]
+    return ticks, ages * recording.scenario.time.step
+
+
+class Heard:
+    """What the injected link faults let each robot hear, from the recorded States and the same draws.
+
+    Of the scenario's robots only. Exact for a lock-step run; in real time the network's own delay comes on
+    top.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._sent = 0
+        self._ids = recording.scenario.ids
+        self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
+        self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
+
+    def ages(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
+
+        NaN while nothing was heard.
+        """
+        ticks = []
+        newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
+        rows = []
+        for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
+            said = [state for state in states if state.robot in newest]
+            for robot, link in self._links.items():
+                for state in said:
+                    if state.robot != robot:
+                        link.put(addressed_to(robot, state, self._radii[state.robot]))
+                        self._sent += 1
+                for heard in link.take(tick):
+                    newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
+            ticks.append(tick)
+            rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
+        return np.array(ticks), np.array(rows, dtype=float) * self._recording.scenario.time.step
+
+    def share_lost(self) -> float:
+        """Share of all States that robots should have heard and did not; to be asked after `ages`."""
+        return sum(link.lost for link in self._links.values()) / max(1, self._sent)
+
+
+def delayed_sensing(recording: Recording) -> bool:
+    """Whether measurements come late or are dropped for any robot."""
+    entries = map(recording.scenario.sensing_of, recording.scenario.ids)
+    return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
+
+
+def faulty_link(recording: Recording) -> bool:
+    """Whether anything is injected between robots."""
+    return recording.scenario.link != LinkFaults()

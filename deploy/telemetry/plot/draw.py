@@ -1,0 +1,80 @@
+"""From recordings to a file: a picture or an animation, by the name of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from deploy.telemetry.recording.reading.reader import Recording, Truths, read
+from protocol.errors import UsageError
+from protocol.process.installation import missing_library
+
+PICTURES = (".png", ".svg", ".pdf")
+ANIMATIONS = (".gif", ".mp4")
+
+
+def check(target: Path, recordings: int = 1) -> None:
+    """Whether `target` can be drawn at all: to be asked before a run that is to be drawn.
+
+    Raises:
+        UsageError: unknown kind of file, a film of several runs, or matplotlib is not installed.
+    """
+    kinds = PICTURES + ANIMATIONS
+    if target.suffix not in kinds:
+        raise UsageError(f"{target}: cannot draw this kind of file; name one that ends in {', '.join(kinds)}")
+    if target.suffix in ANIMATIONS and recordings > 1:
+        raise UsageError(f"{target}: an animation shows one recording; name one, or draw a picture")
+    if not target.parent.is_dir():
+        raise UsageError(f"{target}: the folder {target.parent} does not exist")
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise missing_library("a picture", "matplotlib", "plot") from error
+
+
+def draw(
+    recordings: Recording | Path | Sequence[Recording],
+    target: Path,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Draw one recording, or several side by side, into `target`.
+
+    Raises:
+        UsageError: see `check`.
+    """
+    if isinstance(recordings, Path):
+        recordings = read(recordings)
+    if isinstance(recordings, Recording):
+        recordings = [recordings]
+    check(target, len(recordings))
+    import matplotlib
+
+    from deploy.telemetry.plot.animation import animate
+    from deploy.telemetry.plot.figure import figure
+    from deploy.telemetry.plot.style import RC
+
+    with matplotlib.rc_context(RC):
+        if target.suffix in ANIMATIONS:
+            animate(recordings[0], target, progress)
+        else:
+            metadata = {"Date": None} if target.suffix == ".svg" else {}
+            figure(recordings).savefig(target, metadata=metadata)
+
+
+def until(recording: Recording, seconds: float) -> Recording:
+    """What was recorded up to `seconds` of simulated time, tick 0 at least; no result unless that is all."""
+    truths, step = recording.truths, recording.scenario.time.step
+    kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step
+    if kept.all():
+        return recording
+    there = ~np.isnan(truths.positions[kept, :, 0]).all(axis=0)
+    positions = truths.positions[kept][:, there]
+    part = Truths(
+        truths.robots[there], truths.ticks[kept], positions, truths.clearance[kept], truths.phi[kept]
+    )
+    last = float(part.ticks[-1]) * step
+    entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
+    return replace(recording, truths=part, entries=entries, result=None)

@@ -1,0 +1,90 @@
+"""The workspace from above: paths, and disks at start, goal and moments between."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Patch
+from matplotlib.patheffects import withStroke
+
+from deploy.telemetry.plot.style import FAINT, INK, colour, dash
+from deploy.telemetry.plot.things import Stay, draw_things, patch_of
+from deploy.telemetry.recording.reading.participants import participants
+from deploy.telemetry.recording.reading.reader import Recording
+
+_MOMENTS = 5  # disks drawn between start and end, at most
+MANY = 20  # robots from which on ids would hide the disks
+
+
+def draw_workspace(axes: Axes, recording: Recording) -> None:
+    """Draw one run: dotted disks where robots began, outlined goals, filled disks where they ended."""
+    frame(axes, recording)
+    robots = participants(recording)
+    ends = np.array([each.known[-1] for each in robots])
+    for index, each in enumerate(robots):
+        radius, path = each.radius, each.known
+        axes.plot(*each.path.T, color=colour(index), linestyle=dash(index), linewidth=1.1, zorder=5)
+        for moment in _moments(path, radius):
+            _disk(axes, moment, radius, facecolor=colour(index), alpha=0.13, linewidth=0)
+        _disk(axes, path[0], radius, fill=False, edgecolor=colour(index), linestyle=":", linewidth=1.0)
+        _disk(axes, path[-1], radius, facecolor=colour(index), alpha=0.45, linewidth=0)
+        if each.goal is not None:
+            _disk(axes, each.goal, radius, fill=False, edgecolor=colour(index), linewidth=1.2)
+        if len(robots) <= MANY:
+            _label(axes, path[-1], str(each.robot))
+            if _free(path[0], radius, ends):
+                _label(axes, path[0], str(each.robot), faint=True)
+
+
+def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
+    """The empty workspace: its boundary, what stands in it, equal scales, axes in metres.
+
+    Returns what was drawn of all that ever stood there.
+    """
+    room = recording.scenario.workspace.shape
+    things = draw_things(axes, recording)
+    axes.add_patch(patch_of(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
+    (left, low), (right, high) = room.box
+    margin = 0.02 * max(right - left, high - low)
+    axes.set(
+        xlim=(left - margin, right + margin),
+        ylim=(low - margin, high + margin),
+        aspect="equal",
+        anchor="N",
+        xlabel="x, m",
+        ylabel="y, m",
+    )
+    axes.grid(visible=False)
+    return things
+
+
+def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:
+    """Whether no disk ended where this one began, so that a label there can be read."""
+    return bool(np.all(np.hypot(*(others - place).T) > 0.6 * radius))
+
+
+def _moments(path: np.ndarray, radius: float) -> np.ndarray:
+    """Points at equal distances along a path, its ends left out; fewer where disks would pile up."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    count = min(_MOMENTS, int(lengths[-1] / (1.5 * radius)))
+    marks = np.linspace(0.0, lengths[-1], count + 2)[1:-1]
+    return path[np.searchsorted(lengths, marks)]
+
+
+def _disk(axes: Axes, centre: np.ndarray | tuple[float, float], radius: float, **look: object) -> None:
+    axes.add_patch(Circle((float(centre[0]), float(centre[1])), radius, zorder=4, **look))
+
+
+def _label(axes: Axes, place: np.ndarray, text: str, *, faint: bool = False) -> None:
+    axes.text(
+        float(place[0]),
+        float(place[1]),
+        text,
+        ha="center",
+        va="center",
+        fontsize=6.5 if faint else 7.5,
+        color=FAINT if faint else INK,
+        fontweight="normal" if faint else "bold",
+        zorder=6,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")] if faint else None,
+    )

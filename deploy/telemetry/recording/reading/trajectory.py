@@ -1,0 +1,117 @@
+"""The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
+
+Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
+its robot really did during the tick before, or that this was what it had commanded: added to where the disk
+was, that is where it was next, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence, Set
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.telemetry.recording.reading.reader import Recording
+from protocol.errors import RecordingError
+from protocol.messages import Command, Tick, Vector
+from world.judge.trajectory import TrajectoryDigest
+
+
+class _Plane(NamedTuple):
+    """Where each disk is that is there, m."""
+
+    robots: tuple[int, ...]
+    places: Sequence[Vector] | NDArray[np.float64]
+
+
+class Trajectory(NamedTuple):
+    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
+
+    sha256: str
+    restored: int
+
+    @property
+    def remark(self) -> str:
+        """What has to be said of it; empty if every tick was recorded."""
+        return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
+
+
+def trajectory(recording: Recording) -> Trajectory:
+    """Recompute the trajectory up to the last tick known.
+
+    Raises:
+        RecordingError: a tick is missing that cannot be worked out either, or in which robots came or went.
+    """
+    if recording.preceding:
+        raise RecordingError(
+            f"{recording.path} goes on from {recording.preceding}: name the file with which the run begins"
+        )
+    known = _known(recording)
+    missing = set(range(max(known))).difference(known)
+    moves = _Moves(recording, missing) if missing else None
+    digest = TrajectoryDigest(())
+    here = _Plane((), [])
+    for tick in range(max(known) + 1):
+        there = moves.follow(here, tick) if moves and tick in missing else known[tick]
+        if there.robots != here.robots:
+            if tick - 1 in missing:
+                raise RecordingError(
+                    f"{recording.path}: robots came or went before tick {tick}, and the truth of the tick "
+                    f"before was not recorded, so the trajectory cannot be checked; record it with less load"
+                )
+            digest.recast(there.robots)
+        digest.add([tick], np.array([there.places]))
+        here = there
+    return Trajectory(digest.hexdigest(), len(missing))
+
+
+def _known(recording: Recording) -> dict[int, _Plane]:
+    """Positions by tick; those of the last are in the result, too."""
+    truths, result = recording.truths, recording.result or {}
+    known: dict[int, _Plane] = {}
+    for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+        there = ~np.isnan(positions[:, 0])
+        known[tick] = _Plane(tuple(truths.robots[there].tolist()), positions[there])
+    final = {int(robot): tuple(place) for robot, place in result.get("positions", {}).items()}
+    if final and "ticks" in result:
+        robots = tuple(sorted(final))
+        known.setdefault(result["ticks"], _Plane(robots, [final[robot] for robot in robots]))
+    return known
+
+
+class _Moves:
+    """What each robot did during the tick before each of some ticks."""
+
+    def __init__(self, recording: Recording, ticks: Set[int]) -> None:
+        self._path = recording.path
+        self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
+        self._commanded: dict[tuple[int, int], Vector] = {}
+        self._as_commanded: set[tuple[int, int]] = set()
+        self._step = recording.scenario.time.step
+        for _, _, message in recording.entries.of(Tick, Command):
+            if isinstance(message, Command) and message.tick + 1 in ticks:
+                self._commanded[message.robot, message.tick] = message.velocity
+            elif isinstance(message, Tick) and message.tick in ticks:
+                if message.sense is not None:
+                    self._said[message.tick][message.robot] = message.sense.displacement
+                elif message.as_commanded:
+                    self._as_commanded.add((message.robot, message.tick))
+
+    def follow(self, before: _Plane, tick: int) -> _Plane:
+        """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
+        after = []
+        for robot, (x, y) in zip(before.robots, before.places, strict=True):
+            move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
+            if (robot, tick) in self._as_commanded and velocity is not None:
+                move = velocity[0] * self._step, velocity[1] * self._step
+            elif move is None and velocity is not None:
+                raise RecordingError(
+                    f"{self._path}: the truth of tick {tick} was not recorded, nor what robot {robot} did "
+                    f"before it, so the trajectory cannot be checked; record on a machine with less load"
+                )
+            dx, dy = move or (0.0, 0.0)
+            after.append((x + dx, y + dy))
+        return _Plane(before.robots, after)

@@ -1,0 +1,137 @@
+"""Watching from outside, over zenoh."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import closing
+from math import inf
+
+import pytest
+import zenoh
+
+from deploy.processes.router import listening
+from deploy.run.options import fresh_run_name
+from deploy.telemetry.monitor.attachment import attach
+from protocol.bus.connection import Connection
+from protocol.bus.events import Event, Presence, Sample
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import BusError
+from protocol.keys import robot_key, world_key
+from protocol.messages import Clock, Truth
+from protocol.requests.joining import Overview, encode_reply
+from protocol.streams import STREAMS
+from protocol.wire.codec import encode
+from tests.deploy.telemetry.monitor.watched import ring, until
+
+
+class World:
+    """The least that a watcher needs of a world, on a bus of its own."""
+
+    def __init__(self, endpoint: str, run: str) -> None:
+        self.run = run
+        self.bus = ZenohBus(Connection(connect=(endpoint,)))
+        self.bus.serve(world_key(run, "scenario"))
+        self.clock = self.bus.publisher(STREAMS["clock"], world_key(run, "clock"))
+        self.truth = self.bus.publisher(STREAMS["truth"], world_key(run, "truth"))
+        self.bus.announce(world_key(run, "alive"))
+        self.tick = 0
+        self.asked = False
+
+    def turn(self) -> None:
+        """Answer whoever asks, and let a tick go by."""
+        event: Event | None = self.bus.receive(0.02)
+        if event is not None and not isinstance(event, Sample | Presence):
+            event.reply(encode_reply(Overview(ring(2), True)))
+            self.asked = True
+        self.clock(encode(Clock(self.tick, 0.05 * self.tick, (1, 2), (), "")))
+        self.tick += 1
+        self.truth(encode(Truth(self.tick, (1, 2), ((0.001 * self.tick, 0.0), (0.1, 0.1)), 0.01, 0.5)))
+
+
+def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
+    router, endpoint = listening(Connection("router"))
+    run = fresh_run_name()
+    with closing(router), closing(attach(Connection(connect=(endpoint,)), run)) as watcher:
+        assert watcher.snapshot()["phase"] == "searching"  # the run begins later
+        world = World(endpoint, run)
+        with closing(world.bus):
+            robot = ZenohBus(Connection(connect=(endpoint,)))
+            robot.announce(robot_key(run, 2, "alive"))
+            until(lambda: (world.turn(), watcher.snapshot()["tick"] > 3)[1])
+            assert [row["alive"] for row in watcher.snapshot()["robots"]] == [None, True]
+            robot.close()
+            until(lambda: watcher.snapshot()["robots"][1]["status"] == "dead", 5.0)
+        until(lambda: watcher.snapshot()["phase"] == "lost")
+        second = World(endpoint, run)  # another world under this name: everything anew
+        with closing(second.bus):
+            until(lambda: (second.turn(), watcher.overview()["epoch"] == 2)[1])
+
+
+@pytest.mark.process
+@pytest.mark.alone
+def test_a_frozen_monitor_holds_up_nobody() -> None:
+    router, endpoint = listening(Connection("router"))
+    run = fresh_run_name()
+    world = World(endpoint, run)
+    command = [sys.executable, "-m", "deploy.cli", "monitor", "--run", run, "--router", endpoint]
+    with closing(router), closing(world.bus), subprocess.Popen(command, stdout=subprocess.DEVNULL) as monitor:
+        try:
+            until(lambda: (world.turn(), world.asked or monitor.poll() is not None)[1], 60.0)
+            assert world.asked
+            monitor.send_signal(signal.SIGSTOP)
+            many = tuple(range(1, 501))
+            truth = encode(Truth(9, many, tuple((0.1, 0.1) for _ in many), 0.01, 0.5))
+            # Waiting for room would take 0.5 s every time; once or twice the machine may be busy.
+            assert durations(lambda: world.truth(truth), 3000)[-5] < 0.4
+        finally:
+            monitor.kill()
+
+
+def durations(action: Callable[[], None], times: int) -> list[float]:
+    """Seconds that each of many repetitions took, ascending."""
+    took = []
+    for _ in range(times):
+        began = time.monotonic()
+        action()
+        took.append(time.monotonic() - began)
+    return sorted(took)
+
+
+def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:
+    router, endpoint = with_admin_space()
+    with router, closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
+        told = until(lambda: watcher.snapshot()["router"])
+        assert told["zid"] == str(router.zid())
+        assert len(told["links"]) == 1
+        assert told["links"][0].startswith("client tcp/127.0.0.1:")
+
+
+def test_where_the_admin_space_is_off_nothing_is_missing() -> None:
+    router, endpoint = listening(Connection("router"))
+    with closing(router), closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
+        until(lambda: watcher._look_at == inf)
+        assert watcher.snapshot()["router"] is None
+
+
+def with_admin_space() -> tuple[zenoh.Session, str]:
+    """A router as a stock one is, on a free port."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    configuration = {
+        "mode": "router",
+        "listen": {"endpoints": [endpoint]},
+        "scouting": {"multicast": {"enabled": False}},
+        "adminspace": {"enabled": True},
+    }
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(configuration))), endpoint
+
+
+def test_nobody_at_the_endpoint_is_an_error() -> None:
+    with pytest.raises(BusError):
+        attach(Connection(connect=("tcp/127.0.0.1:1",), timeout=0.2), "r")

@@ -1,0 +1,221 @@
+"""The web server of the live page."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import socket
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from contextlib import closing
+from select import select
+from typing import Any
+from urllib.parse import urljoin
+
+import pytest
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import ClientConnection, connect
+
+from deploy.run.local import LocalFleet
+from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.web.server import Server, serve_in_thread
+from deploy.telemetry.monitor.web.stream import FrameStream
+from protocol.bus.local import LocalNetwork
+from protocol.errors import UsageError
+from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local
+
+pytestmark = pytest.mark.slow
+
+
+def live(server: Server, **options: Any) -> ClientConnection:
+    """A viewer with the token."""
+    return connect(server.link.replace("http", "ws").replace("/#", "/live?token="), **options)
+
+
+def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
+    """The next message of a kind that fulfils a condition."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        message = json.loads(socket_.recv(timeout=PATIENCE))
+        if message["kind"] == kind and condition(message):
+            return message
+    raise AssertionError(f"no such {kind}")
+
+
+def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=0.5)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        overview = news(viewer, "overview", lambda it: it["scenario"])
+        assert [robot["id"] for robot in overview["robots"]] == [1, 2, 3, 4]
+        first = news(viewer, "frame")
+        began, count = time.monotonic(), 0
+        while time.monotonic() < began + 1.0:
+            last = news(viewer, "frame")
+            count += 1
+        assert count <= 30  # a few may have waited
+        assert last["tick"] > first["tick"]
+        assert last["robots"][0]["distance"] < first["robots"][0]["distance"]
+
+
+def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"pause": true}')
+        held = news(viewer, "frame", lambda it: it["phase"] == "paused")
+        later = [news(viewer, "frame")["tick"] for _ in range(6)][-1]
+        assert later - held["tick"] <= 1
+        viewer.send('{"pause": "perhaps"}')
+        assert "pause" in news(viewer, "refused")["text"]
+        viewer.send('{"pause": false, "speed": 0}')
+        assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
+
+
+def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        assert news(viewer, "welcome")["may_steer"] is True
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 0.05]]}}}')
+        assert news(viewer, "answer")["accepted"] is True
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 5]]}}}')
+        refused = news(viewer, "answer")
+        assert (refused["accepted"], refused["robot"]) == (False, 2)
+        assert "out of the workspace" in refused["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1]]}}}')
+        assert "goal" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
+
+
+def asleep(server: Server) -> socket.socket:
+    """A viewer that asks and does not read, until the server can send it no more, and reads no more."""
+    viewer = socket.socket()
+    viewer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    host, port = server.address.removeprefix("http://").split(":")
+    viewer.connect((host, int(port)))
+    viewer.sendall(
+        f"GET /live HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+    )
+    assert viewer.recv(12) == b"HTTP/1.1 101"
+    viewer.setblocking(False)
+    nonsense = b"\x81\x81\0\0\0\0x" * 5000  # text frames, masked by nothing
+    sent = 0
+    while select([], [viewer], [], 0.5)[1]:
+        start = sent % 7  # or a frame would be broken where the last one did not fit
+        sent += viewer.send(nonsense[start:])
+        assert sent < 100_000_000, "the server takes whatever comes"
+    return viewer
+
+
+def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=0.3)
+    with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
+        first = news(viewer, "frame")["tick"]
+        assert news(viewer, "frame", lambda it: it["tick"] > first + 10)["phase"] == "running"
+
+
+def test_a_slow_viewer_gets_the_newest_frame_and_not_those_between() -> None:
+    async def scene() -> tuple[int, int]:
+        stream = FrameStream(Source("r"))  # nobody steers here
+        stream.enter()
+        number, _, _ = await stream.after(0)
+        async with asyncio.timeout(PATIENCE):
+            while stream._number < number + 3:
+                await asyncio.sleep(0.01)
+        following, _, _ = await stream.after(number)
+        stream.leave()
+        return number, following
+
+    number, following = asyncio.run(scene())
+    assert following >= number + 3
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1:1", "null"])
+def test_a_page_of_another_site_cannot_steer(origin: str) -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        with pytest.raises(WebSocketException), live(server, origin=origin) as viewer:
+            viewer.recv(timeout=PATIENCE)
+        with live(server, origin=server.address) as viewer:
+            assert news(viewer, "frame")["phase"] == "searching"
+
+
+@pytest.mark.parametrize("query", ["", "?token=", "?token=guess", "?token=%00%ff"])
+def test_who_has_no_token_may_only_look(query: str) -> None:
+    fleet = LocalFleet([ring()], "r")
+    watcher = watch_local(fleet.network, "r", speed=1.0)
+    with (
+        running(fleet),
+        served(watcher) as server,
+        connect(server.address.replace("http", "ws") + "/live" + query) as viewer,
+    ):
+        assert news(viewer, "welcome")["may_steer"] is False
+        news(viewer, "frame", lambda it: it["tick"] >= 2)
+        viewer.send('{"pause": true}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0, 0]]}}}')
+        assert "may only look" in news(viewer, "refused")["text"]
+        assert news(viewer, "frame")["robots"][1]["goal"] == list(ring().spec(2).goal)
+        tick = news(viewer, "frame")["tick"]
+        assert news(viewer, "frame", lambda it: it["tick"] > tick + 2)["phase"] == "running"
+
+
+def test_only_the_own_host_name_is_answered() -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        request = urllib.request.Request(server.address, headers={"Host": "evil.example"})
+        with pytest.raises(urllib.error.HTTPError, match="400"):
+            urllib.request.urlopen(request, timeout=PATIENCE)
+
+
+def fetch(url: str) -> str:
+    with urllib.request.urlopen(url, timeout=PATIENCE) as response:
+        policy = response.headers["content-security-policy"]
+        assert "default-src 'self'" in policy
+        assert "frame-ancestors 'none'" in policy
+        return str(response.read().decode())
+
+
+def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> None:
+    with served(watch_local(LocalNetwork(), "r")) as server:
+        page = fetch(server.address)
+        seen, pending = set(), set(re.findall(r'(?:src|href)="([^"]+)"', page))
+        while pending:
+            name = pending.pop()
+            seen.add(name)
+            text = fetch(f"{server.address}/{name}")
+            assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", text), name
+            scripts = re.findall(r'from "(\.[^"]+)"', text)
+            pending |= {urljoin(name, script) for script in scripts} - seen
+    assert {"main.js", "drawing/workspace.js", "styles/theme.css", "icon.svg"} <= seen
+
+
+def test_a_taken_port_is_named() -> None:
+    source = watch_local(LocalNetwork(), "r")
+    with served(source) as server, pytest.raises(UsageError, match=re.escape(server.address.rsplit(":")[-1])):
+        serve_in_thread(source, int(server.address.rsplit(":")[-1]))
+
+
+def test_a_server_that_is_closed_is_gone() -> None:
+    server = serve_in_thread(watch_local(LocalNetwork(), "r"))
+    with live(server) as viewer:
+        news(viewer, "frame")
+        server.close()
+        server.close()
+        with pytest.raises(WebSocketException):
+            news(viewer, "never")
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.1", int(server.address.rsplit(":")[-1])), PATIENCE)
+
+
+def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
+    with pytest.raises(UsageError, match=r"uvicorn.*pip install .*\[web\]"):
+        serve_in_thread(watch_local(LocalNetwork(), "r"))

@@ -1,0 +1,211 @@
+"""Pictures: every format, what they show, and what is refused before a run is wasted on it."""
+
+import shutil
+import subprocess
+import sys
+from dataclasses import replace as replace_field
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib import image
+from msgspec.structs import replace
+from PIL import Image
+
+from deploy.library.load import load
+from deploy.telemetry.plot.ages import Heard, delayed_sensing, faulty_link, measurement_ages
+from deploy.telemetry.plot.draw import check, draw, until
+from deploy.telemetry.plot.style import COLOURS, colour, dash
+from deploy.telemetry.recording.reading.reader import Recording, read
+from protocol.errors import UsageError
+from protocol.messages import Sense, Tick
+from protocol.scenario.model import Link, Network, Partition, Sensing
+from tests.deploy.telemetry.recording.recorded import record
+
+pytestmark = pytest.mark.slow
+
+STEP = 0.05
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory) -> Recording:
+    path = tmp_path_factory.mktemp("plot") / "three.mcap"
+    record(path)
+    return read(path)
+
+
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory) -> Recording:
+    """Measurements two ticks late, States three ticks late and two in five lost."""
+    path = tmp_path_factory.mktemp("plot") / "faulty.mcap"
+    record(path, sensing=(Sensing(delay=0.1),), link=Link(delay=0.15, loss=0.4))
+    return read(path)
+
+
+@pytest.mark.parametrize(("name", "magic"), [("a.png", b"\x89PNG"), ("a.svg", b"<?xml"), ("a.pdf", b"%PDF")])
+def test_every_format(recording, tmp_path, name, magic):
+    draw(recording, tmp_path / name)
+    assert (tmp_path / name).read_bytes().startswith(magic)
+
+
+def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
+    draw(recording, tmp_path / "a.png")
+    pixels = (image.imread(tmp_path / "a.png")[:, :, :3] * 255).round().astype(int).reshape(-1, 3)
+    for index, _ in enumerate(recording.scenario.ids):
+        wanted = [int(colour(index)[place : place + 2], 16) for place in (1, 3, 5)]
+        assert (np.abs(pixels - wanted).max(axis=1) < 8).sum() > 50, f"nothing is drawn in {colour(index)}"
+    draw(recording, tmp_path / "a.svg")
+    text = (tmp_path / "a.svg").read_text()
+    for word in (f"three: {recording.result['verdict']}", "clearance, mm", "φ", "start", "goal", ">7<"):
+        assert word in text
+
+
+def test_an_excerpt_ends_where_it_was_cut(recording, tmp_path):
+    part = until(recording, 3.2 * STEP)
+    assert part.truths.ticks.tolist() == [0, 1, 2, 3]
+    assert len(part.truths.positions) == len(part.truths.phi) == len(part.truths.clearance) == 4
+    assert max(entry.time for entry in part.entries) <= 3.5 * STEP
+    assert len(until(recording, 0.0).truths.ticks) == 1
+    assert until(recording, 1e9) is recording
+    draw(part, tmp_path / "a.svg")
+    assert "three: not finished after" in (tmp_path / "a.svg").read_text()
+
+
+def test_the_same_recording_gives_the_same_file(recording, tmp_path):
+    for name in ("a.svg", "b.svg"):
+        draw(recording.path, tmp_path / name)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+def test_several_recordings_side_by_side(recording, faulty, tmp_path):
+    draw([recording, faulty], tmp_path / "both.svg")
+    text = (tmp_path / "both.svg").read_text()
+    assert text.count("three: ") == 2
+    assert recording.path.stem in text
+    assert faulty.path.stem in text
+
+
+def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
+    data = recording.path.read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[: data.index(b"scenario") + 3000])
+    assert read(cut).truths.ticks.tolist() == [0]
+    for name in ("a.png", "a.gif"):
+        draw(cut, tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 1000
+
+
+def test_a_film_ends_with_the_end(recording, tmp_path):
+    told: list[float] = []
+    draw(recording, tmp_path / "a.gif", told.append)
+    assert told == sorted(told)
+    assert 0.9 < told[-1] < 1.0
+    assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF8")
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames > 20
+
+
+def test_colours_and_dashes_tell_robots_apart():
+    looks = {(colour(index), dash(index)) for index in range(24)}
+    assert len(looks) == 24
+    luminance = sorted(
+        0.299 * int(each[1:3], 16) + 0.587 * int(each[3:5], 16) + 0.114 * int(each[5:7], 16)
+        for each in COLOURS
+    )
+    assert luminance[-1] < 190, "too pale for white paper"
+    neighbours = [dash(index) != dash(index + 1) for index in range(23)]
+    assert all(neighbours), "in grey, robots next to each other look alike"
+
+
+# -- ages
+
+
+def test_age_of_measurements_is_the_injected_delay(faulty):
+    ticks, ages = measurement_ages(faulty)
+    assert np.isnan(ages[:2]).all()
+    assert np.allclose(ages[2 : ticks[-1]], 0.1)
+
+
+def test_a_measurement_is_as_old_as_its_tick_where_all_went_as_commanded_and_not_where_nothing_was_said():
+    told = Tick(1, 1, 0, (1,), Sense((0.0, 0.0), 0, 0.0, (0.0, 0.0)))
+    ticks = [told, replace(told, tick=1, sense=None, as_commanded=True), replace(told, tick=2, sense=None)]
+    recording = SimpleNamespace(
+        scenario=replace_field(load("swap-4"), network=Network("near")),
+        truths=SimpleNamespace(ticks=np.arange(3)),
+        said=lambda _: ticks,
+    )
+    _, ages = measurement_ages(recording)
+    assert ages[:, 0].tolist() == pytest.approx([0.0, 0.0, STEP])
+
+
+def test_age_of_states_is_the_injected_delay_at_least_and_grows_with_loss(faulty):
+    heard = Heard(faulty)
+    _, ages = heard.ages()
+    known = ages[~np.isnan(ages)]
+    assert known.min() == pytest.approx(0.15)
+    assert known.max() > 0.2
+    assert heard.share_lost() == pytest.approx(0.4, abs=0.1)
+
+
+def test_a_partition_lets_ages_grow(tmp_path):
+    apart = Partition(1.0, 1.5, ((1, 2), (7,)))
+    record(tmp_path / "parted.mcap", link=Link(partition=(apart,)))
+    _, ages = Heard(read(tmp_path / "parted.mcap")).ages()
+    before, during, after = ages[19], ages[29], ages[31]
+    assert before.tolist() == after.tolist() == [0.0, 0.0, 0.0]
+    assert during == pytest.approx([10 * STEP] * 3)
+
+
+def test_panels_are_for_what_was_injected(recording, faulty):
+    assert not delayed_sensing(recording)
+    assert not faulty_link(recording)
+    assert delayed_sensing(faulty)
+    assert faulty_link(faulty)
+
+
+# -- refusals
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "text"),
+    [
+        ("a.bmp", 1, "name one that ends in .png"),
+        ("a", 1, "name one that ends in .png"),
+        ("a.gif", 2, "shows one recording"),
+        ("no/a.png", 1, "does not exist"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(tmp_path, name, count, text):
+    with pytest.raises(UsageError, match=text):
+        check(tmp_path / name, count)
+
+
+def test_without_matplotlib_the_install_line_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(UsageError, match=r"matplotlib.*pip install .*\[plot\]"):
+        check(tmp_path / "a.png")
+
+
+def test_without_ffmpeg_a_film_is_a_gif(monkeypatch, recording, tmp_path: Path):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    with pytest.raises(UsageError, match=r"needs ffmpeg.*or name a \.gif"):
+        draw(recording, tmp_path / "a.mp4")
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="needs ffmpeg, from the package of that name")
+def test_a_film_for_players_everywhere(recording, tmp_path):
+    """Every player wants H.264 in yuv420p; the disks of the last picture are in their colours."""
+    draw(recording, tmp_path / "a.mp4")
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
+    frame = tmp_path / "last.png"
+    subprocess.run(
+        ["ffmpeg", "-v", "error", "-sseof", "-0.5", "-i", tmp_path / "a.mp4", "-frames:v", "1", frame],
+        check=True,
+        timeout=30,
+    )
+    pixels = (image.imread(frame)[:, :, :3] * 255).round().astype(int).reshape(-1, 3)
+    assert (pixels.min(axis=1) > 240).mean() > 0.5, "the background is not white"
+    for index, _ in enumerate(recording.scenario.ids):
+        tint = [round(0.6 * int(colour(index)[place : place + 2], 16) + 0.4 * 255) for place in (1, 3, 5)]
+        assert (np.abs(pixels - tint).max(axis=1) < 24).sum() > 50, f"no disk in {colour(index)}"

@@ -1,0 +1,33 @@
+"""A world that says whatever a test wants."""
+
+from protocol.bus.events import Request
+from protocol.keys import parse, world_key
+from protocol.requests import joining
+from protocol.streams import STREAMS
+from tests.deploy.telemetry.recording.recorded import scenario
+
+
+class FakeWorld:
+    """Answers who asks for the scenario, and says whatever the test wants."""
+
+    finished, deadline = False, float("inf")
+
+    def __init__(self, bus, run: str) -> None:
+        self.tick = 0
+        self.replies: list[bytes] = []  # to who asks first
+        self._bus, self._run = bus, run
+        self._publish = {}
+        if hasattr(bus, "node"):
+            bus.node = self
+        bus.serve(world_key(run, "scenario"))
+        bus.announce(world_key(run, "alive"))
+
+    def handle(self, event) -> None:
+        if isinstance(event, Request):
+            overview = joining.encode_reply(joining.Overview(scenario(), True))
+            event.reply(self.replies.pop(0) if self.replies else overview)
+
+    def say(self, key: str, payload: bytes) -> None:
+        if key not in self._publish:
+            self._publish[key] = self._bus.publisher(STREAMS[parse(key).stream], key)
+        self._publish[key](payload)

@@ -1,0 +1,194 @@
+"""Recordings in several files, and on a disk that is too small."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from deploy.telemetry.recording.parts import Parts
+from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.reading.replay import verify
+from deploy.telemetry.recording.reading.trajectory import trajectory
+from deploy.telemetry.recording.rotation import Rotation, rotation
+from protocol.errors import RecordingError, UsageError
+from protocol.keys import world_key
+from protocol.messages import Clock, Truth
+from protocol.wire.codec import encode
+from tests.deploy.telemetry.recording.recorded import ROBOTS, scenario
+
+Said = list[tuple[str, bytes]]
+
+
+def said(tick: int) -> Said:
+    """What is said in one tick, much of it: no compression makes it small."""
+    robots, positions = tuple(r.id for r in ROBOTS), tuple(r.start for r in ROBOTS)
+    reason = os.urandom(1000).hex()
+    return [
+        (world_key("r", "truth"), encode(Truth(tick, robots, positions, 0.1, 0.5))),
+        *[(world_key("r", "clock"), encode(Clock(tick, 0.05 * tick, (), (), "", reason=reason)))],
+    ]
+
+
+def write(file: Parts, ticks: range) -> None:
+    """As a recorder does."""
+    for tick in ticks:
+        file.write(said(tick))
+        file.flush()
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ([], Rotation()),
+        (["500MB"], Rotation(size=5e8)),
+        (["1.5h"], Rotation(age=5400.0)),
+        (["2d", "90min", "1kB"], Rotation(1000.0, 5400.0)),
+    ],
+)
+def test_what_a_person_writes(given: list[str], meant: Rotation) -> None:
+    assert rotation(given) == meant
+
+
+@pytest.mark.parametrize("text", ["", "5", "MB", "-1h", "0s", "1 h", "1e3s", "5m"])
+def test_what_says_neither_size_nor_age(text: str) -> None:
+    with pytest.raises(UsageError, match=r"give a number and a unit \(kB, MB, GB, s, min, h, d\)"):
+        rotation([text])
+
+
+def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) -> None:
+    path, named = tmp_path / "r.mcap", list[str]()
+    (tmp_path / "r-3.mcap").write_text("somebody else's")
+    file = Parts(path, Rotation(size=80_000), named.append)
+    file.begin("r", scenario())
+    write(file, range(1, 201))
+    file.finish('{"verdict": "arrived"}')
+    assert named[:3] == [str(path), str(tmp_path / "r-2.mcap"), str(tmp_path / "r-4.mcap")]
+    assert all(80_000 <= Path(each).stat().st_size < 120_000 for each in named[:-1])
+    whole = read(path)
+    assert (whole.cut, whole.result) == (False, {"verdict": "arrived"})
+    assert whole.truths.ticks.tolist() == list(range(201))
+    assert [clock.tick for clock in whole.said(Clock)] == list(range(1, 201))
+    assert whole.counts == {world_key("r", "truth"): 200, world_key("r", "clock"): 200}
+    assert all(one.time <= other.time for one, other in pairwise(whole.entries))
+    later = read(Path(named[1]))
+    assert not later.cut
+    assert 1 < later.truths.ticks[0] < later.truths.ticks[-1] == 200
+    assert later.preceding == "r.mcap"
+    assert verify(later) is None
+    with pytest.raises(
+        RecordingError, match=r"goes on from r\.mcap: name the file with which the run begins"
+    ):
+        trajectory(later)
+    Path(named[-1]).unlink()
+    lacking = read(path)
+    assert (lacking.cut, lacking.result) == (True, None)
+    assert len(lacking.truths.ticks) > 150
+    Path(named[-1]).write_bytes(path.read_bytes())  # leads in a circle, or to another run
+    assert read(path).truths.ticks[-1] == lacking.truths.ticks[-1]
+
+
+def test_what_is_finished_twice_is_finished_once(tmp_path: Path) -> None:
+    """As by a run's last word and a signal at the same moment."""
+    file = Parts(tmp_path / "run.mcap")
+    file.begin("r", scenario())
+    write(file, range(1, 5))
+    file.finish('{"verdict": "success"}')
+    written = (tmp_path / "run.mcap").read_bytes()
+    file.write(said(5))
+    file.finish()
+    assert (tmp_path / "run.mcap").read_bytes() == written
+
+
+def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
+    file = Parts(tmp_path / "r.mcap", Rotation(age=1e-9))
+    file.flush()  # not before it has begun
+    file.begin("r", scenario())
+    write(file, range(1, 4))
+    file.finish()
+    assert sorted(each.name for each in tmp_path.iterdir()) == [
+        "r-2.mcap", "r-3.mcap", "r-4.mcap", "r.mcap"
+    ]  # fmt: skip
+    assert read(tmp_path / "r.mcap").truths.ticks.tolist() == [0, 1, 2, 3]
+
+
+# -- a disk that is full
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 2 MB."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=2m", "disknav-test", str(folder)]
+    if os.geteuid() or subprocess.run(mount, check=False, capture_output=True).returncode:
+        pytest.skip("no file system can be mounted here (root on Linux can): untested")
+    yield folder
+    subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def test_a_full_disk_ends_the_recording_which_is_closed_and_whole(
+    small_disk: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = small_disk / "r.mcap"
+    file = Parts(path)
+    file.begin("r", scenario())
+    write(file, range(1, 2001))
+    (said_once,) = caplog.messages
+    assert "No space left on device; it ends there, and the run goes on without it" in said_once
+    file.finish('{"verdict": "arrived"}')
+    assert len(caplog.messages) == 1
+    with path.open("rb") as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        assert summary is not None
+        assert summary.statistics is not None
+        messages = sum(1 for _ in reader.iter_messages())
+        assert summary.statistics.message_count == messages
+    found = read(path)
+    assert found.cut
+    assert found.truths.missing == 0
+    assert 100 < found.truths.ticks[-1] < 2000
+
+
+def test_there_is_room_for_the_result_when_the_disk_is_full_at_the_end(small_disk: Path) -> None:
+    path = small_disk / "r.mcap"
+    file = Parts(path)
+    file.begin("r", scenario())
+    write(file, range(1, 101))
+    file.write(said(101))
+    with (small_disk / "other").open("wb", buffering=0) as other, suppress(OSError):
+        while other.write(bytes(4096)):
+            pass
+    result = f'{{"verdict": "arrived", "reason": "{"x" * 10_000}"}}'
+    file.finish(result)
+    found = read(path)
+    assert found.result is not None
+    assert found.result["verdict"] == "arrived"
+    assert found.truths.ticks[-1] in (100, 101)
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+@pytest.mark.long(10)
+def test_a_run_goes_on_when_the_disk_is_full(small_disk: Path) -> None:
+    with (small_disk / "other").open("wb") as other:
+        other.write(bytes(1_700_000))
+    path, result = small_disk / "run.mcap", small_disk.parent / "result.json"
+    call = [sys.executable, "-m", "deploy.cli", "run", "figure-3d", "--record", str(path)]
+    done = subprocess.run(
+        [*call, "--json", str(result)], capture_output=True, text=True, timeout=50, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "No space left on device" in done.stderr
+    found = read(path)
+    assert found.cut
+    assert found.truths.ticks[-1] > 1
+    assert trajectory(found).restored == 0
