@@ -11,8 +11,8 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
-from deploy.studies.request import FOUND, Request
-from deploy.studies.study import StudyName
+from deploy.studies.harness.request import FOUND, Request
+from deploy.studies.harness.study import StudyName
 
 
 def study(

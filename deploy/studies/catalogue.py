@@ -11,10 +11,10 @@ from deploy.studies.faults.arrival import arrival
 from deploy.studies.faults.delay import delay
 from deploy.studies.faults.random_faults import random_faults
 from deploy.studies.faults.robustness import robustness
+from deploy.studies.harness.study import Study, StudyName
 from deploy.studies.paper.experiments import tightness, tuning
 from deploy.studies.peers.study import peers
 from deploy.studies.scale import scale
-from deploy.studies.study import Study, StudyName
 from protocol.errors import UsageError
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {

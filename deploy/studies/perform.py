@@ -11,14 +11,14 @@ from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHER
 from deploy.output.json_output import check as check_json
 from deploy.output.json_output import is_standard_output, write_json
 from deploy.software.provenance import provenance
-from deploy.studies.adjusted import adjusted
 from deploy.studies.catalogue import defaults, find
 from deploy.studies.charts.table import table
 from deploy.studies.falsify.perform import falsify
-from deploy.studies.request import Request
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.runner import Outcome, execute
-from deploy.studies.study import Study
+from deploy.studies.harness.adjusted import adjusted
+from deploy.studies.harness.request import Request
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.runner import Outcome, execute
+from deploy.studies.harness.study import Study
 from deploy.telemetry.plot.draw import PICTURES
 from deploy.telemetry.plot.draw import check as check_plot
 from protocol.errors import UsageError

@@ -20,10 +20,10 @@ from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.scenarios.mutate import mutated
 from deploy.studies.falsify.trial import Result, Shrinking, Task, Trial
-from deploy.studies.runners.cluster import Cluster
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker_pool import WorkerPool
-from deploy.studies.study import Run
+from deploy.studies.harness.runners.cluster import Cluster
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker_pool import WorkerPool
+from deploy.studies.harness.study import Run
 
 GENERATION = 256
 FRESH, MUTANT, SHRINKING = range(3)  # cells of the study

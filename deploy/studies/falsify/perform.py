@@ -16,12 +16,12 @@ from deploy.studies.falsify.files import Files
 from deploy.studies.falsify.rows import done, listed, rows, table
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.trial import Trial, perform
-from deploy.studies.request import Request
-from deploy.studies.runners.cluster import Cluster
-from deploy.studies.runners.ctrl_c import heeded
-from deploy.studies.runners.progress import StudyProgress
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker_pool import WorkerPool
+from deploy.studies.harness.request import Request
+from deploy.studies.harness.runners.cluster import Cluster
+from deploy.studies.harness.runners.ctrl_c import heeded
+from deploy.studies.harness.runners.progress import StudyProgress
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker_pool import WorkerPool
 from protocol.errors import UsageError
 
 RUNS = 1000

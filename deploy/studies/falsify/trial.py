@@ -15,8 +15,8 @@ from deploy.studies.falsify.runs.on_processes import on_processes
 from deploy.studies.falsify.runs.violation import Violation, other_trajectory
 from deploy.studies.falsify.scenarios.preceding import preceding
 from deploy.studies.falsify.shrinking.shrink import among, shrunk
-from deploy.studies.runners.worker import Send
-from deploy.studies.study import Run
+from deploy.studies.harness.runners.worker import Send
+from deploy.studies.harness.study import Run
 from protocol.scenario.file import apply_settings, document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import Scenario
 

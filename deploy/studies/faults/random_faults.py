@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from deploy.studies.faults.scenario import fault_scenario
-from deploy.studies.runners.worker import FAILED
-from deploy.studies.statistics import collided, mean
-from deploy.studies.study import Cell, Result, Row, Study
+from deploy.studies.harness.runners.worker import FAILED
+from deploy.studies.harness.statistics import collided, mean
+from deploy.studies.harness.study import Cell, Result, Row, Study
 
 COLUMNS = {
     "runs": "d",

@@ -20,9 +20,9 @@ from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions, fresh_run_name
-from deploy.studies.runners.worker import Send
-from deploy.studies.runners.worker_pool import WorkerPool
-from deploy.studies.study import Run
+from deploy.studies.harness.runners.worker import Send
+from deploy.studies.harness.runners.worker_pool import WorkerPool
+from deploy.studies.harness.study import Run
 from protocol.messages import Clock
 from tests.deploy.processes.children import row, wait
 from tests.deploy.processes.ports import free_ports

@@ -19,15 +19,15 @@ from deploy.studies.faults.arrival import arrival, crowd, room
 from deploy.studies.faults.random_faults import outcome, random_faults
 from deploy.studies.faults.robustness import Conditions, grid, robustness
 from deploy.studies.faults.scenario import fault_scenario
+from deploy.studies.harness.request import Request
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.runner import execute
+from deploy.studies.harness.statistics import deviation, growth
+from deploy.studies.harness.study import Study
 from deploy.studies.paper.experiments import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import perform
-from deploy.studies.request import Request
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.runner import execute
 from deploy.studies.scale import scale
-from deploy.studies.statistics import deviation, growth
-from deploy.studies.study import Study
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario, Workspace

@@ -13,9 +13,9 @@ import pytest
 
 from deploy.studies.falsify.campaign import Campaign, Finding, Plan
 from deploy.studies.falsify.runs import observe
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker import Batch
-from deploy.studies.study import Run
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker import Batch
+from deploy.studies.harness.study import Run
 from protocol.scenario.model import Sensing
 from tests.interpreted import interpreted
 

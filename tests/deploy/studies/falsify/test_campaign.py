@@ -24,11 +24,11 @@ from deploy.studies.falsify.runs.violation import Violation, violations
 from deploy.studies.falsify.scenarios.dice import Dice
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.trial import Trial, perform
+from deploy.studies.harness.request import Request
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker_pool import WorkerPool
+from deploy.studies.harness.study import Run
 from deploy.studies.perform import perform as study
-from deploy.studies.request import Request
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker_pool import WorkerPool
-from deploy.studies.study import Run
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml
 from tests.deploy.studies.falsify.planted import Here, not_waiting, plant

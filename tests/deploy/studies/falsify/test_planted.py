@@ -16,7 +16,7 @@ from deploy.studies.falsify.campaign import Plan
 from deploy.studies.falsify.runs.observe import Watch, observe
 from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from deploy.studies.falsify.trial import Shrinking
-from deploy.studies.study import Run
+from deploy.studies.harness.study import Run
 from protocol.bus.events import Sample
 from protocol.keys import robot_key
 from protocol.messages import State

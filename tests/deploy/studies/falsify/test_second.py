@@ -15,8 +15,8 @@ from deploy.studies.falsify.runs.observe import observe
 from deploy.studies.falsify.scenarios.draw import drawn
 from deploy.studies.falsify.scenarios.preceding import preceding
 from deploy.studies.falsify.trial import Trial, as_second
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.study import Run
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.study import Run
 from protocol.scenario.file import parse_toml, validated
 from tests.deploy.studies.falsify.planted import Here, plant, trusting_earlier_sensors
 

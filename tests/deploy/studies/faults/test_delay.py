@@ -9,8 +9,8 @@ import pytest
 
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.faults.delay import against, delay
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.runner import execute
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.runner import execute
 
 
 def test_times_are_compared_seed_by_seed() -> None:

@@ -21,8 +21,8 @@ from deploy.processes.forked import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.run.outcome.result import complete
-from deploy.studies.runners.metered import MeteredFleet
-from deploy.studies.study import Build, Run
+from deploy.studies.harness.runners.metered import MeteredFleet
+from deploy.studies.harness.study import Build, Run
 from protocol.errors import ProcessError
 from protocol.process.title import entitle
 

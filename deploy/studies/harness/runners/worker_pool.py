@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 
-from deploy.studies.runners.worker import Batch, Outcome, Perform, begin, execute, outcomes
+from deploy.studies.harness.runners.worker import Batch, Outcome, Perform, begin, execute, outcomes
 from protocol.errors import ProcessError
 
 
@@ -19,7 +19,7 @@ class WorkerPool:
 
     def __init__(self, jobs: int, perform: Perform = execute) -> None:
         context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(["deploy.studies.runners.worker"])
+        context.set_forkserver_preload(["deploy.studies.harness.runners.worker"])
         lifeline, self._held = context.Pipe(duplex=False)
         self._perform = perform
         self._executor = ProcessPoolExecutor(jobs, context, begin, (lifeline,))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
-from deploy.studies.study import StudyName
+from deploy.studies.harness.study import StudyName
 
 FOUND = Path("out/falsify")  # where a search keeps what it finds
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 
-from deploy.studies.runners import runner
-from deploy.studies.runners.ctrl_c import heeded
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker import Batch, Outcome, execute, outcomes
-from tests.deploy.studies.runners.test_runner import _study
+from deploy.studies.harness.runners import runner
+from deploy.studies.harness.runners.ctrl_c import heeded
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker import Batch, Outcome, execute, outcomes
+from tests.deploy.studies.harness.runners.test_runner import _study
 
 
 class Dropping:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from deploy.run.options import fresh_run_name
 from deploy.software.provenance import code_digest
 from deploy.software.scheduler import connected, finished, result
-from deploy.studies.runners.worker import Batch, Outcome, Perform, execute, outcomes
+from deploy.studies.harness.runners.worker import Batch, Outcome, Perform, execute, outcomes
 from protocol.errors import DisknavError, ProcessError
 
 if TYPE_CHECKING:

@@ -8,14 +8,14 @@ from typing import Any
 
 from deploy.run.options import Transport
 from deploy.software.provenance import code_digest
-from deploy.studies.runners.batches import batches
-from deploy.studies.runners.cluster import Cluster
-from deploy.studies.runners.ctrl_c import heeded
-from deploy.studies.runners.progress import StudyProgress
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.worker import FAILED, Job
-from deploy.studies.runners.worker_pool import WorkerPool
-from deploy.studies.study import Row, Study
+from deploy.studies.harness.runners.batches import batches
+from deploy.studies.harness.runners.cluster import Cluster
+from deploy.studies.harness.runners.ctrl_c import heeded
+from deploy.studies.harness.runners.progress import StudyProgress
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.worker import FAILED, Job
+from deploy.studies.harness.runners.worker_pool import WorkerPool
+from deploy.studies.harness.study import Row, Study
 
 
 @dataclass(frozen=True)

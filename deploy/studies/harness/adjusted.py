@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from deploy.library.load import resolved
-from deploy.studies.study import Build, Study
+from deploy.studies.harness.study import Build, Study
 from protocol.scenario.file import apply_settings, document_of, parse_document
 from protocol.scenario.model import Scenario
 

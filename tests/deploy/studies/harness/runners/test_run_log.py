@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from deploy.studies.runners.run_log import RunLog
+from deploy.studies.harness.runners.run_log import RunLog
 
 
 def test_results_are_known_to_the_next_log(tmp_path: Path) -> None:

@@ -11,11 +11,11 @@ from pathlib import Path
 import psutil
 import pytest
 
-from deploy.studies.adjusted import adjusted
+from deploy.studies.harness.adjusted import adjusted
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.runner import execute
+from deploy.studies.harness.study import Study
 from deploy.studies.paper.experiments import tightness
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.runner import execute
-from deploy.studies.study import Study
 from tests.deploy.telemetry.monitor.watched import until
 
 COARSE = ("time.step=0.05",)  # fewer ticks

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import groupby
 from math import ceil
 
-from deploy.studies.runners.worker import Job
-from deploy.studies.study import Run, Study
+from deploy.studies.harness.runners.worker import Job
+from deploy.studies.harness.study import Run, Study
 
 BATCH = (
     8  # runs: what is lost with a worker, or with Ctrl-C, is at most this; and a fleet is started for as many

@@ -19,16 +19,16 @@ pytest.importorskip("distributed")
 from distributed import Client, LocalCluster
 
 from deploy.software import scheduler as reached
-from deploy.studies.adjusted import adjusted
 from deploy.studies.falsify import campaign
 from deploy.studies.falsify.campaign import Campaign, Plan
 from deploy.studies.falsify.trial import perform as falsify
+from deploy.studies.harness.adjusted import adjusted
+from deploy.studies.harness.runners import cluster as module
+from deploy.studies.harness.runners.cluster import Cluster
+from deploy.studies.harness.runners.run_log import RunLog
+from deploy.studies.harness.runners.runner import execute
+from deploy.studies.harness.study import Study
 from deploy.studies.paper.experiments import tightness
-from deploy.studies.runners import cluster as module
-from deploy.studies.runners.cluster import Cluster
-from deploy.studies.runners.run_log import RunLog
-from deploy.studies.runners.runner import execute
-from deploy.studies.study import Study
 from protocol.errors import ProcessError, UsageError
 from tests.deploy.studies.falsify.planted import Here
 from tests.deploy.telemetry.monitor.watched import until
