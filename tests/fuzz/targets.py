@@ -48,7 +48,7 @@ from tests.fuzz.kept import KEPT, folder
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_message, damaged_text, damaged_tree, deep
 from tests.fuzz.orders import ORDERS
 from tests.fuzz.target import Target
-from tests.sample_messages import ONE
+from tests.protocol.sample_messages import ONE
 from world.shell.node import WorldNode
 
 _KEPT = 40  # valid messages a stream

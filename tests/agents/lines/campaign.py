@@ -18,9 +18,9 @@ import time
 from pathlib import Path
 
 from deploy.output.bar import bar
-from tests.agents.lines import aftermath, skirmish, walk
-from tests.agents.lines.mutants import MUTANTS, hunt
-from tests.agents.lines.product import Product
+from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models.mutants import MUTANTS, hunt
+from tests.agents.lines.models.product import Product
 
 _KEPT = 200  # runs after which it is noted how far it has come
 _MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of, "aftermath": aftermath.violation_of}

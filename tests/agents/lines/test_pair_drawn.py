@@ -12,7 +12,7 @@ from agents.lines.own_set import OwnSet
 from agents.lines.robot_pair import RobotPair
 from agents.peers.state import PeerState
 from protocol.messages import Member, Status
-from tests.drawn import Transition, drawn, made
+from tests.docs.drawn import Transition, drawn, made
 
 PEER, RADIUS = 9, 0.1
 LIVES, PROPOSALS = (1, 2), (1, 2)  # of the peer; numbers of the owner's

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.mutants import Mutant
-from tests.agents.lines.product import Product
+from tests.agents.lines.models.mutants import Mutant
+from tests.agents.lines.models.product import Product
 from tests.agents.movers.haul import Haul, violation_of
 from tests.interpreted import Edit
 

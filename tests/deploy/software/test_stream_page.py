@@ -18,7 +18,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.keys import ROBOT_STREAMS, robot_key, world_key
 from protocol.streams import STREAMS
 from protocol.wire.codec import encode
-from tests.sample_messages import ONE
+from tests.protocol.sample_messages import ONE
 
 
 def test_page_is_current():

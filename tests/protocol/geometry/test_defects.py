@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 from protocol.geometry.defects import defect
-from tests.shapes import polygons
+from tests.protocol.geometry.shapes import polygons
 
 PENTAGON = [(math.cos(math.tau * n / 5), math.sin(math.tau * n / 5)) for n in range(5)]
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.geometry import ConvexPolygon, Shape
-from tests.shapes import points, polygons, shapes
+from tests.protocol.geometry.shapes import points, polygons, shapes
 
 ROUNDING = 1e-12
 

@@ -15,7 +15,7 @@ from protocol.keys import ROBOT_STREAMS
 from protocol.messages import VERSION, AnyMessage
 from protocol.streams import STREAMS
 from protocol.wire.codec import REASONS, decode, encode
-from tests.sample_messages import ANY, ids
+from tests.protocol.sample_messages import ANY, ids
 
 messages = st.sampled_from(sorted(ANY)).flatmap(lambda name: ANY[name])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 
 from protocol.scenario.model import Control, RobotSpec, Scenario
-from tests.drawn import drawn, made
+from tests.docs.drawn import drawn, made
 from world.coordinator.lives import Lives
 from world.coordinator.roster import Roster
 

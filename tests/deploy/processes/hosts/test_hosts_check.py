@@ -20,7 +20,7 @@ from deploy.processes.hosts.check import check
 from deploy.processes.hosts.install import install
 from deploy.processes.hosts.table import Host
 from protocol.errors import UsageError
-from tests.deploy.processes.hosts.ssh_server import ROOT, needs_sshd, ssh_server
+from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
 from tests.forks import Forks
 

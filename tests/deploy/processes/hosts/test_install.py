@@ -10,7 +10,7 @@ from sysconfig import get_path
 
 import pytest
 
-from tests.deploy.processes.hosts.ssh_server import needs_sshd, ssh_server
+from tests.deploy.processes.hosts.testbed.ssh_server import needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
 
 TABLE = """world = "base"

@@ -30,7 +30,7 @@ from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
 from protocol.wire.codec import decode
-from tests.deploy.processes.hosts.ssh_server import ROOT, Server, needs_sshd, ssh_server
+from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
@@ -218,12 +218,12 @@ def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
     how: str, server: Server, tmp_path: Path
 ) -> None:
     python = f"env PYTHONPATH={ROOT} {sys.executable}"
-    liar = f"{python} -m tests.deploy.processes.hosts.liar {how} {server.command}"
+    liar = f"{python} -m tests.deploy.processes.hosts.testbed.liar {how} {server.command}"
     with a_long_run(server, tmp_path, command=liar) as launcher:
         (one,) = (
             each
             for each in psutil.Process(server.pid).children(recursive=True)
-            if "tests.deploy.processes.hosts.liar" in each.cmdline()
+            if "tests.deploy.processes.hosts.testbed.liar" in each.cmdline()
         )
         one.send_signal(signal.SIGUSR1)
         await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)

@@ -23,7 +23,7 @@ from protocol.requests.goals import GoalOrder
 from protocol.requests.steering import Steer
 from protocol.scenario.model import Order, RobotSpec, Time
 from protocol.streams import STREAMS
-from tests.deploy.run.turnover import asked
+from tests.deploy.run.orders.turnover import asked
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
 
 

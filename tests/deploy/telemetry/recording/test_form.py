@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from deploy.telemetry.recording.form import from_object, schema, to_object
 from protocol.streams import STREAMS
 from protocol.wire.codec import encode
-from tests.sample_messages import ANY, ONE
+from tests.protocol.sample_messages import ANY, ONE
 
 RECORDED = [stream for stream in STREAMS.values() if stream.recorded]
 messages = st.one_of(*(ANY[stream.name] for stream in RECORDED))

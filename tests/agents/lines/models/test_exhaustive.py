@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.product import Product
-from tests.agents.lines.small_model import Bounds, search
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.small_model import Bounds, search
 
 PRODUCT = Product()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.mutants import MUTANTS, Mutant, hunt
+from tests.agents.lines.models.mutants import MUTANTS, Mutant, hunt
 
 pytestmark = pytest.mark.slow
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from agents.peers.state import addressed_to
 from protocol.errors import RosterError
 from protocol.messages import Roster, State
-from tests.agents.lines.product import Product
+from tests.agents.lines.models.product import Product
 
 STILL = (0.0, 0.0)
 TOLERANCE = 1e-6  # m; what the real margins for rounding may add up to

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from random import Random
 from typing import Any
 
-from tests.agents.lines.product import Product
-from tests.agents.lines.track import Setting, Track
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.track import Setting, Track
 
 EVENTS = 150
 SPACING = 1.0  # m, between starts

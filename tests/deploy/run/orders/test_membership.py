@@ -25,7 +25,7 @@ from protocol.requests.joining import Join, Wait
 from protocol.scenario.body import Body
 from protocol.scenario.file import parse_toml
 from protocol.scenario.model import Order, ProcessFault, RobotSpec, Scenario
-from tests.deploy.run.turnover import Turnover, asked
+from tests.deploy.run.orders.turnover import Turnover, asked
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING

@@ -11,8 +11,8 @@ from random import Random
 from typing import Any
 
 from protocol.scenario.model import Scenario
-from tests.agents.lines import skirmish
-from tests.agents.lines.product import Product
+from tests.agents.lines.models import skirmish
+from tests.agents.lines.models.product import Product
 
 CALM = 80  # ticks
 

@@ -11,7 +11,7 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.scenario.file import parse_toml
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
 
 

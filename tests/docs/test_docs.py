@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 _NAMED = re.compile(r"`((?:protocol|agents|world|deploy|tests|docs)/(?:[\w./-]*/|[\w./-]+\.(?:py|md|json)))`")
 

@@ -29,7 +29,7 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
-from tests.agents.lines.product import Product
+from tests.agents.lines.models.product import Product
 
 TICKS = 40
 STEP, SPEED = 0.05, 0.6  # s, m/s: a tick leads nearly as far as a small disk reaches

@@ -18,7 +18,7 @@ from docs.diagrams import render
 from docs.reference import commands, python, result, scenario
 from protocol.scenario.file import json_schema
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

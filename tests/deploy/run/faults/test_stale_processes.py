@@ -33,7 +33,7 @@ from protocol.requests.joining import (
 )
 from protocol.scenario.model import Order, ProcessFault, RobotSpec
 from protocol.wire.codec import decode
-from tests.deploy.run.turnover import asked
+from tests.deploy.run.orders.turnover import asked
 from world.coordinator.life import Life
 from world.judge import trajectory
 from world.shell.persistence.journal import Journal

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
-from tests.agents.lines.product import Product
-from tests.agents.lines.track import Setting, Track
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.track import Setting, Track
 
 Event = Callable[[Track], bool]
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tests.agents.lines import aftermath, skirmish, walk
-from tests.agents.lines.product import LARGE_ROOM, Product
-from tests.agents.lines.small_model import Bounds, search
+from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models.product import LARGE_ROOM, Product
+from tests.agents.lines.models.small_model import Bounds, search
 from tests.interpreted import Edit
 
 _PAIR, _BOND, _DISK, _LEDGER, _BOUNDARY = (

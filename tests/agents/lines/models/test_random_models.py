@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines import aftermath, skirmish, walk
-from tests.agents.lines.product import LARGE_ROOM, Product
+from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models.product import LARGE_ROOM, Product
 
 PRODUCT = Product()
 
