@@ -27,7 +27,8 @@ _THINGS, _OWN_SET, _INITIAL, _NEAR, _FAR, _LINE, _PLACEMENT = (
     )
 )
 _ROSTER, _ROBOT, _ESTIMATE, _FILTER, _RECKONING = (
-    f"agents.{name}" for name in ("roster", "robot", "estimate", "safety_filter", "reckoning")
+    f"agents.{name}"
+    for name in ("peers.roster", "robot", "localisation.estimate", "safety_filter", "localisation.reckoning")
 )
 _ROLL, _COMMANDS, _LIVES, _COORDINATOR, _BODIES = (
     "world.coordinator.roster",
