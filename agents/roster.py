@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import final
 
-from agents.fleet import shared
 from protocol.messages import Member, PartPlace, Roster, Thing
+from protocol.newest import keeps_newest
 
 
-@shared
+@keeps_newest
 def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
     """What robots of one process are told alike is kept once; nobody changes it."""
     return {each.robot: each for each in members}

@@ -16,9 +16,9 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet import shared
 from agents.lines.line import HalfPlane
 from agents.peers.far import FarPicture, Places, shift
+from protocol.newest import keeps_newest
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -45,7 +45,7 @@ class _Starts:
         self.radii: Array = np.array([radii[robot] for robot in ids], dtype=np.float64)
 
 
-_starts_of = shared(_Starts)
+_starts_of = keeps_newest(_Starts)
 
 
 @lru_cache(maxsize=16)  # robots of one process go back to a few summaries
@@ -174,17 +174,18 @@ class InitialLines:
 
     def _leave(self, row: int) -> None:
         self._put(row, 0.0, 0.0, math.inf, -math.inf)
-        self._near_theirs[self._rows == row] = -math.inf
+        if row > self._own:  # else it is theirs to watch
+            self._near_theirs[self._rows == row] = -math.inf
 
     def _put(self, row: int, *line: float) -> None:
         """Keep a line in place of an earlier one."""
-        changed = self._changed
-        if row in changed:
-            at = 4 * changed.index(row)
-            self._lines[at : at + 4] = array("d", line)
-        else:
-            changed.append(row)
+        try:
+            at = 4 * self._changed.index(row)
+        except ValueError:
+            self._changed.append(row)
             self._lines.extend(line)
+        else:
+            self._lines[at : at + 4] = array("d", line)
 
     def rest(self, peer: int, side: HalfPlane, theirs: float) -> bool:
         """Look at the line with a peer together with the others from now on; False if one of the two may be
