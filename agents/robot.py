@@ -75,7 +75,7 @@ class Robot:
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
-        self._neighbours = Neighbours(fleet_of(scenario.robots).radii)
+        self._neighbours = Neighbours(fleet_of(scenario.robots).radii, everybody=not scenario.hears_near)
         self._link, self._awaited = Link(scenario, robot), Awaited(robot)
         self._attention = Attention(turn(scenario, robot), lockstep=lockstep)
         self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)

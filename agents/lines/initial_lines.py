@@ -8,7 +8,9 @@ are looked at together, as often as somebody can have come near one.
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Final, final
 
 import numpy as np
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from agents.lines.line import HalfPlane
 from agents.peers.far import FarPicture, Places, shift
+from protocol.newest import keeps_newest
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -25,9 +28,41 @@ _ROUNDING: Final = 1e-6  # m, more than the same line computed one by one may di
 
 
 @final
+class _Starts:
+    """Where every robot begins and how large it is, in the order of ids; robots of one process share it.
+
+    Args:
+        told: starts and radii by id, m.
+    """
+
+    def __init__(self, told: tuple[Mapping[int, Vector], Mapping[int, float]]) -> None:
+        starts, radii = told
+        ids = sorted(starts)
+        self.robots = np.array(ids, dtype=np.int64)
+        self.row = {robot: row for row, robot in enumerate(ids)}
+        self.x: Array = np.array([starts[robot][0] for robot in ids], dtype=np.float64)
+        self.y: Array = np.array([starts[robot][1] for robot in ids], dtype=np.float64)
+        self.radii: Array = np.array([radii[robot] for robot in ids], dtype=np.float64)
+
+
+_starts_of = keeps_newest(_Starts)
+
+
+@lru_cache(maxsize=16)  # robots of one process go back to a few summaries
+def _found(starts: _Starts, said: Places) -> Indices:
+    """Index in a summary of each of them, -1 if it is not there."""
+    if not len(said.robots):
+        return np.full(len(starts.robots), -1)
+    there = np.minimum(np.searchsorted(said.robots, starts.robots), len(said.robots) - 1)
+    there[said.robots[there] != starts.robots] = -1
+    return there
+
+
+@final
 class InitialLines:
     """Each line lies in the middle of the gap between two disks at their starts (`placement.initial_line`),
-    until another one is put to rest.
+    until another one is put to rest. The former are computed whenever they are looked at, and only the
+    latter are kept: in each of a thousand robots, a thousand lines are more than all the rest of it.
 
     Args:
         robot: own id.
@@ -44,34 +79,52 @@ class InitialLines:
     def __init__(
         self, robot: int, starts: Mapping[int, Vector], radii: Mapping[int, float], ahead: float = 0.0
     ) -> None:
-        self._robot, self._ahead = robot, ahead
+        self._ahead = ahead
         self.moved_on = False
         self._looked_x = self._looked_y = 0.0
         self._looked = -1.0  # gap (m) up to which lines were looked at there
-        self._peers = np.array(sorted(peer for peer in starts if peer != robot), dtype=np.int64)
-        ids = self._peers.tolist()
-        there: Array = np.array([starts[peer] for peer in ids], dtype=np.float64).reshape(-1, 2)
-        between = there - np.asarray(starts[robot])
-        length = np.sqrt((between**2).sum(axis=1))
-        self._normals: Array = between / np.maximum(length, 1e-12)[:, None]  # away from this robot
-        gap: Array = length - radii[robot] - np.array([radii[peer] for peer in ids])
-        self._limits: Array = self._normals @ np.asarray(starts[robot]) + 0.5 * gap  # of the own centre
-        self._theirs: Array = (self._normals * there).sum(axis=1) - 0.5 * gap  # of the peers' centres
-        self.unusable: list[int] = self._peers[gap < _ROUNDING].tolist()
-        self._owned = int(np.searchsorted(self._peers, robot))  # from there on, the lines are this robot's
+        self._starts = _starts_of((starts, radii))
+        self._own = self._starts.row[robot]
+        self._changed = array("q")  # rows whose line is not the initial one,
+        self._lines = array("d")  # and four numbers for each: normal and limits, as of `_each`
         self._watched: Places | None = None  # by which it was looked which peers may reach a line,
         self._within = 0.0  # m,
-        self._rows = self._peers[:0]  # and found these lines,
-        self._there = self._rows  # and where the summary has their peers
+        self._rows: Indices = np.zeros(0, dtype=np.int64)  # and found these lines,
+        self._there = self._rows  # where the summary has their peers,
+        self._near_x = self._near_y = self._near_theirs = np.zeros(0)  # and where they are
+        self._leave(self._own)
+        touching: list[int] = self._starts.robots[self._gaps()[3] < _ROUNDING].tolist()
+        self.unusable = [peer for peer in touching if peer != robot]
+
+    def _gaps(self) -> tuple[Array, Array, Array, Array]:
+        """The way from the own start to each other, its length, and the gap between both disks, m."""
+        starts, own = self._starts, self._own
+        dx, dy = starts.x - starts.x[own], starts.y - starts.y[own]
+        length = np.sqrt(dx * dx + dy * dy)
+        return dx, dy, length, length - starts.radii[own] - starts.radii
+
+    def _each(self) -> tuple[Array, Array, Array, Array]:
+        """Of every line the normal, away from this robot; the limit of the own centre along that; and the one
+        beyond which the peer's is, m. Lines that are looked at by themselves are farther than any reach."""
+        starts, own = self._starts, self._own
+        nx, ny, length, gap = self._gaps()
+        np.maximum(length, 1e-12, out=length)
+        nx /= length
+        ny /= length
+        gap *= 0.5
+        limits = nx * starts.x[own] + ny * starts.y[own] + gap
+        theirs = nx * starts.x + ny * starts.y - gap
+        rows, lines = np.frombuffer(self._changed, dtype=np.int64), np.frombuffer(self._lines).reshape(-1, 4)
+        nx[rows], ny[rows] = lines[:, 0], lines[:, 1]
+        limits[rows], theirs[rows] = lines[:, 2], lines[:, 3]
+        return nx, ny, limits, theirs
 
     def __len__(self) -> int:
-        return len(self._peers)
+        return len(self._starts.robots) - 1
 
     def approached(self, x: float, y: float, reach: float) -> list[int]:
         """Every peer whose line may be less than `reach` (m) from the own centre at (x, y), m, and some more.
         None is looked for as long as the centre has not moved by what the others were farther off."""
-        if not len(self._peers):
-            return []
         if math.hypot(x - self._looked_x, y - self._looked_y) + reach <= self._looked:
             return []
         self._looked_x, self._looked_y, self._looked = x, y, reach + self._ahead
@@ -80,8 +133,8 @@ class InitialLines:
 
     def within(self, x: float, y: float, reach: float) -> list[int]:
         """Every peer whose line may be less than `reach` (m) from the own disk if that is at (x, y), m."""
-        slack = self._limits - self._normals @ np.array((x, y))
-        ids: list[int] = self._peers[slack < reach + _ROUNDING].tolist()
+        nx, ny, limits, _ = self._each()
+        ids: list[int] = self._starts.robots[limits - nx * x - ny * y < reach + _ROUNDING].tolist()
         return ids
 
     def reached(self, picture: FarPicture, reach: float) -> list[int]:
@@ -89,32 +142,50 @@ class InitialLines:
         said = picture.said
         if self._watched is None or shift(self._watched, said) + reach > self._within:
             self._watch(said, reach + self._ahead)
-        rows = self._rows
-        ids: list[int] = self._peers[rows[self._slack(rows, self._there, said) < reach + _ROUNDING]].tolist()
+        x, y = said.x[self._there], said.y[self._there]
+        slack = self._near_x * x + self._near_y * y - self._near_theirs
+        ids: list[int] = self._starts.robots[self._rows[slack < reach + _ROUNDING]].tolist()
         return ids
 
     def _watch(self, said: Places, within: float) -> None:
         """Note which peers of own lines were less than `within` (m) from it: the others have to go that far
         before they can reach it."""
         self._watched, self._within, self.moved_on = said, within, True
-        rows = np.arange(self._owned if len(said.robots) else len(self._peers), len(self._peers))
-        there = np.minimum(np.searchsorted(said.robots, self._peers[rows]), len(said.robots) - 1)
-        close = (said.robots[there] == self._peers[rows]) & (
-            self._slack(rows, there, said) < within + 2.0 * _ROUNDING
-        )
-        self._rows, self._there = rows[close], there[close]
+        nx, ny, _, theirs = self._each()
+        there = _found(self._starts, said)
+        if len(said.robots):
+            slack = nx * said.x[there] + ny * said.y[there] - theirs
+            close = (there >= 0) & (slack < within + 2.0 * _ROUNDING)
+            close[: self._own] = False  # the lines with those are theirs
+            self._note(np.flatnonzero(close), there, nx, ny, theirs)
+        else:
+            self._note(self._rows[:0], there, nx, ny, theirs)
 
-    def _slack(self, rows: Indices, there: Indices, said: Places) -> Array:
-        """How far peers are from some lines, m."""
-        normals = self._normals[rows]
-        return normals[:, 0] * said.x[there] + normals[:, 1] * said.y[there] - self._theirs[rows]
+    def _note(self, rows: Indices, there: Indices, nx: Array, ny: Array, theirs: Array) -> None:
+        """Watch these lines, of all that there are."""
+        self._rows, self._there = rows, there[rows]
+        self._near_x, self._near_y, self._near_theirs = nx[rows], ny[rows], theirs[rows]
 
     def leave(self, peer: int) -> None:
         """The line with this peer is looked at by itself from now on."""
-        index = self._index(peer)
-        if index >= 0:
-            self._limits[index] = np.inf  # farther than any reach
-            self._theirs[index] = -np.inf
+        row = self._starts.row.get(peer)
+        if row is not None:
+            self._leave(row)
+
+    def _leave(self, row: int) -> None:
+        self._put(row, 0.0, 0.0, math.inf, -math.inf)
+        if row > self._own:  # else it is theirs to watch
+            self._near_theirs[self._rows == row] = -math.inf
+
+    def _put(self, row: int, *line: float) -> None:
+        """Keep a line in place of an earlier one."""
+        try:
+            at = 4 * self._changed.index(row)
+        except ValueError:
+            self._changed.append(row)
+            self._lines.extend(line)
+        else:
+            self._lines[at : at + 4] = array("d", line)
 
     def rest(self, peer: int, side: HalfPlane, theirs: float) -> bool:
         """Look at the line with a peer together with the others from now on; False if one of the two may be
@@ -127,19 +198,13 @@ class InitialLines:
         """
         if side.slack(self._looked_x, self._looked_y) < self._looked + _ROUNDING:
             return False
-        if peer > self._robot and self._watched is not None:
+        row = self._starts.row.get(peer)
+        if row is None or row == self._own:
+            return False
+        if row > self._own and self._watched is not None:
             place = self._watched.place(peer)
             room = math.inf if place is None else side.nx * place[0] + side.ny * place[1] - theirs
             if room < self._within + 3.0 * _ROUNDING:
                 return False
-        index = self._index(peer)
-        if index < 0:
-            return False
-        self._normals[index] = side.nx, side.ny
-        self._limits[index], self._theirs[index] = side.limit, theirs
+        self._put(row, side.nx, side.ny, side.limit, theirs)
         return True
-
-    def _index(self, peer: int) -> int:
-        """Of the line with a peer; -1 if none can rest here."""
-        index = int(self._peers.searchsorted(peer))
-        return index if index < len(self._peers) and self._peers[index] == peer else -1

@@ -159,15 +159,15 @@ class RobotPair:
 
     def renew(self) -> None:
         """What is obeyed has changed."""
-        self.line_half_planes = tuple([line.side(self.own_radius, self.owns) for line in self.end.obeyed])
+        obeyed = self.end.obeyed
+        self.line_half_planes = tuple([line.side(self.own_radius, self.owns) for line in obeyed])
         if self.end.agreed:
             self.disk = None
         self.settled = self.end.settled and self.disk is None
         if self.settled:
             side = self.line_half_planes[0]
             self.nx, self.ny, self.limit = side.nx, side.ny, side.limit
-            line = self.end.obeyed[0]
-            self.offset = line.offset if self.owns else -line.offset
+            self.offset = obeyed[0].offset if self.owns else -obeyed[0].offset
 
     def resize(self, own_radius: float) -> None:
         """This robot is another disk."""

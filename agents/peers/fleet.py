@@ -4,9 +4,9 @@ in each of a thousand it would be a thousand numbers, far from what it needs in 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import NamedTuple
 
+from protocol.newest import keeps_newest
 from protocol.scenario.model import RobotSpec
 
 Vector = tuple[float, float]
@@ -26,7 +26,7 @@ class Fleet(NamedTuple):
     starts: Mapping[int, Vector]
 
 
-@lru_cache(maxsize=1)
+@keeps_newest
 def fleet_of(robots: tuple[RobotSpec, ...]) -> Fleet:
     """The fleet of a scenario's robots."""
     radii = {robot.id: robot.radius for robot in robots}

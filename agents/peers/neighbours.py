@@ -16,6 +16,7 @@ class Neighbours:
 
     Args:
         radii: radius (m) of everybody, by id; it is not changed.
+        everybody: whether all are heard until somebody is said to be near; else nobody is.
 
     Attributes:
         standing: disks that stand, or that will appear in a place kept free, by id.
@@ -23,30 +24,27 @@ class Neighbours:
         radii: as last known.
     """
 
-    def __init__(self, radii: Mapping[int, float]) -> None:
+    def __init__(self, radii: Mapping[int, float], *, everybody: bool = True) -> None:
         self.standing: dict[int, Member] = {}
         self.far = NOTHING
         self._attends = False  # whether some are not heard
         self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
         self.radii = radii
-        self._radii = list(radii.items())  # of those whose States are kept
-        self._index = {peer: index for index, peer in enumerate(radii)}
-        self._states: list[PeerState | None] = [None] * len(radii)
+        self._hears = everybody  # whether anybody is heard yet
+        self._states: dict[int, PeerState | None] = dict.fromkeys(radii if everybody else ())
 
     def state(self, peer: int) -> PeerState | None:
         """The newest State of a peer."""
-        index = self._index.get(peer)
-        return None if index is None else self._states[index]
+        return self._states.get(peer)
 
     def on_state(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news; False when it is not."""
-        index = self._index[state.robot]
-        known = self._states[index]
+        known = self._states.get(state.robot)
         if known is not None and not is_newer(state, known):
             return False
         if self._gone and state.incarnation <= self._gone.get(state.robot, 0):
             return False
-        self._states[index] = state
+        self._states[state.robot] = state
         if self.standing:
             self._rise(state)
         return True
@@ -76,30 +74,22 @@ class Neighbours:
         """Have a place for a peer that the scenario did not name; its radius is the roster's."""
         if self.radii.get(member.robot) != member.radius:
             self.radii = {**self.radii, member.robot: member.radius}  # the others share the one given
-        index = self._index.setdefault(member.robot, len(self._radii))
-        if index == len(self._radii):
-            self._radii.append((member.robot, member.radius))
-            self._states.append(None)
-        elif self._radii[index][1] != member.radius:
-            self._radii[index] = (member.robot, member.radius)
+        if self._hears or member.status != "live":
+            self._states.setdefault(member.robot)
 
     def attend(self, near: Iterable[int]) -> None:
         """Know the States of those who are near, and of nobody else."""
-        known = {state.robot: state for state in self.heard()}
         kept = sorted(peer for peer in {*near, *self.standing} if peer in self.radii)
-        self._attends = True
-        self._index = {peer: index for index, peer in enumerate(kept)}
-        self._radii = [(peer, self.radii[peer]) for peer in kept]
-        self._states = [known.get(peer) for peer in kept]
+        self._attends = self._hears = True
+        self._states = {peer: self._states.get(peer) for peer in kept}
 
     def _forget(self, peer: int) -> None:
-        index = self._index.get(peer)
-        if index is not None:
-            self._states[index] = None
+        if peer in self._states:
+            self._states[peer] = None
 
     def heard(self) -> list[PeerState]:
         """The newest States of all who have been heard."""
-        return [state for state in self._states if state is not None]
+        return [state for state in self._states.values() if state is not None]
 
     def moving(self) -> list[PeerState]:
         """The newest States of all who do not stand."""
@@ -111,12 +101,12 @@ class Neighbours:
         """Everybody whose place is known. One who stands is an obstacle: that it never arrives must
         not keep the others off their goals."""
         if not self.standing:
-            return [state for state in self._states if state is not None and state.placed]
+            return [state for state in self._states.values() if state is not None and state.placed]
         disks: list[Peer] = []
-        for (peer, radius), state in zip(self._radii, self._states, strict=True):
+        for peer, state in self._states.items():
             stood = self._stands_at(peer)
             if stood is not None:
-                disks.append(Peer(*stood, radius, 0.0))
+                disks.append(Peer(*stood, self.radii[peer], 0.0))
             elif state is not None and state.placed:
                 disks.append(state)
         return disks

@@ -4,13 +4,13 @@ the coordinator's; this robot only follows its versions, and never an older one 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import final
 
 from protocol.messages import Member, PartPlace, Roster, Thing
+from protocol.newest import keeps_newest
 
 
-@lru_cache(maxsize=1)
+@keeps_newest
 def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
     """What robots of one process are told alike is kept once; nobody changes it."""
     return {each.robot: each for each in members}

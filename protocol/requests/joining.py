@@ -22,6 +22,7 @@ from msgspec import Meta
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Health, Id
+from protocol.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from protocol.wire.reader import DAMAGED
@@ -111,8 +112,10 @@ def decode_request(robot: Id, payload: bytes) -> Join:
     return Join(robot, request.session, request.health)
 
 
+@keeps_newest
 def encode_reply(reply: Reply) -> bytes:
-    """Payload of a reply."""
+    """Payload of a reply: once, if a fleet is admitted one by one and all are told the same.
+    Nobody changes what stands in a reply."""
     return _encode(reply)
 
 

@@ -75,3 +75,14 @@ def test_a_peer_that_the_scenario_did_not_name() -> None:
     assert not known.on_state(state(7, 1, 5))  # it was late
     assert known.disks() == []
     assert known.on_state(state(7, 2, 5))
+
+
+def test_before_anybody_is_near_only_who_stands_is_kept() -> None:
+    known = Neighbours({2: 0.1, 3: 0.2, 4: 0.1}, everybody=False)
+    for member in (Member(2, 1, "live", 0.1), standing(3, (7.0, 7.0), 0.2), Member(4, 1, "live", 0.1)):
+        known.on_member(member)
+    assert list(known._states) == [3]
+    assert [(disk.x, disk.radius) for disk in known.disks()] == [(7.0, 0.2)]
+    known.attend([4])
+    assert known.on_state(state(4, 1, 5))
+    assert [(disk.x, disk.radius) for disk in known.disks()] == [(7.0, 0.2), (5.0, 0.1)]

@@ -634,7 +634,7 @@ FAR = (
     Mutant(
         "look-at-initial-lines",
         "an initial line counts although nobody has spoken of it",
-        (Edit(_INITIAL, "if not len(self._peers):", "if True:"),),
+        (Edit(_INITIAL, "return self.within(x, y, self._looked)", "return []"),),
         model="skirmish",
     ),
     Mutant(

@@ -1,0 +1,22 @@
+"""To make something once of what many robots of one process are told, or are to be told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+Told = TypeVar("Told")
+Made = TypeVar("Made")
+
+
+def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
+    """`make`, whose newest result is kept for whoever comes with the same, or with what equals it. Unlike
+    `lru_cache` it hashes nothing: of a thousand robots that takes as long as to make the result."""
+    kept: list[tuple[Told, Made]] = []
+
+    def found(told: Told) -> Made:
+        if not kept or (told is not kept[0][0] and told != kept[0][0]):
+            kept[:] = [(told, make(told))]
+        return kept[0][1]
+
+    return found
