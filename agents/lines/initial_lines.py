@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from agents.lines.line import HalfPlane
 from agents.peers.far import FarPicture, Places, shift
-from protocol.newest import keeps_newest
+from protocol.process.newest import keeps_newest
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from protocol.newest import keeps_newest
+from protocol.process.newest import keeps_newest
 from protocol.scenario.model import RobotSpec
 
 Vector = tuple[float, float]

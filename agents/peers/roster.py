@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import final
 
 from protocol.messages import Member, PartPlace, Roster, Thing
-from protocol.newest import keeps_newest
+from protocol.process.newest import keeps_newest
 
 
 @keeps_newest

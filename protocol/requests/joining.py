@@ -22,7 +22,7 @@ from msgspec import Meta
 
 from protocol.errors import MessageError
 from protocol.messages import Count, GoalStatus, Health, Id
-from protocol.newest import keeps_newest
+from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from protocol.wire.reader import DAMAGED

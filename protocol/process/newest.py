@@ -15,8 +15,10 @@ def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
     kept: list[tuple[Told, Made]] = []
 
     def found(told: Told) -> Made:
-        if not kept or (told is not kept[0][0] and told != kept[0][0]):
-            kept[:] = [(told, make(told))]
-        return kept[0][1]
+        newest = kept[0] if kept else None  # looked at once: another thread may replace it
+        if newest is None or (told is not newest[0] and told != newest[0]):
+            newest = told, make(told)
+            kept[:] = [newest]
+        return newest[1]
 
     return found

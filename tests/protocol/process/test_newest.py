@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocol.newest import keeps_newest
+from protocol.process.newest import keeps_newest
 
 
 def test_whoever_comes_with_the_same_or_an_equal_thing_gets_the_same_result() -> None:
