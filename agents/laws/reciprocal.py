@@ -2,11 +2,11 @@
 
 A robot goes straight to its goal if the reciprocal half-planes of all disks within reach allow it (van den
 Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not, it takes the allowed velocity
-nearest to straight on. Where many are about to meet in one place, and for a while after, straight on is first
-turned a little to the left, so that all of them circle each other in one sense. Few pass without: there the
-turn makes paths longer. Where that gets it too little nearer to its goal, close to the goal, and while it
-escapes from a deadlock, it follows the paper's gradient flow. A peer stands where its wish has taken it since
-its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
+nearest to straight on. Where many are about to meet in one place, straight on is first turned to the left, so
+that all of them go round it (`roundabout`). Where that gets it too little nearer to its goal, close to the
+goal, and while it escapes from a deadlock, it follows the paper's gradient flow. A peer stands where its wish
+has taken it since its State; the own velocity is the own last wish, too, so that both ends reckon with the
+same.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import math
 from typing import Final, final
 
 from agents.laws.gradient import GradientLaw
+from agents.laws.roundabout import Encounter, Roundabout, roundabout, together
 from agents.laws.velocity_obstacle import reciprocal
 from agents.laws.velocity_program import nearest
 from agents.laws.view import View
@@ -25,14 +26,14 @@ from protocol.scenario.model import Scenario
 Vector = tuple[float, float]
 
 # No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
-HORIZON: Final = 10.0  # laps, ahead of which encounters count
-TURN: Final = 0.2  # rad to the left, the sense in which `circling` escapes, for every disk in the way
-MOST: Final = 0.4  # rad, of that: the more are in the way the more they have to circle each other
-MANY: Final = 3  # peers met within twice the horizon, as all move now, from which on it turns
-MEMORY: Final = 4.0  # laps for each of them, for which it goes on turning: who turned makes for another place
-LATE: Final = 0.5  # more of it per lap by which States are late, up to one: lines follow only later, too
+HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk
+FORESIGHT: Final = 50.0  # laps, ahead of which it is seen that many will meet
+TOGETHER: Final = 3.0  # laps before and after the middle one, within which they do
+MANY: Final = 3  # peers, from which on the robot goes round the place
+LATE: Final = 0.5  # more of a turn per lap by which States are late, up to one: so are lines
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
-SLOW: Final = 0.5  # of the free speed: who gets nearer to the goal by less than that follows the flow
+SLOW: Final = 0.65  # of the free speed: who gets nearer to the goal by less than that follows the flow;
+SLOW_ROUND: Final = 0.5  # by less than that, who goes round a place
 MARGIN: Final = 0.0125  # of the distance of contact
 _APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
 
@@ -50,7 +51,7 @@ class ReciprocalLaw:
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
-        self._until = -math.inf  # s, since the start: until then it turns, for many were about to meet
+        self._roundabout: Roundabout | None = None  # as first seen, until it is passed
         self._wish: Vector = (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
@@ -77,33 +78,42 @@ class ReciprocalLaw:
         limits = self._walls(x, y)
         walls = len(limits)
         limits += self._obstacles(view)
-        now, met = view.tick * self._period, self._meets(view, px, py)
-        if met >= MANY:
-            self._until = max(self._until, now + MEMORY * self._lap * met)
-        barring = _violated(px, py, limits)
-        if barring == 0:
+        turn = self._turn(view, (px, py))
+        if turn == 0.0 and _violated(px, py, limits) == 0:
             return px, py
-        turn = 0.0
-        if now <= self._until:
-            turn = min(TURN * barring, MOST) * (1.0 + LATE * min(self._late, 1.0))
         cosine, sine = math.cos(turn), math.sin(turn)
         wish = cosine * px - sine * py, sine * px + cosine * py
         vx, vy = nearest(wish, limits, self._speed, walls)
-        return (vx, vy) if vx * ex + vy * ey >= SLOW * rate * away * away else None
+        slow = SLOW_ROUND if turn > 0.0 else SLOW
+        return (vx, vy) if vx * ex + vy * ey >= slow * rate * away * away else None
 
-    def _meets(self, view: View, px: float, py: float) -> int:
-        """How many peers would touch this robot within twice the horizon, itself at (px, py), m/s, each of
-        them as it wishes."""
+    def _turn(self, view: View, way: Vector) -> float:
+        """By how much the straight way (m/s) is to be turned to the left, rad."""
+        place = self._roundabout
+        if place is None or not place.is_ahead(view.position, way):
+            met = together(self._encounters(view, way), TOGETHER * self._lap)
+            place = roundabout(view.position, way, met) if len(met) >= MANY else None
+            self._roundabout = place
+        if place is None:
+            return 0.0
+        return place.turn(view.position, way) * (1.0 + LATE * min(self._late, 1.0))
+
+    def _encounters(self, view: View, way: Vector) -> list[Encounter]:
+        """Those whom this robot would touch, itself going straight on and each of them as it wishes."""
         x, y = view.position
-        count, ahead = 0, 2.0 * HORIZON * self._lap
+        met: list[Encounter] = []
         for state in view.neighbours.moving():
-            if not state.placed:
-                continue
-            age = (view.tick - state.tick) * self._period
-            rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-            if _closest(rx, ry, px - state.vx, py - state.vy, ahead) < self._radius + state.radius:
-                count += 1
-        return count
+            if state.placed:
+                age = (view.tick - state.tick) * self._period
+                there = state.x + age * state.vx, state.y + age * state.vy
+                rx, ry = there[0] - x, there[1] - y
+                ux, uy = way[0] - state.vx, way[1] - state.vy
+                square = ux * ux + uy * uy
+                time = (rx * ux + ry * uy) / square if square > 0.0 else 0.0
+                time = min(max(time, 0.0), FORESIGHT * self._lap)
+                if math.hypot(rx - time * ux, ry - time * uy) < self._radius + state.radius:
+                    met.append(Encounter(*there, state.radius, time))
+        return met
 
     def _walls(self, x: float, y: float) -> list[HalfPlane]:
         """Of velocities that come near what is straight, or the boundary: half the way to it in a tick."""
@@ -167,13 +177,6 @@ class ReciprocalLaw:
 
 def _nearness(found: tuple[float, HalfPlane]) -> float:
     return found[0]
-
-
-def _closest(rx: float, ry: float, vx: float, vy: float, ahead: float) -> float:
-    """Distance, m, to what is at (rx, ry) that a velocity relative to it leaves within `ahead` seconds."""
-    square = vx * vx + vy * vy
-    time = min(max((rx * vx + ry * vy) / square, 0.0), ahead) if square > 0.0 else 0.0
-    return math.hypot(rx - time * vx, ry - time * vy)
 
 
 def _violated(vx: float, vy: float, limits: list[HalfPlane]) -> int:
