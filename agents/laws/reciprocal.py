@@ -30,7 +30,7 @@ HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk
 FORESIGHT: Final = 50.0  # laps, ahead of which it is seen that many will meet
 TOGETHER: Final = 3.0  # laps before and after the middle one, within which they do
 MANY: Final = 3  # peers, from which on the robot goes round the place
-LATE: Final = 0.5  # more of a turn per lap by which States are late, up to one: so are lines
+LATE: Final = 0.6  # more room on the circle there per lap by which States are late, up to one: so are lines
 NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
 SLOW: Final = 0.65  # of the free speed: who gets nearer to the goal by less than that follows the flow;
 SLOW_ROUND: Final = 0.5  # by less than that, who goes round a place
@@ -96,7 +96,7 @@ class ReciprocalLaw:
             self._roundabout = place
         if place is None:
             return 0.0
-        return place.turn(view.position, way) * (1.0 + LATE * min(self._late, 1.0))
+        return place.turn(view.position, way, room=1.0 + LATE * min(self._late, 1.0))
 
     def _encounters(self, view: View, way: Vector) -> list[Encounter]:
         """Those whom this robot would touch, itself going straight on and each of them as it wishes."""

@@ -35,10 +35,12 @@ class Roundabout(NamedTuple):
     y: float
     radius: float  # m
 
-    def turn(self, position: Vector, way: Vector) -> float:
-        """By how much (rad, to the left, not negative) `way` from a position is to be turned to touch it."""
+    def turn(self, position: Vector, way: Vector, room: float = 1.0) -> float:
+        """By how much (rad, to the left, not negative) `way` from a position is to be turned to touch a
+        circle of `room` times the radius."""
         dx, dy = self.x - position[0], self.y - position[1]
-        aside = math.asin(min(1.0, self.radius / max(self.radius, math.hypot(dx, dy))))
+        radius = room * self.radius
+        aside = math.asin(radius / max(radius, math.hypot(dx, dy)))
         turn = math.atan2(dy, dx) + aside - math.atan2(way[1], way[0])
         return min(max(0.0, math.remainder(turn, 2.0 * math.pi)), STEEPEST)
 
