@@ -91,7 +91,7 @@ class InitialLines:
         self._within = 0.0  # m,
         self._rows: Indices = np.zeros(0, dtype=np.int64)  # and found these lines,
         self._there = self._rows  # where the summary has their peers,
-        self._near_x = self._near_y = self._near_theirs = np.zeros(0)  # and where they are
+        self._near_x = self._near_y = self._near_theirs = np.zeros(0)  # and their normals and limits
         self._leave(self._own)
         touching: list[int] = self._starts.robots[self._gaps()[3] < _ROUNDING].tolist()
         self.unusable = [peer for peer in touching if peer != robot]
