@@ -30,7 +30,7 @@ def choose(scenario: Scenario, robot: int) -> Law:
 
         return BarrierLaw(scenario, robot)
     if law == "reciprocal":
-        from agents.laws.reciprocal import ReciprocalLaw
+        from agents.laws.reciprocity.reciprocal import ReciprocalLaw
 
         return ReciprocalLaw(scenario, robot)
     if ":" in law:

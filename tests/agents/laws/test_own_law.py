@@ -74,8 +74,8 @@ def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_pr
 
 
 def test_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    under("agents.laws.reciprocal:ReciprocalLaw")
-    entry = EntryPoint("mine", "agents.laws.reciprocal:ReciprocalLaw", "disknav.laws")
+    under("agents.laws.reciprocity.reciprocal:ReciprocalLaw")
+    entry = EntryPoint("mine", "agents.laws.reciprocity.reciprocal:ReciprocalLaw", "disknav.laws")
     monkeypatch.setattr("agents.laws.own.entry_points", lambda **_: EntryPoints([entry]))
     under("entry-point:mine")
 

@@ -15,9 +15,9 @@ import math
 from typing import Final, final
 
 from agents.laws.gradient import GradientLaw
-from agents.laws.roundabout import Encounter, Roundabout, roundabout, together
-from agents.laws.velocity_obstacle import reciprocal
-from agents.laws.velocity_program import nearest
+from agents.laws.reciprocity.roundabout import Encounter, Roundabout, roundabout, together
+from agents.laws.reciprocity.velocity_obstacle import reciprocal
+from agents.laws.reciprocity.velocity_program import nearest
 from agents.laws.view import View
 from agents.lines.line import HalfPlane
 from protocol.geometry import Disk

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.laws.roundabout import (
+from agents.laws.reciprocity.roundabout import (
     STEEPEST,
     WIDE,
     Encounter,

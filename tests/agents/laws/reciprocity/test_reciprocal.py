@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from agents.laws.velocity_obstacle import reciprocal
-from agents.laws.velocity_program import nearest
+from agents.laws.reciprocity.velocity_obstacle import reciprocal
+from agents.laws.reciprocity.velocity_program import nearest
 from agents.lines.line import HalfPlane
 from deploy.library.load import load, resolved
 from deploy.library.random_instances import random_instance
