@@ -109,8 +109,8 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 site: $(READY)  ## build the documentation as a site in out/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 
-diagrams: $(READY)  ## draw docs/diagrams again where one has changed (npm, Chromium)
-	$(BIN)/python -m docs.diagrams.render
+diagrams: $(READY)  ## draw docs/concepts/diagrams again where one has changed (npm, Chromium)
+	$(BIN)/python -m docs.concepts.diagrams.render
 
 engines: $(READY)  ## images for the tests that start containers (podman, mmdebstrap, as root); some minutes
 	$(BIN)/python -m tests.deploy.manifests.engine
