@@ -88,8 +88,8 @@ golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and
 
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
-	$(BIN)/python -m tests.benchmarks.cores
-	$(BIN)/python -m pytest tests/benchmarks/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
+	$(BIN)/python -m tests.benchmarks.machine.cores
+	$(BIN)/python -m pytest tests/benchmarks/machine/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.fuzz --inputs 1000000

@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+FOLDERS = ("disknav", "protocol", "agents", "world", "deploy", "tests", "docs")
 _NAMED = re.compile(r"`((?:protocol|agents|world|deploy|tests|docs)/(?:[\w./-]*/|[\w./-]+\.(?:py|md|json)))`")
 
 
@@ -24,3 +25,24 @@ def test_every_link_leads_somewhere(page: Path) -> None:
     made = {path.with_suffix(".md") for path in (ROOT / "docs/reference").glob("*.py")}  # with the site
     targets = {link: (page.parent / link).resolve() for link in links}
     assert [link for link, target in targets.items() if target not in made and not target.exists()] == []
+
+
+def test_every_module_to_run_is_there() -> None:
+    sources = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
+    said = "".join(path.read_text() for path in [*PAGES, ROOT / "Makefile", *sources])
+    named = {
+        ROOT / name.replace(".", "/")
+        for name in re.findall(r"python -m ((?:tests|deploy|docs)[\w.]*\w)", said)
+    }
+    assert len(named) > 20
+    assert [path for path in named if not path.with_suffix(".py").exists() and not path.is_dir()] == []
+
+
+def test_no_folder_is_a_heap() -> None:
+    folders = [path for folder in FOLDERS for path in (ROOT / folder, *(ROOT / folder).rglob("*/"))]
+    assert {str(path): count for path in folders if (count := len(_entries(path))) > 14} == {}
+
+
+def _entries(folder: Path) -> list[Path]:
+    """What somebody wrote, and not what the machine made of it."""
+    return [path for path in folder.iterdir() if path.suffix != ".so" and path.name != "__pycache__"]

@@ -4,7 +4,7 @@ Rates are ticks per second of real fleets, with and without, in turns; the ratio
 rounds. On a busy machine it says little; `added` is then what counts, the world's own time for the journal,
 and `share` its part of a tick without it. Replayed is the journal that a run in this process left.
 
-    python -m tests.benchmarks.journal --robots 6 32 --rounds 9
+    python -m tests.benchmarks.recording.journal --robots 6 32 --rounds 9
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 The recording is made of a short run in this process, over and over at later ticks: by default half an hour of
 16 robots at 20 Hz, as the product would have written it.
 
-    python -m tests.benchmarks.reading --minutes 30 --robots 16
+    python -m tests.benchmarks.recording.reading --minutes 30 --robots 16
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 `page` is `disknav monitor --web` with one viewer attached, `terminal` is `disknav monitor`; both are
 there before the run begins. Rates are ticks per second of wall time, ratios are to `plain`.
 
-    python -m tests.benchmarks.recording --rounds 5
+    python -m tests.benchmarks.recording.recorder --rounds 5
 """
 
 from __future__ import annotations

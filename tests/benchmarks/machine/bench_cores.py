@@ -1,6 +1,6 @@
 """The cores under pytest-benchmark: distributions, comparison of saved runs, and all else that it offers.
 
-pytest tests/benchmarks/bench_cores.py --benchmark-group-by=param:robots
+pytest tests/benchmarks/machine/bench_cores.py --benchmark-group-by=param:robots
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.benchmarks.cores import ROBOTS, calls
+from tests.benchmarks.machine.cores import ROBOTS, calls
 
 _calls = cache(calls)
 

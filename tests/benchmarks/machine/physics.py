@@ -5,7 +5,7 @@ The factor is simulated time per wall time, the processor time that of all proce
 the plant itself takes. Time is until all have arrived, or nobody moves any more; path is the mean of all
 robots; in brackets both are beside points.
 
-    python -m tests.benchmarks.physics --robots 6 16 32
+    python -m tests.benchmarks.machine.physics --robots 6 16 32
 """
 
 from __future__ import annotations

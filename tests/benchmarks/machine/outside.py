@@ -1,4 +1,4 @@
-"""`python -m tests.benchmarks.outside`: private memory of robots' processes whose bases are outside.
+"""`python -m tests.benchmarks.machine.outside`: private memory of robots' processes whose bases are outside.
 
 Router, world and robots are real processes on zenoh; this one plays bases and localisation, for some
 seconds in real time.

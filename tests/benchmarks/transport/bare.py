@@ -4,7 +4,7 @@ Per tick the world sends every robot a measurement; every robot that has it send
 others; every robot that has all states sends the world its command; the world waits for all
 commands. Same keys, payload sizes and phases as a real fleet.
 
-    python -m tests.benchmarks.bare_transport --robots 6 16
+    python -m tests.benchmarks.transport.bare --robots 6 16
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _MODULES = (
     "zenoh",
     "protocol.bus.zenoh",
     "deploy.processes.router",
-    "tests.benchmarks.bare_transport",
+    "tests.benchmarks.transport.bare",
 )
 
 
@@ -56,9 +56,9 @@ class Rate(NamedTuple):
 
 def rate(robots: int, seconds: float = 3.0, bus: Literal["raw", "bus"] = "raw") -> Rate:
     """Lock-step ticks of `robots` processes through a router, on raw zenoh or on `ZenohBus`."""
-    from tests.benchmarks.payloads import payloads  # here, so that the processes do without a fleet
+    from tests.benchmarks.transport.payloads import payloads  # here, so that the processes do without a fleet
 
-    module, say = "tests.benchmarks.bare_transport", payloads(robots)
+    module, say = "tests.benchmarks.transport.bare", payloads(robots)
     with Supervisor(Spawner(_MODULES)) as supervisor:
         supervisor.start([router(Connection("router"))])
         endpoint = supervisor.report("router", 10.0)

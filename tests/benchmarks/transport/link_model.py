@@ -6,7 +6,7 @@ with n robots beside another router than the world's, each of which is told a Ti
 copies of States to hosts where somebody is near; and the summary, 16 bytes a robot and period. a and b are
 fitted to fleets of `links`, and checked on one that was not fitted.
 
-    python -m tests.benchmarks.link_model
+    python -m tests.benchmarks.transport.link_model
 """
 
 from __future__ import annotations

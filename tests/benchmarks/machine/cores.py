@@ -5,7 +5,7 @@ microseconds. The floor of a core is what numpy takes to do its arithmetic alone
 checked or wrapped: pair differences and their squared lengths for what looks at every pair, two copies
 of the bytes for the codec.
 
-    python -m tests.benchmarks.cores --robots 6 32
+    python -m tests.benchmarks.machine.cores --robots 6 32
 """
 
 from __future__ import annotations

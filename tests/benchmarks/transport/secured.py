@@ -1,6 +1,6 @@
 """What certificates and rules cost: the same run over plain TCP, over mutual TLS, and with access rules.
 
-python -m tests.benchmarks.secured --robots 6 16
+python -m tests.benchmarks.transport.secured --robots 6 16
 """
 
 from __future__ import annotations

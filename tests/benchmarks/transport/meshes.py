@@ -17,10 +17,10 @@ from typing import Literal, Protocol
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process
-from tests.benchmarks.bare_transport import Payloads, Rate, timed
+from tests.benchmarks.transport.bare import Payloads, Rate, timed
 
 Carrier = Literal["zmq", "pipes"]
-_MODULE = "tests.benchmarks.floors"
+_MODULE = "tests.benchmarks.transport.meshes"
 _PATIENCE = 20.0  # s for all inboxes to be there
 
 
@@ -128,7 +128,7 @@ def world(
 
 def rate(robots: int, seconds: float, carrier: Carrier) -> Rate:
     """Lock-step ticks of `robots` processes over another carrier."""
-    from tests.benchmarks.payloads import payloads  # here, so that the processes do without a fleet
+    from tests.benchmarks.transport.payloads import payloads  # here, so that the processes do without a fleet
 
     say = payloads(robots)
     with (

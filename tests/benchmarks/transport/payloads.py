@@ -9,8 +9,8 @@ from math import inf
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
 from protocol.keys import everything, parse
-from tests.benchmarks.bare_transport import Payloads
 from tests.benchmarks.fleets import scenario
+from tests.benchmarks.transport.bare import Payloads
 
 
 class Scale:
