@@ -9,7 +9,7 @@ KERNEL := .venv/.kernel
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix protocol/geometry/,disk.py polygon.py) \
   $(addprefix protocol/wire/,cursor.py reader.py codec.py) \
-  $(addprefix agents/,localisation/estimate.py safety_filter.py robot.py) \
+  $(addprefix agents/,localisation/estimate.py safety_filter.py hearing.py robot.py) \
   $(addprefix agents/shell/,contact.py subscriptions.py node.py) \
   $(addprefix agents/peers/,roster.py awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \

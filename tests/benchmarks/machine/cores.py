@@ -63,7 +63,7 @@ class Fleet:
     def _tell(self, own: int, robot: Robot) -> None:
         for peer, state in self.states.items():
             if peer != own:
-                robot.on_state(addressed_to(own, state, self.radii[peer]))
+                robot.hearing.on_state(addressed_to(own, state, self.radii[peer]))
 
     def robot_tick(self) -> Callable[[], Command]:
         """A function that is robot 1's next tick, with all others' States as they are."""
@@ -77,7 +77,7 @@ class Fleet:
             sense = Sense(mine.position, ahead[0], 0.0, (0.0, 0.0))
             robot.begin(Tick(1, mine.incarnation, ahead[0], active, sense))
             for state in peers:
-                robot.on_state(addressed_to(1, _at(state, ahead[0]), self.radii[state.robot]))
+                robot.hearing.on_state(addressed_to(1, _at(state, ahead[0]), self.radii[state.robot]))
             return robot.command()
 
         return step

@@ -130,7 +130,7 @@ class Skirmish:
         summary = self.world.coordinator.summary
         for process in (*self.processes.values(), *self.former):
             if summary is not None and rng.random() >= self.loss:
-                process.core.on_summary(summary)
+                process.core.hearing.on_summary(summary)
 
     def _operate(self, rng: Random) -> None:
         """Something comes or goes."""
@@ -277,7 +277,7 @@ class Skirmish:
         for _, state, robot in due:
             radius = self.scenario.spec(state.robot).radius
             for process in self._all_of(robot):
-                process.core.on_state(addressed_to(robot, state, radius))
+                process.core.hearing.on_state(addressed_to(robot, state, radius))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 

@@ -11,14 +11,14 @@ _COMMANDS = "world.coordinator.commands"
 _ESTIMATE = "agents.localisation.estimate"
 _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
-_ROBOT = "agents.robot"
+_HEARING = "agents.hearing"
 _ROSTER = "agents.peers.roster"
 
 ITSELF = (
     Mutant(
         "settled-commands",
         "lines are taken over only while no command is under way",
-        (Edit(_ROBOT, "if self._open and tick <= self.tick and self._link.ideal", "if self._link.ideal"),),
+        (Edit(_HEARING, "if self._open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),),
         model="skirmish",
         first=340,
     ),
