@@ -11,13 +11,29 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FOLDERS = ("disknav", "protocol", "agents", "world", "deploy", "tests", "docs")
-_NAMED = re.compile(r"`((?:protocol|agents|world|deploy|tests|docs)/(?:[\w./-]*/|[\w./-]+\.(?:py|md|json)))`")
+_NAMED = re.compile(rf"`((?:{'|'.join(FOLDERS)})/(?:[\w./-]*/|[\w./-]+\.(?:py|md|json)))`")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_path_is_there(page: Path) -> None:
     named = set(_NAMED.findall(page.read_text()))
     assert [path for path in sorted(named) if not (ROOT / path).exists()] == []
+
+
+def test_the_map_names_every_folder_and_files_beside_what_it_names() -> None:
+    named: set[str] = set()
+    for row in re.findall(r"^\|.*\|$", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE):
+        beside = ROOT
+        for path in re.findall(r"`([\w/-]+(?:/|\.py))`", row):
+            if "/" in path:
+                beside = (ROOT / path).parent
+                named.add(path)
+            else:
+                assert (beside / path).exists(), f"{path} is not in {beside}"
+    packages = ("protocol", "agents", "world", "deploy")
+    folders = {path.parent for package in packages for path in (ROOT / package).glob("*/*.py")}
+    names = {folder.relative_to(ROOT).as_posix() + "/" for folder in folders}
+    assert [name for name in sorted(names) if not any(each.startswith(name) for each in named)] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
