@@ -76,7 +76,7 @@ collect: $(READY) $(COMPILED)  # once: else each process of pytest-xdist rewrite
 	@$(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
-	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
+	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
 
 test: $(READY) $(COMPILED) $(KERNEL)  ## lint, types, import contracts and the whole suite
 	@$(MAKE) --no-print-directory --jobs=2 check collect

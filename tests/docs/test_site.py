@@ -34,6 +34,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return target
 
 
+@pytest.mark.slow
 def test_every_page_is_there(site: Path) -> None:
     pages = {path.relative_to(site).with_suffix(".md").as_posix() for path in site.rglob("*.html")}
     named = set(re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text()))
@@ -44,6 +45,7 @@ def test_every_page_is_there(site: Path) -> None:
         assert f'href="{page}"' in index, f"{page} is in no menu"
 
 
+@pytest.mark.slow
 def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
     fetched = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(?:https?:)?//[^\"]*\"")
     found = {
@@ -57,6 +59,7 @@ def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
         assert not re.search(r"url\(\s*[\"']?(?:https?:)?//", sheet.read_text())
 
 
+@pytest.mark.slow
 def test_every_diagram_is_drawn_as_its_source_says_and_shown(site: Path) -> None:
     sources = sorted(render.FOLDER.glob("*.mmd"))
     assert sources
