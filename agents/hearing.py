@@ -15,10 +15,8 @@ from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState, from_afar
 from protocol.crowd.interest import period, turn
-from protocol.messages import Summary, Tick
+from protocol.messages import Summary, Tick, Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 
 class Hearing:

@@ -33,10 +33,10 @@ from protocol.messages import (
     Sense,
     State,
     Tick,
+    Vector,
 )
 from protocol.scenario.model import Scenario
 
-Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
 NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
 
