@@ -9,7 +9,7 @@ KERNEL := .venv/.kernel
 INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix protocol/geometry/,disk.py polygon.py) \
   $(addprefix protocol/wire/,cursor.py reader.py codec.py) \
-  $(addprefix agents/,localisation/estimate.py safety_filter.py robot.py) \
+  $(addprefix agents/,localisation/estimate.py safety_filter.py hearing.py robot.py) \
   $(addprefix agents/shell/,contact.py subscriptions.py node.py) \
   $(addprefix agents/peers/,roster.py awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
   $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
@@ -76,7 +76,7 @@ collect: $(READY) $(COMPILED)  # once: else each process of pytest-xdist rewrite
 	@$(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
-	$(BIN)/python -m pytest -n 2 -m 'not slow and not process and not browser and not alone'
+	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
 
 test: $(READY) $(COMPILED) $(KERNEL)  ## lint, types, import contracts and the whole suite
 	@$(MAKE) --no-print-directory --jobs=2 check collect
@@ -88,8 +88,8 @@ golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and
 
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
-	$(BIN)/python -m tests.benchmarks.cores
-	$(BIN)/python -m pytest tests/benchmarks/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
+	$(BIN)/python -m tests.benchmarks.machine.cores
+	$(BIN)/python -m pytest tests/benchmarks/machine/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.fuzz --inputs 1000000
@@ -109,8 +109,8 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 site: $(READY)  ## build the documentation as a site in out/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 
-diagrams: $(READY)  ## draw docs/diagrams again where one has changed (npm, Chromium)
-	$(BIN)/python -m docs.diagrams.render
+diagrams: $(READY)  ## draw docs/concepts/diagrams again where one has changed (npm, Chromium)
+	$(BIN)/python -m docs.concepts.diagrams.render
 
 engines: $(READY)  ## images for the tests that start containers (podman, mmdebstrap, as root); some minutes
 	$(BIN)/python -m tests.deploy.manifests.engine

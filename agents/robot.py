@@ -1,8 +1,7 @@
 """The core of a robot: messages and ticks go in, messages come out; no socket, no clock, no global state.
 
 A tick has two phases. `begin` takes the Tick and gives the State; `command`, once the peers'
-States are heard (or right away, in real time), gives the Command. Line messages are taken over only from
-the one to the other, when every earlier command is settled: none is ever outstanding (`agents.lines`).
+States are heard (or right away, in real time), gives the Command.
 """
 
 from __future__ import annotations
@@ -12,21 +11,16 @@ from math import hypot
 from typing import Final
 
 from agents.bodies.choice import body_of
+from agents.hearing import Hearing
 from agents.laws import Law, View, choose
 from agents.laws.turns import turn_of
 from agents.localisation.estimate import Estimate
 from agents.localisation.reckoning import Reckoning
 from agents.movers.mover import Mover
-from agents.peers.attention import Attention
-from agents.peers.awaited import Awaited
-from agents.peers.far import places_of
 from agents.peers.fleet import fleet_of
-from agents.peers.link import Link
-from agents.peers.neighbours import Neighbours
 from agents.peers.roster import KnownRoster, has_ended
-from agents.peers.state import PeerState, from_afar
 from agents.safety_filter import SafetyFilter
-from protocol.crowd.interest import period, turn
+from protocol.crowd.interest import period
 from protocol.messages import (
     Answer,
     Command,
@@ -38,12 +32,11 @@ from protocol.messages import (
     Roster,
     Sense,
     State,
-    Summary,
     Tick,
+    Vector,
 )
 from protocol.scenario.model import Scenario
 
-Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
 NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
 
@@ -62,6 +55,7 @@ class Robot:
 
     Attributes:
         goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
+        hearing: takes what peers say.
     """
 
     def __init__(self, scenario: Scenario, robot: int, incarnation: int, *, lockstep: bool = True) -> None:
@@ -75,9 +69,7 @@ class Robot:
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
-        self._neighbours = Neighbours(fleet_of(scenario.robots).radii, everybody=not scenario.hears_near)
-        self._link, self._awaited = Link(scenario, robot), Awaited(robot)
-        self._attention = Attention(turn(scenario, robot), lockstep=lockstep)
+        self.hearing = Hearing(scenario, robot, lockstep=lockstep)
         self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known
@@ -86,9 +78,8 @@ class Robot:
         self._desired = self._moved = STILL
         self._blind = True  # whether nothing is known of how far it went in the last tick
         self._halted = False  # an emergency stop is in force
-        self._open = False  # whether the tick's State is out and its Command is not
 
-    # -- phase 1: sense, follow the roster, hear what is late, say where it is
+    # -- phase 1: sense, follow the roster, hear what was late, say where it is
 
     def begin(self, tick: Tick, sense: Sense | None = None) -> State:
         """Open a tick; returns the State to publish.
@@ -98,7 +89,6 @@ class Robot:
             sense: from the own base and localisation, unless the Tick brings it.
         """
         self.tick = tick.tick
-        self._awaited.begin(tick.tick, tick.active)
         self._ordered = self._ordered if tick.goal is None else tick.goal
         self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
@@ -108,13 +98,9 @@ class Robot:
         self._sense(sense)
         if tick.roster is not None:
             self._follow(tick.roster)
-        self._attend(tick)
-        for letter in tick.letters:
-            self._on_letter(letter)
-        self._hear(tick.tick - 1)
+        self.hearing.open(tick)
         if self._mover is not None:
             self._move_parts(self._mover, self._ordered)
-        self._open = True
         return self._state()
 
     def begin_anew(self) -> None:
@@ -145,9 +131,10 @@ class Robot:
         """Follow a roster that may be a newer one."""
         news = self._roster.update(roster)
         for member in news:
-            self._neighbours.on_member(member)
+            self.hearing.neighbours.on_member(member)
         if self._filter is None:
             self._filter = self._first_filter(self._roster)
+            self.hearing.lines = self._filter.lines
             self._filter.locate(self.tick, self._estimate, blind=self._blind)
             news = []
         self._filter.on_roster(news, self._roster.things)
@@ -166,16 +153,6 @@ class Robot:
             roster.members,
             roster.founding,
         )
-
-    def _attend(self, tick: Tick) -> None:
-        """Hear those who are near, as the world says ahead of time; where all hear all it has no say."""
-        if tick.near is not None and self._scenario.hears_near:
-            summed_up = tick.tick % period(self._scenario) == 0
-            self._attention.announce(tick.tick, tick.near, summed_up=summed_up)
-        if self._attention.turn(tick.tick):
-            self._neighbours.attend(self._attention.near)
-            if self._filter is not None:
-                self._filter.lines.attend(self._attention.near)
 
     def _state(self) -> State:
         """What this robot says of itself."""
@@ -202,84 +179,23 @@ class Robot:
             None if self._mover is None else self._mover.claim,
         )
 
-    def reconsider(self, tick: Tick) -> None:
-        """The same tick again: somebody who took part no longer does, and is not waited for."""
-        self._awaited.reduce(tick.active)
-
-    # -- between the phases: hear
-
-    def on_state(self, state: PeerState) -> None:
-        """The State of a peer of this run has arrived, perhaps again."""
-        tick, filter_ = state.tick, self._filter
-        self._awaited.arrived(state.robot, tick)  # news or not: a false incarnation must hold up nobody
-        if not self._link.is_news(state):
-            return
-        if self._open and tick <= self.tick and self._link.ideal and filter_ is not None:
-            self._learn(filter_, state)  # as `command` would in a moment
-        else:
-            self._link.put(state)
-
-    def on_summary(self, summary: Summary) -> None:
-        """The world says where everybody is, for a tick that begins soon.
-
-        Raises:
-            MessageError: it is not made as a summary is.
-        """
-        self._attention.on_summary(places_of(summary))
-
-    def _on_letter(self, letter: Letter) -> None:
-        """A far peer speaks by way of the world; the link's faults are between robots, however they speak."""
-        radius = self._neighbours.radii.get(letter.robot)
-        if radius is not None:
-            self._link.put(from_afar(self.robot, letter, radius))
-
-    def _hear(self, tick: int) -> None:
-        """Take over all States that are due by `tick`; before the first roster they have to wait."""
-        if self._filter is not None:
-            for state in self._link.take(tick):
-                self._learn(self._filter, state)
-
-    def _learn(self, filter_: SafetyFilter, state: PeerState) -> None:
-        if state.is_letter:
-            filter_.lines.on_letter(state)
-        elif self._attention.counts(state.robot, state.tick):
-            state.size(self._neighbours.radii[state.robot])
-            self._neighbours.on_state(state)
-            filter_.lines.on_state(state)
-
-    @property
-    def complete(self) -> bool:
-        """Whether the States of all whom this robot hears in this tick have arrived, and the summary due."""
-        return not self._awaited.robots and self._attention.has_summary
-
-    @property
-    def lacks_states(self) -> bool:
-        """Whether States are missing."""
-        return bool(self._awaited.robots)
-
-    @property
-    def hears_everybody(self) -> bool:
-        """Whether nobody has said who is near."""
-        return self._attention.everybody
-
     # -- phase 2: hear, think, limit, command
 
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
-        self._open = False
+        self.hearing.close()
         self._desired, velocity = STILL, STILL
         letter: Letter | None = None
         handles: Handling | None = None
-        filter_ = self._filter
+        filter_, position = self._filter, self._estimate.position
         if filter_ is not None:
-            self._hear(self.tick)
-            self._look_afar(filter_)
+            if position is not None:
+                self.hearing.look_afar(position, filter_.radius)
             letter = self._letter(filter_)  # before the velocity, which has to keep to all that is offered
             if filter_.keeps_clear:
                 self._kept = self._roster.version
             if self._mover is not None:
                 handles = self._fit_to_load(self._mover, filter_)
-            position = self._estimate.position
             if position is not None and not self._halted:
                 self._desired = self._wish(position)
                 velocity = filter_.velocity(self._desired, self._estimate)
@@ -292,7 +208,7 @@ class Robot:
 
     def complaint(self) -> Command:
         """In place of a Command that cannot be given: whose States are missing."""
-        lacking = tuple(sorted(self._awaited.robots)[:NAMED])
+        lacking = tuple(self.hearing.missing[:NAMED])
         return Command(self.robot, self.incarnation, self.tick, STILL, self._kept, lacking)
 
     def _wish(self, position: Vector) -> Vector:
@@ -313,7 +229,7 @@ class Robot:
             position=position,
             goal=self.goal,
             displacement=self._moved,
-            neighbours=self._neighbours,
+            neighbours=self.hearing.neighbours,
             things=() if self._filter is None else self._filter.things.shapes,
         )
 
@@ -324,26 +240,16 @@ class Robot:
 
     # -- far peers
 
-    def _look_afar(self, filter_: SafetyFilter) -> None:
-        """Take in the newest summary that is due, if it is news."""
-        position = self._estimate.position
-        picture = None if position is None else self._attention.new_picture(self._neighbours.radii)
-        if position is None or picture is None:
-            return
-        filter_.lines.survey(picture)
-        known = {self.robot, *self._attention.near, *self._neighbours.standing}
-        self._neighbours.far = picture.field(position, filter_.radius, known)
-
     def _summed_up(self) -> float | None:
         """What the next tick's summary is to say of this robot's pace, if there is one."""
         position = self._estimate.position
-        if self._attention.everybody or position is None or (self.tick + 1) % period(self._scenario):
+        if self.hearing.everybody or position is None or (self.tick + 1) % period(self._scenario):
             return None
         return self._law.slice_norm(position, self.goal)
 
     def _letter(self, filter_: SafetyFilter) -> Letter | None:
         """What is to be said to far peers, if anything."""
-        if self._attention.everybody or not filter_.obeyed:
+        if self.hearing.everybody or not filter_.obeyed:
             return None
         proposals, answers = filter_.lines.letters()
         if not proposals and not answers:
@@ -354,7 +260,7 @@ class Robot:
 
     def _move_parts(self, mover: Mover, ordered: Vector | None) -> None:
         """Decide what to do about parts in this tick; who was ordered elsewhere leaves them alone."""
-        position, heard = self._estimate.position, self._neighbours
+        position, heard = self._estimate.position, self.hearing.neighbours
         if position is None or self._filter is None:
             return
         mover.look(self.tick, position, self._roster, heard.heard(), list(heard.standing.values()), ordered)
@@ -412,7 +318,7 @@ class Robot:
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
-        heard = tuple(sorted((state.robot, state.tick) for state in self._neighbours.heard()))
+        heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
         position, bound = self._estimate.position, self._estimate.bound
         filter_ = self._filter
         lines = filter_.lines.obeyed_lines() if filter_ is not None and filter_.obeyed else ()

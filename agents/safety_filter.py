@@ -18,10 +18,9 @@ from agents.lines.things import Things
 from agents.localisation.estimate import Estimate
 from agents.peers.fleet import fleet_of
 from protocol.crowd.interest import urgent
-from protocol.messages import Member, Thing
+from protocol.messages import Member, Thing, Vector
 from protocol.scenario.model import Scenario
 
-Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)
 CORNERS: Final = 4  # that the workspace cuts off the own set in a tick, at most
 

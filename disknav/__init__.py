@@ -5,8 +5,8 @@
     run = disknav.run("figure-1")
     print(run.verdict, run.trajectory.positions.shape)
 
-docs/python.md has more. The command `disknav` does the same with the same code. Names are imported when
-they are first used, once it is clear that the packages that they come from are disknav's own.
+docs/guides/python.md has more. The command `disknav` does the same with the same code. Names are imported
+when they are first used, once it is clear that the packages that they come from are disknav's own.
 """
 
 from __future__ import annotations

@@ -9,9 +9,7 @@ from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.lines.polygon import Polygon
 from protocol.bodies.sweep import Sweep
-from protocol.messages import BaseMotion
-
-Vector = tuple[float, float]
+from protocol.messages import BaseMotion, Vector
 
 
 class Body(Protocol):

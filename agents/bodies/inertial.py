@@ -23,7 +23,7 @@ from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import nearest, wedge
 from protocol.bodies.base import Base, Motion
 from protocol.bodies.sweep import Miss, Sweep, sweep
-from protocol.messages import BaseMotion
+from protocol.messages import BaseMotion, Vector
 
 _TRIES: Final = 6  # programs that are solved in a tick
 _SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
@@ -32,7 +32,6 @@ _FACING: Final = 16  # parts of half a circle, in which directions to leave an e
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 _TINY: Final = 1e-100  # m; what can be divided by
 
-Vector = tuple[float, float]
 STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 

@@ -10,9 +10,7 @@ from agents.lines.line import HalfPlane
 from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import safe_velocity
 from protocol.bodies.sweep import Sweep
-from protocol.messages import BaseMotion
-
-Vector = tuple[float, float]
+from protocol.messages import BaseMotion, Vector
 
 
 @final

@@ -18,10 +18,9 @@ from agents.navigation.flow import Flow, desired_velocity
 from agents.navigation.obstacles import round_boundary, standing
 from agents.navigation.slice import Gradient, Peer, Slice
 from agents.peers.state import PeerState
+from protocol.messages import Vector
 from protocol.scenario.gain import grown
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 
 class GradientLaw:

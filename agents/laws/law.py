@@ -6,9 +6,8 @@ import math
 from typing import Protocol
 
 from agents.laws.view import View
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 
 class Law(Protocol):

@@ -14,11 +14,11 @@ from typing import Any
 from agents.laws.law import Law
 from agents.laws.view import View
 from protocol.errors import LawError, UsageError
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
 GROUP = "disknav.laws"  # of entry points
 ENTRY_POINT = "entry-point"
-Vector = tuple[float, float]
 
 
 class OwnLaw(Law):

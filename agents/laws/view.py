@@ -9,8 +9,7 @@ from mypy_extensions import mypyc_attr
 
 from agents.peers.neighbours import Neighbours
 from protocol.geometry import Shape
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 
 @final

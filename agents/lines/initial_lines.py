@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from agents.lines.line import HalfPlane
 from agents.peers.far import FarPicture, Places, shift
+from protocol.messages import Vector
 from protocol.process.newest import keeps_newest
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Vector = tuple[float, float]
 
 _ROUNDING: Final = 1e-6  # m, more than the same line computed one by one may differ by
 

@@ -13,8 +13,8 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, SURE, Line
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 Span = tuple[Vector, Vector]  # a point of each of two segments
 
 _BISECTIONS: Final = 8

@@ -17,11 +17,10 @@ from typing import Final
 from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane, room_of
 from agents.lines.polygon import Polygon
+from protocol.messages import Vector
 
 _CUTS: Final = 12  # half-planes of the boundary that are tried
 _SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
-
-Vector = tuple[float, float]
 
 
 def safe_velocity(

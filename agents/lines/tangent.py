@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from agents.lines.line import HalfPlane
 from agents.lines.own_set import OwnSet
 from protocol.geometry import Shape
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 
 class Tangent:

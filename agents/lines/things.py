@@ -12,12 +12,10 @@ from agents.lines.polygon import Polygon
 from agents.lines.tangent import Tangent
 from protocol.bodies.sweep import Sweep
 from protocol.geometry import Shape
-from protocol.messages import Thing
+from protocol.messages import Thing, Vector
 
 _ROOM: Final = 0.25  # of the own radius, by which to be clear of what is to appear
 _FAR: Final = 4.0  # ticks of motion: what is farther away is kept to as the disk around it
-
-Vector = tuple[float, float]
 
 
 class Things:

@@ -18,14 +18,12 @@ from mypy_extensions import mypyc_attr
 
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.polygon import DIRECTIONS, SIDES, Polygon, around
-from protocol.messages import Sense
+from protocol.messages import Sense, Vector
 
 HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
 _ULP: Final = (
     4.0 * 2.0**-53
 )  # what adding up a tick's way loses, of |x| + |y|, in the truth and in the estimate
-
-Vector = tuple[float, float]
 
 
 @final

@@ -6,8 +6,7 @@ from collections.abc import Collection
 
 from agents.movers.outlook import Outlook
 from agents.movers.plan import Errand, Planner
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 
 def choose(

@@ -19,10 +19,8 @@ from agents.movers.precedence import first, traveller
 from agents.movers.traffic import Traffic, Traveller
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
-from protocol.messages import Claim, Handling, Member
+from protocol.messages import Claim, Handling, Member, Vector
 from protocol.scenario.model import Part, Scenario
-
-Vector = tuple[float, float]
 
 AGAIN: Final = 1.0  # s until a robot without a part looks for one again
 STUCK: Final = 8.0  # s without motion, after which it turns to something else

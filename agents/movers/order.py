@@ -12,8 +12,8 @@ from typing import Final
 
 from agents.movers.places import Floor, Places
 from agents.movers.reach import Reach
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 _Regions = tuple[int, ...]  # cells that each robot gets to, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 

@@ -11,10 +11,8 @@ from agents.movers.places import Floor
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
-from protocol.messages import Claim, Member
+from protocol.messages import Claim, Member, Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 
 class Outlook:

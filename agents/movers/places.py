@@ -11,9 +11,9 @@ import numpy as np
 
 from agents.movers.floor import Grid, away, depth
 from protocol.geometry import Disk, Shape
+from protocol.messages import Vector
 from protocol.scenario.model import Part, Scenario
 
-Vector = tuple[float, float]
 _Kept = TypeVar("_Kept")
 
 DIRECTIONS: Final = 64  # from which a part is tried

@@ -18,9 +18,8 @@ from agents.movers.order import Orders
 from agents.movers.places import MARGIN, Floor, Places
 from agents.movers.reach import Reach
 from protocol.geometry import Disk
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 CELLS: Final = 4.0  # to the smallest radius
 _OTHER: Final = 7  # places on from one attempt to the next

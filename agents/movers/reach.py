@@ -14,8 +14,7 @@ import numpy as np
 
 from agents.movers.floor import Cells, Grid
 from protocol.geometry import Shape
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 NEAR: Final = 2  # cells around a point that stand for its own where that is not free
 _KEPT: Final = 1024  # sets that are remembered

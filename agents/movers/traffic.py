@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from agents.movers.floor import Grid, Reals
 from protocol.geometry import Shape
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 Cells = NDArray[np.bool_]
 
 ASIDE: Final = 0.2  # of the own radius, by which to keep clear of the way of whoever goes first

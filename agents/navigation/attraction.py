@@ -9,8 +9,8 @@ from typing import Final
 from agents.navigation.route import Route, way_points
 from protocol.geometry import Shape
 from protocol.geometry.sphere_world import is_sphere_world
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 _TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other
 
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from agents.navigation.slice import Peer
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 Other = TypeVar("Other", bound=Peer)
 Mean = tuple[Vector, Vector]  # averaged once, averaged twice
 MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))

@@ -14,8 +14,9 @@ import numpy as np
 from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
+from protocol.messages import Vector
+
 Array = NDArray[np.float64]
-Vector = tuple[float, float]
 
 
 @final

@@ -14,13 +14,12 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Gradient, Slice
+from protocol.messages import Vector
 
 TOLERANCE: Final = 2e-3  # error of one step, as a fraction of the way that the speed limit allows in a period
 MAX_STEPS: Final = 60  # attempted steps per period; what was reached by then is returned
 _D: Final = 1.0 / (2.0 + math.sqrt(2.0))
 _E32: Final = 6.0 + math.sqrt(2.0)
-
-Vector = tuple[float, float]
 
 
 @final

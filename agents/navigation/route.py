@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from protocol.geometry import Disk, Shape
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from agents.navigation.far_field import FarField, far_field
 from protocol.errors import MessageError
-from protocol.messages import AnyMessage, Summary
+from protocol.messages import AnyMessage, Summary, Vector
 from protocol.wire.codec import LARGEST, decode
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float]
 
 
 @lru_cache(maxsize=1)

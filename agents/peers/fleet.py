@@ -6,10 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from protocol.messages import Vector
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import RobotSpec
-
-Vector = tuple[float, float]
 
 
 class Fleet(NamedTuple):

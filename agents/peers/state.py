@@ -7,10 +7,8 @@ from typing import final
 from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Peer
-from protocol.messages import Answer, Claim, Letter, Proposal, State
+from protocol.messages import Answer, Claim, Letter, Proposal, State, Vector
 from protocol.wire.codec import LARGEST
-
-Vector = tuple[float, float]
 
 
 @final

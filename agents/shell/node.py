@@ -194,7 +194,7 @@ class RobotNode:
         if heard is None or peer is None:
             self._on_message(core, message)
         elif heard.incarnation >= peer.oldest:  # else it is of an earlier run
-            core.on_state(heard)
+            core.hearing.on_state(heard)
             self._command_if_complete(core)
 
     def _decode(self, key: str, payload: bytes) -> AnyMessage:
@@ -207,12 +207,12 @@ class RobotNode:
         elif isinstance(message, Summary):
             if message.run_number == self._run_number:  # else it is of an earlier run, and late
                 self._on_summary(core, message)
-        elif isinstance(message, State) and core.hears_everybody:
+        elif isinstance(message, State) and core.hearing.everybody:
             self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_summary(self, core: Robot, summary: Summary) -> None:
         try:
-            core.on_summary(summary)
+            core.hearing.on_summary(summary)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -236,7 +236,7 @@ class RobotNode:
     def _open(self, core: Robot, tick: Tick) -> None:
         """A tick begins: say where this robot is."""
         if tick.roster is not None:
-            self._peers.on_roster(tick.roster, everybody=core.hears_everybody)
+            self._peers.on_roster(tick.roster, everybody=core.hearing.everybody)
         if tick.near is not None and core.scenario.hears_near:
             self._peers.attend(tick.near)
         sense = None if self._base is None else self._base.begin(core, tick, self._world.heard)
@@ -247,11 +247,11 @@ class RobotNode:
         self._tell_state(self._said_state)
         self._published += 1
         self._commanded = False
-        if core.complete or not self._lockstep:
+        if core.hearing.complete or not self._lockstep:
             self._command(core)
 
     def _command_if_complete(self, core: Robot) -> None:
-        if not self._commanded and core.complete:
+        if not self._commanded and core.hearing.complete:
             self._command(core)
 
     def _command(self, core: Robot) -> None:
@@ -272,9 +272,9 @@ class RobotNode:
         self._tell_state(self._said_state)
         if self._commanded:
             self._tell_command(self._said_command)
-        core.reconsider(tick)
+        core.hearing.reconsider(tick)
         self._command_if_complete(core)
-        if not self._commanded and core.lacks_states:
+        if not self._commanded and core.hearing.missing:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:

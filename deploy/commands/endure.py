@@ -55,8 +55,9 @@ def endure(
 
     Exit status: 0 all of it holds, 1 not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.endurance.endure import Trial, table
     from deploy.studies.endurance.endure import endure as perform
+    from deploy.studies.endurance.outcome import table
+    from deploy.studies.endurance.trial import Trial
 
     if hours is not None:
         options.refuse({"--minutes": minutes}, "--hours says how long already")

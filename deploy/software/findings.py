@@ -61,7 +61,7 @@ def _installation() -> Finding:
     text = f"disknav {number}, {kind}; {python}"
     if platform.system() == "Linux":
         return Finding("installation", "good", text)
-    return Finding("installation", "note", text, "fleets are tested on Linux only; see docs/install.md")
+    return Finding("installation", "note", text, "tested on Linux only; see docs/guides/install.md")
 
 
 def _packages() -> Finding:

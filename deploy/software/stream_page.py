@@ -65,8 +65,8 @@ _RECORDED = """\
 `disknav run --record` writes the messages that the table marks to an MCAP file: one channel a key, with the
 time of the tick as log time. There a message is a JSON object under the field names above, without its
 type; `[x, y]` is `{"x": .., "y": ..}`, and a field that is nil is left out. Every channel has its JSON
-schema. Topics that begin with `/` draw the run, for [Foxglove](foxglove.md), and say nothing that the others
-do not. The metadata records `scenario` and `result` hold JSON objects.
+schema. Topics that begin with `/` draw the run, for [Foxglove](guides/foxglove.md), and say nothing that
+the others do not. The metadata records `scenario` and `result` hold JSON objects.
 """
 
 _UNIT = re.compile(r"(m/s|m\^2|m|s|rad)[,;] (.*)")

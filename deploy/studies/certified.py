@@ -1,6 +1,6 @@
 """k = "auto" beside the certified K and the k below which starts fail, for random goal sets.
 
-Run `python -m deploy.studies.certified --write` to measure again and rewrite docs/certified-k.md.
+Run `python -m deploy.studies.certified --write` to measure again and rewrite docs/theory/certified-k.md.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from deploy.theory.sampling import random_configuration
 from protocol.draws import Purpose, generator
 
 MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[2] / "docs" / "certified-k.md"
-PICTURE = REPORT.parent / "pictures" / "certified-k.png"
+REPORT = Path(__file__).parents[2] / "docs" / "theory" / "certified-k.md"
+PICTURE = REPORT.parents[1] / "pictures" / "certified-k.png"
 RADIUS, WORKSPACE = 0.04, 0.30  # m
 STARTS = 10
 LOWEST = 1.1  # k, below which starts are not tried
@@ -121,7 +121,7 @@ def draw(found: Sequence[Row], path: Path) -> None:
 
 
 def main() -> None:
-    """Measure, and print the table or put it into docs/certified-k.md below its marker, with the picture."""
+    """Measure, and print the table, or put it below the marker of the report, with the picture."""
     parser = argparse.ArgumentParser(prog="python -m deploy.studies.certified", description=__doc__)
     parser.add_argument("--sets", type=int, default=50, help="goal sets")
     parser.add_argument("--boxes", type=int, default=300_000, help="boxes for each")

@@ -13,7 +13,8 @@ def on_config(config: Any) -> Any:
     """See mkdocs. Whoever writes a page need not think of its place."""
     guides = next(section["Guides"] for section in config.nav if "Guides" in section)
     listed = str(config.nav)
-    guides += [path.name for path in sorted((ROOT / "docs").glob("*.md")) if path.name not in listed]
+    pages = [path.relative_to(ROOT / "docs").as_posix() for path in sorted((ROOT / "docs").rglob("*.md"))]
+    guides += [page for page in pages if page not in listed]
     return config
 
 

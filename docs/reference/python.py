@@ -12,7 +12,7 @@ import disknav
 
 def page() -> str:
     """As Markdown."""
-    lines = ["# `import disknav`", "", "From signatures and docstrings. [Examples](../python.md)."]
+    lines = ["# `import disknav`", "", "From signatures and docstrings. [Examples](../guides/python.md)."]
     for name in disknav.__all__:
         thing = getattr(disknav, name)
         own = thing.__module__.startswith("disknav")

@@ -21,7 +21,7 @@ def page() -> str:
         "# Scenario keys",
         "",
         "From the model that reads the files: metres, seconds, metres per second, radians. "
-        "[How to write one](../scenario.md).",
+        "[How to write one](../guides/scenario.md).",
     ]
     for path, table in _tables("", model.Scenario):
         lines += ["", f"## {path or 'At the top'}", "", _meaning(table), ""]

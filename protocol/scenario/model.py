@@ -32,7 +32,7 @@ Point = tuple[Coordinate, Coordinate]
 Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 LAWS = ("gradient", "reciprocal", "orca", "barrier")
-LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition(":")))]  # docs/law.md
+LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition(":")))]  # docs/guides/law.md
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
 DEFAULT_RADIUS = 0.30  # m, of the workspace

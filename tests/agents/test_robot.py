@@ -43,7 +43,7 @@ def said() -> list[tuple[Tick, dict[int, State], Command]]:
         for i, robot in fleet.items():
             for peer in IDS:
                 if peer != i:
-                    robot.on_state(addressed_to(i, states[peer], SCENARIO.spec(peer).radius))
+                    robot.hearing.on_state(addressed_to(i, states[peer], SCENARIO.spec(peer).radius))
         commands = {i: robot.command() for i, robot in fleet.items()}
         for command in commands.values():
             world.accept(command)
@@ -60,9 +60,9 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
             if each == OWN:
                 assert robot.begin(opened) == states[OWN]
             else:
-                robot.on_state(heard(states[each]))
+                robot.hearing.on_state(heard(states[each]))
             told = OWN in order[: count + 1]
-            assert not told or robot.complete == (count == len(order) - 1)
+            assert not told or robot.hearing.complete == (count == len(order) - 1)
         assert robot.command() == command
 
 
@@ -86,7 +86,7 @@ def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
     (first, states, _), (second, later, _) = said()[:2]
     robot.begin(first)
     for each in OTHERS:
-        robot.on_state(heard(states[each]))
+        robot.hearing.on_state(heard(states[each]))
     robot.command()
     assert first.roster is not None
     members = tuple(
@@ -99,11 +99,11 @@ def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
     if told_first:
         robot.begin(put_down)
     for state in said_now:
-        robot.on_state(state)
+        robot.hearing.on_state(state)
     if not told_first:
         robot.begin(put_down)
     robot.command()
-    known = robot._neighbours.state(peer)
+    known = robot.hearing.neighbours.state(peer)
     assert known is not None
     assert (known.tick, known.radius) == (1, max(0.02, claimed))
 
@@ -113,10 +113,10 @@ def test_who_no_longer_takes_part_is_not_awaited() -> None:
     opened, states, _ = said()[0]
     robot.begin(opened)
     for peer in OTHERS[1:]:
-        robot.on_state(heard(states[peer]))
-    assert not robot.complete
-    robot.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), opened.sense))
-    assert robot.complete
+        robot.hearing.on_state(heard(states[peer]))
+    assert not robot.hearing.complete
+    robot.hearing.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), opened.sense))
+    assert robot.hearing.complete
 
 
 def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
@@ -124,12 +124,12 @@ def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
     (first, states, _), (second, _, _) = said()[:2]
     robot.begin(first)
     for peer in OTHERS:
-        robot.on_state(heard(states[peer]))
+        robot.hearing.on_state(heard(states[peer]))
     robot.command()
     robot.begin(second)
     for peer in OTHERS:
-        robot.on_state(heard(states[peer]))
-    assert not robot.complete
+        robot.hearing.on_state(heard(states[peer]))
+    assert not robot.hearing.complete
 
 
 def test_a_life_that_there_is_not_holds_up_nobody() -> None:
@@ -138,12 +138,12 @@ def test_a_life_that_there_is_not_holds_up_nobody() -> None:
     (first, states, _), (second, later, _) = said()[:2]
     robot.begin(first)
     for peer in OTHERS:
-        robot.on_state(heard(replace(states[peer], incarnation=999)))
+        robot.hearing.on_state(heard(replace(states[peer], incarnation=999)))
     robot.command()
     robot.begin(second)
     for peer in OTHERS:
-        robot.on_state(heard(later[peer]))
-    assert robot.complete
+        robot.hearing.on_state(heard(later[peer]))
+    assert robot.hearing.complete
 
 
 def test_who_knows_nothing_any_more_adopts_nothing() -> None:
@@ -163,7 +163,7 @@ def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     (line,) = held
     offer = Proposal(robot.robot, robot.incarnation, 1, line.nx, line.ny, line.offset)
     state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), (offer,))
-    robot.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
+    robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
     assert (end.seen, end.held_number, end.obeyed) == (1, 0, held)
 
@@ -177,5 +177,5 @@ def test_where_all_hear_all_nobody_is_told_whom_to_hear() -> None:
     for _ in range(4):
         told = world.open_tick()[1]
         robot.begin(replace(told, near=(2,)))
-        assert robot.hears_everybody
+        assert robot.hearing.everybody
         world.close_tick()

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import argparse
 
-from tests.benchmarks import bare_transport, floors
-from tests.benchmarks.bare_transport import Rate
 from tests.benchmarks.fleets import Measured, measure
+from tests.benchmarks.transport import bare, meshes
+from tests.benchmarks.transport.bare import Rate
 
 ROBOTS = (6, 16, 32, 64)
 _HEAD = (
@@ -32,12 +32,12 @@ def compare(robots: int, seconds: float, rounds: int) -> dict[str, Measured | Ra
 def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
     """All of a round. In bare floors everybody hears everybody, in larger fleets near ones only."""
     return {
-        "bare zenoh": bare_transport.rate(robots, seconds),
+        "bare zenoh": bare.rate(robots, seconds),
         "fleet": measure(robots, seconds),
         "fleet, all heard": measure(robots, seconds, interest="all"),
         "fleet, no filter": measure(robots, seconds, "none"),
-        "bare pyzmq": floors.rate(robots, seconds, "zmq"),
-        "bare pipes": floors.rate(robots, seconds, "pipes"),
+        "bare pyzmq": meshes.rate(robots, seconds, "zmq"),
+        "bare pipes": meshes.rate(robots, seconds, "pipes"),
     }
 
 

@@ -26,6 +26,7 @@ from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Journey, Network, Order, Point, Scenario
+from tests.benchmarks.transport import one_host
 from tests.deploy.processes.hosts.testbed.network import Hosts, unable
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
@@ -96,7 +97,7 @@ def measure(scenario: Scenario, count: int) -> Row:
         for host, rows in _tables(scenario, run, hosts, count).items():
             path = folder / f"{host}.pickle"
             path.write_bytes(pickle.dumps(rows))
-            starter = hosts.start(host, [sys.executable, "-m", "tests.benchmarks.one_host", str(path)])
+            starter = hosts.start(host, [sys.executable, "-m", one_host.__name__, str(path)])
             assert starter.stdout is not None
             if host == 1:
                 observer = "tests.deploy.processes.hosts.testbed.observer"

@@ -12,8 +12,8 @@ import matplotlib as mpl
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["index.md", "law.md", "python.md"]
-NOTEBOOK = ROOT / "docs/notebooks/figure_1.py"
+PAGES = ["index.md", "guides/law.md", "guides/python.md"]
+NOTEBOOK = ROOT / "docs/guides/figure_1.py"
 
 
 def blocks(page: str) -> list[str]:

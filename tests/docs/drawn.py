@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from typing import Any, Protocol
 
-from docs.diagrams.render import FOLDER
+from docs.concepts.diagrams.render import FOLDER
 
 Transition = tuple[str, str, str]  # from a state, by an event, to another one
 
@@ -16,7 +16,7 @@ _ANY = "Any"
 
 
 def drawn(name: str) -> set[Transition]:
-    """What `docs/diagrams/<name>.mmd` shows: an edge's label begins with its events, up to a comma."""
+    """What `diagrams/<name>.mmd` shows: an edge's label begins with its events, up to a comma."""
     edges = _EDGE.findall((FOLDER / f"{name}.mmd").read_text())
     states = {state for start, end, _ in edges for state in (start, end)} - {_ANY, "[*]"}
     return {

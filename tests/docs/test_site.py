@@ -14,7 +14,7 @@ import disknav
 from deploy.commands.application import GROUPS
 from deploy.run.options import RunOptions
 from deploy.run.outcome.result import complete
-from docs.diagrams import render
+from docs.concepts.diagrams import render
 from docs.reference import commands, python, result, scenario
 from protocol.scenario.file import json_schema
 
@@ -34,15 +34,18 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return target
 
 
+@pytest.mark.slow
 def test_every_page_is_there(site: Path) -> None:
     pages = {path.relative_to(site).with_suffix(".md").as_posix() for path in site.rglob("*.html")}
     named = set(re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text()))
     assert named <= pages
     index = (site / "index.html").read_text()
-    for path in (ROOT / "docs").glob("*.md"):
-        assert f'href="{path.stem}.html"' in index, f"{path.name} is in no menu"
+    for path in (ROOT / "docs").rglob("*.md"):
+        page = path.relative_to(ROOT / "docs").with_suffix(".html").as_posix()
+        assert f'href="{page}"' in index, f"{page} is in no menu"
 
 
+@pytest.mark.slow
 def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
     fetched = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(?:https?:)?//[^\"]*\"")
     found = {
@@ -56,11 +59,12 @@ def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
         assert not re.search(r"url\(\s*[\"']?(?:https?:)?//", sheet.read_text())
 
 
+@pytest.mark.slow
 def test_every_diagram_is_drawn_as_its_source_says_and_shown(site: Path) -> None:
     sources = sorted(render.FOLDER.glob("*.mmd"))
     assert sources
     assert [each.name for each in sources if not render.is_drawn(each)] == [], "make diagrams"
-    pages = "".join(page.read_text() for page in site.glob("*.html"))
+    pages = "".join(page.read_text() for page in site.rglob("*.html"))
     assert [each.stem for each in sources if f"diagrams/{each.stem}.svg" not in pages] == []
     assert "```mermaid" not in "".join(page.read_text() for page in (ROOT / "docs").rglob("*.md"))
 

@@ -196,6 +196,7 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     assert_fits(world.truth, world_key("r", "truth"))
 
 
+@pytest.mark.slow
 def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
     lives = run.world.coordinator.lives

@@ -1,4 +1,4 @@
-"""One life of a robot id, as the coordinator knows it: docs/states.md draws it."""
+"""One life of a robot id, as the coordinator knows it: docs/concepts/states.md draws it."""
 
 from __future__ import annotations
 

@@ -22,10 +22,10 @@ from agents.laws.view import View
 from agents.lines.boundary import boundary_of
 from agents.lines.safe_velocity import safe_velocity
 from agents.navigation.obstacles import round_boundary, standing
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float]
 
 GAIN = 4.0  # 1/s
 NOISE = 0.1  # of the speed limit

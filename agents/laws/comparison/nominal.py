@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from agents.navigation.attraction import Attraction
 from protocol.draws import Purpose, generator
 from protocol.geometry import Shape
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
-Vector = tuple[float, float]
 _HELD = 1.0  # s that a random part stays as it is: drawn anew every tick it would average out
 
 

@@ -15,9 +15,8 @@ from agents.laws.law import Law
 from agents.laws.view import View
 from agents.peers.neighbours import Neighbours
 from protocol.geometry import Shape
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 HORIZON = 2.0  # s, ahead of which encounters count
 NOISE = 0.1  # of the speed limit

@@ -16,8 +16,7 @@ from typing import Final, final
 from agents.laws.jams.giving_way import JAM, NEAR, GivingWay
 from agents.navigation.deadlock import centroid, cluster
 from agents.peers.state import PeerState
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 CROWD: Final = 8  # robots, from which on a jam does not resolve itself
 # Laps:

@@ -8,8 +8,7 @@ from typing import Final
 
 from agents.navigation.deadlock import LAP
 from agents.peers.state import PeerState
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 # Laps: in one the largest disk moves by its radius at full speed.
 JAM: Final = 16.0  # without coming nearer to the goal by a radius

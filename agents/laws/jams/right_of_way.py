@@ -14,8 +14,7 @@ from agents.laws.jams.giving_way import GivingWay
 from agents.navigation.deadlock import cluster
 from agents.peers.state import PeerState
 from protocol.geometry import Shape
-
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 # Laps:
 WAIT: Final = 24.0  # that the second in line goes back and stands

@@ -17,9 +17,8 @@ from agents.lines.negotiation.entries import answer_of, proposals_of
 from agents.lines.placement import Disk, fit_line
 from agents.lines.robot_pair import RobotPair
 from agents.peers.far import FarPicture
-from protocol.messages import Answer, Proposal
+from protocol.messages import Answer, Proposal, Vector
 
-Vector = tuple[float, float]
 LETTERS: Final = 64  # entries that a tick's letters hold at most: a Command has a limit
 _WORTH: Final = 1.25  # another line must leave so many times the gap
 

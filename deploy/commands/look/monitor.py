@@ -13,6 +13,7 @@ from deploy.commands import options
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from protocol.bus.connection import Connection
 from protocol.process.installation import missing_library
 from protocol.process.title import entitle
@@ -116,7 +117,7 @@ def _export(source: Source, where: str) -> None:
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
 
 
-def _serve(source: Source, port: int | None) -> None:
+def _serve(source: Steerable, port: int | None) -> None:
     from deploy.telemetry.monitor.web.server import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:

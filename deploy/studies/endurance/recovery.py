@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from protocol.messages import Truth, Vector
 
+AGAIN = 5.0  # s after which a robot that was started again, or is reached again, moves
 MOVES = 1e-5  # m in a tick, from which on a disk counts as moving
 _UNDER_WAY = 0.1  # m, at least, to the goal of who is to be hit: it must not arrive before it moves again
 _SETTLING = 0.15  # s after a blow: what was commanded before is carried out, and told, by then

@@ -1,6 +1,6 @@
 """The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
 
-Run `python -m deploy.studies.paper.auto_k --write` to measure again and rewrite docs/auto-k.md.
+Run `python -m deploy.studies.paper.auto_k --write` to measure again and rewrite docs/theory/auto-k.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ DENSITIES = (0.10, 0.20, 0.30, 0.35)
 RATIOS = (1.0, 2.0)
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
 MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[3] / "docs" / "auto-k.md"
+REPORT = Path(__file__).parents[3] / "docs" / "theory" / "auto-k.md"
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def summary(rows: Sequence[Row]) -> str:
 
 
 def main() -> None:
-    """Measure, and print the tables or put them into docs/auto-k.md below its marker."""
+    """Measure, and print the tables or put them into docs/theory/auto-k.md below its marker."""
     parser = argparse.ArgumentParser(prog="python -m deploy.studies.paper.auto_k", description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
     parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")

@@ -1,8 +1,8 @@
 """What sampling costs: nrl of a fleet at its usual period against the exact continuous flow, run by run.
 
-Run `python -m deploy.studies.paper.sampled` to print the table of docs/theory.md. The filter is on,
-no faults and a period of 50 ms; the flow starts where the fleet does, at the same pace, and both end when
-every robot is within the scenario's tolerance of its goal.
+Run `python -m deploy.studies.paper.sampled` to print the table of docs/theory/propositions.md. The filter
+is on, no faults and a period of 50 ms; the flow starts where the fleet does, at the same pace, and both end
+when every robot is within the scenario's tolerance of its goal.
 """
 
 from __future__ import annotations

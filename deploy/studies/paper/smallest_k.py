@@ -1,6 +1,6 @@
 """The k below which other minima catch the exact flow, for the goal sets of figure 3.
 
-Run `python -m deploy.studies.paper.smallest_k` to print the table of docs/theory.md.
+Run `python -m deploy.studies.paper.smallest_k` to print the table of docs/theory/propositions.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A fleet in figures for Prometheus and its like: what a watcher knows, in OpenMetrics form, over HTTP.
 
-Names and meanings are a promise to dashboards; `docs/dashboard.json` is an example of one (Grafana).
+Names and meanings are a promise to dashboards; `docs/guides/dashboard.json` is an example of one (Grafana).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from concurrent.futures import Future
 from functools import partial
 
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from deploy.telemetry.monitor.view.fleet import View
 from protocol.messages import Message
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -18,7 +18,7 @@ from protocol.scenario.model import Scenario
 _NAP = 0.01  # s, longest wait before steering is looked at again
 
 
-class Player(Source):
+class Player(Steerable):
     """Plays on a thread of its own until the end or `close`; pause, step and speed act on the playback."""
 
     def __init__(
@@ -42,19 +42,19 @@ class Player(Source):
         self._thread.start()
 
     def steer(self, steer: Steer) -> None:
-        """See `Source.steer`."""
+        """See `Steerable.steer`."""
         with self._changed:
             self._steering.apply(steer)
         self._show()
 
     def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:  # noqa: ARG002
-        """See `Source.order`: what was recorded has happened."""
+        """See `Steerable.order`: what was recorded has happened."""
         answer: Future[GoalReply] = Future()
         answer.set_result(GoalReply(False, text="this is a recording: its robots go where they went"))
         return answer
 
     def halt(self, halt: bool) -> Future[str]:  # noqa: ARG002
-        """See `Source.halt`: there is nobody to stop."""
+        """See `Steerable.halt`: there is nobody to stop."""
         answer: Future[str] = Future()
         answer.set_result("this is a recording: its robots have stood still since")
         return answer

@@ -1,17 +1,14 @@
-"""What a page or table shows: a view that another thread keeps up to date, and a way to steer the run."""
+"""What a page or table shows: a view that another thread keeps up to date."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import Any
 
 from deploy.telemetry.monitor.view import snapshot
 from deploy.telemetry.monitor.view.fleet import View
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.steering import Steer
 
 
 class Source:
@@ -39,15 +36,3 @@ class Source:
         """Let `what` work on the view at the present time, while nobody looks."""
         with self._lock:
             what(self._view, self._clock())
-
-    def steer(self, steer: Steer) -> None:
-        """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
-        raise NotImplementedError
-
-    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
-        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
-        raise NotImplementedError
-
-    def halt(self, halt: bool) -> Future[str]:
-        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
-        raise NotImplementedError

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from deploy.telemetry.monitor.view.fleet import View
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
@@ -38,8 +38,8 @@ _NO_RUN = "there is no run yet to send a robot in"
 _NOBODY = "there is no run yet to stop"
 
 
-class Watcher(Source):
-    """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Source` to all others.
+class Watcher(Steerable):
+    """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Steerable` to all others.
 
     Attributes:
         rejected: messages and tokens that are nobody's, by reason.
@@ -67,11 +67,11 @@ class Watcher(Source):
         bus.watch(world_key(run, "alive"))
 
     def steer(self, steer: Steer) -> None:
-        """Wait for the owning thread to pass it on; see `Source.steer`."""
+        """Wait for the owning thread to pass it on; see `Steerable.steer`."""
         self._wishes.put(partial(self._ask_for, steer))
 
     def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
-        """Wait for the owning thread to pass it on; see `Source.order`."""
+        """Wait for the owning thread to pass it on; see `Steerable.order`."""
         answer: Future[GoalReply] = Future()
         if self._known:
             self._wishes.put(lambda: answer.set_result(self._send(robot, order)))
@@ -80,7 +80,7 @@ class Watcher(Source):
         return answer
 
     def halt(self, halt: bool) -> Future[str]:
-        """Wait for the owning thread to pass it on; see `Source.halt`."""
+        """Wait for the owning thread to pass it on; see `Steerable.halt`."""
         answer: Future[str] = Future()
         if self._known:
             self._wishes.put(lambda: answer.set_result(self._hold_everybody(halt)))

@@ -2,7 +2,7 @@
 and come back; whoever started it hands over the result, with which the file ends.
 
 Hearing costs next to nothing so, and the file is written by another processor: see
-`python -m tests.benchmarks.recording`.
+`python -m tests.benchmarks.recording.recorder`.
 """
 
 from __future__ import annotations

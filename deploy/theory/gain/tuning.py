@@ -1,4 +1,4 @@
-"""The rule behind k = "auto"; the data behind the rule are in docs/auto-k.md."""
+"""The rule behind k = "auto"; the data behind the rule are in docs/theory/auto-k.md."""
 
 from __future__ import annotations
 

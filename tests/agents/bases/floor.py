@@ -322,7 +322,7 @@ class Floor:
 
     def _tell(self, peer: Crew, state: State) -> None:
         radius = self.scenario.spec(state.robot).radius
-        peer.core.on_state(addressed_to(peer.core.robot, state, radius))
+        peer.core.hearing.on_state(addressed_to(peer.core.robot, state, radius))
 
     def _accept(self, command: Command) -> None:
         if not self.cut:

@@ -19,7 +19,7 @@ from deploy.run.local import LocalFleet
 from protocol.errors import LawError, UsageError
 from protocol.scenario.model import Control, Link, ProcessFault, Scenario
 
-PAGE = Path(__file__).parents[3] / "docs" / "law.md"
+PAGE = Path(__file__).parents[3] / "docs" / "guides" / "law.md"
 Write = Callable[[str], str]
 
 

@@ -19,7 +19,8 @@ from pathlib import Path
 
 from deploy.output.bar import bar
 from tests.agents.lines.models import aftermath, skirmish, walk
-from tests.agents.lines.models.mutants import MUTANTS, hunt
+from tests.agents.lines.models.mutants.catalogue import MUTANTS
+from tests.agents.lines.models.mutants.mutant import hunt
 from tests.agents.lines.models.product import Product
 
 _KEPT = 200  # runs after which it is noted how far it has come

@@ -1,4 +1,4 @@
-"""The diagram of docs/states.md shows what a pair of robots really goes through: no more, and no less."""
+"""The diagram of docs/concepts/states.md shows what a pair of robots goes through: no more, and no less."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.models.mutants import Mutant
+from tests.agents.lines.models.mutants.mutant import Mutant
 from tests.agents.lines.models.product import Product
 from tests.agents.movers.haul import Haul, violation_of
 from tests.interpreted import Edit

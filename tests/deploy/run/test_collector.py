@@ -40,6 +40,7 @@ def run() -> None:
         pass
 
 
+@pytest.mark.slow
 def test_many_short_runs_look_through_everything_at_most_once() -> None:
     run()
     with whole_collections() as seen:
@@ -56,6 +57,7 @@ def test_what_a_run_leaves_is_gone_when_the_next_begins() -> None:
     assert left() is None
 
 
+@pytest.mark.slow
 def test_what_became_old_before_it_was_left_does_not_pile_up() -> None:
     """Python's own collector would not notice: it counts only what becomes old by itself."""
     run()

@@ -138,6 +138,7 @@ def test_text_in_another_encoding_is_named_as_such() -> None:
     assert "must be a string, not text that is not Unicode" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_partitions_that_no_message_has_room_for_are_refused() -> None:
     partition = "[[link.partition]]\nfrom = {0}\nuntil = {1}\ngroups = [[1], [2]]\n"
     text = "".join(partition.format(n, n + 1) for n in range(25_001))

@@ -1,4 +1,4 @@
-"""The diagrams of docs/states.md show what a life and the roster really go through: no more, and no less."""
+"""The diagrams of docs/concepts/states.md show what a life and the roster go through: no more, no less."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def drive(setting: Setting, naive: bool = False) -> dict[str, Any]:
         for robot, core in robots.items():
             others = [each for each in scenario.ids if each != robot]
             for peer in others:
-                core.on_state(addressed_to(robot, states[peer], setting.radius))
+                core.hearing.on_state(addressed_to(robot, states[peer], setting.radius))
         for core in robots.values():
             command = core.command()
             if lost.random() >= setting.dropped:

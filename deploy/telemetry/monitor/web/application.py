@@ -18,7 +18,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from deploy.telemetry.monitor.web.stream import FrameStream
 from protocol.messages import Id
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -70,7 +70,7 @@ class FixedHeaders:
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
 
 
-def application(source: Source, hosts: list[str], token: str) -> Starlette:
+def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
     """The page for `source`, answering under the host names `hosts` only; who has `token` may steer."""
     stream = FrameStream(source)
 
@@ -122,7 +122,7 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
             await socket.send_text(frame.decode())
 
 
-async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
+async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
     """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
     look, is told and ignored."""
     while True:
@@ -144,7 +144,7 @@ async def _listen(socket: WebSocket, source: Source, tasks: asyncio.TaskGroup, *
             await _tell(socket, "refused", text=str(error))
 
 
-async def _halt(socket: WebSocket, source: Source, halt: bool) -> None:
+async def _halt(socket: WebSocket, source: Steerable, halt: bool) -> None:
     """Pass on an emergency stop or its release; frames tell that it is in force."""
     try:
         async with asyncio.timeout(_ANSWER):
@@ -154,7 +154,7 @@ async def _halt(socket: WebSocket, source: Source, halt: bool) -> None:
     await _tell(socket, "halted", text=refusal)
 
 
-async def _order(socket: WebSocket, source: Source, directed: Directed) -> None:
+async def _order(socket: WebSocket, source: Steerable, directed: Directed) -> None:
     """Pass on where a robot is to go, and say what was answered."""
     try:
         async with asyncio.timeout(_ANSWER):

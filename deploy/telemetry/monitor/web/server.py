@@ -7,7 +7,7 @@ import threading
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING
 
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -42,7 +42,7 @@ class Server:
         self._thread.join()
 
 
-def serve_in_thread(source: Source, port: int | None = None) -> Server:
+def serve_in_thread(source: Steerable, port: int | None = None) -> Server:
     """Serve the live page of `source` on 127.0.0.1, on a free port unless told which.
 
     Raises:

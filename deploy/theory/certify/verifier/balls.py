@@ -6,6 +6,8 @@ balls are true only where they hold for all their numbers; each choice below is 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from protocol.process.installation import missing_library
 
 try:
@@ -81,6 +83,11 @@ def over(a: Ends, b: Ends) -> Ends:
 def ball(a: Ends) -> arb:
     """One ball that holds a finite interval."""
     return a[0].union(a[1])
+
+
+def middle(row: Sequence[arb]) -> float:
+    """Halfway between the ends, more or less."""
+    return 0.5 * (float(row[0].mid()) + float(row[1].mid()))
 
 
 def ends(x: arb) -> Ends:

@@ -1,7 +1,7 @@
 """What every critical point but the goal satisfies, and what a minimum does, asked of a box in Arb.
 
-The equations are those of `deploy.theory.certify.boxes`, written anew from docs/theory.md: the two share
-notation and the order of rows, but no code.
+The equations are those of `deploy.theory.certify.boxes`, written anew from
+docs/theory/propositions.md: the two share notation and the order of rows, but no code.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from deploy.theory.certify.verifier.balls import (
     add,
     ball,
     ends,
+    middle,
     mul,
     narrow,
     square,
@@ -30,7 +31,7 @@ def newton(box: Conditions) -> bool:
     size = len(box.rows) - 1
     if any(not row[1] < INFINITE for row in box.rows[:-1]):
         return True
-    at = [arb(_middle(row)) for row in box.rows[:-1]]
+    at = [arb(middle(row)) for row in box.rows[:-1]]
     value, slope = _system(box, at)
     centre = np.array([float(x.mid()) for x in slope.entries()]).reshape(size, size)
     try:
@@ -52,10 +53,6 @@ def newton(box: Conditions) -> bool:
             return False
         steps[row] = sub(box.b(row), (at[row], at[row]))
     return True
-
-
-def _middle(row: list[arb]) -> float:
-    return 0.5 * (float(row[0].mid()) + float(row[1].mid()))
 
 
 def _system(box: Conditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
@@ -120,11 +117,11 @@ def _gradient(box: Conditions, q: int) -> Array:
     """grad beta_q / 2 at the midpoint."""
     row = np.zeros(box.n)
     i, j = box.factors[q]
-    own = np.array([_middle(box.rows[2 * i + a]) for a in (0, 1)])
+    own = np.array([middle(box.rows[2 * i + a]) for a in (0, 1)])
     if j < 0:
         row[2 * i : 2 * i + 2] = -own
     else:
-        apart = own - np.array([_middle(box.rows[2 * j + a]) for a in (0, 1)])
+        apart = own - np.array([middle(box.rows[2 * j + a]) for a in (0, 1)])
         row[2 * i : 2 * i + 2] = apart
         row[2 * j : 2 * j + 2] = -apart
     return row
@@ -135,7 +132,7 @@ def _proposal(box: Conditions, stiff: list[int]) -> Array | None:
     m, weights = np.eye(box.p), []
     for q, (i, j) in enumerate(box.factors):
         row = box.rows[box.n + q]
-        weights.append(_middle(row) if row[1] < INFINITE else 2.0 * float(row[0].mid()) + 1.0)
+        weights.append(middle(row) if row[1] < INFINITE else 2.0 * float(row[0].mid()) + 1.0)
         if j < 0:
             m[i, i] += weights[q]
         else:
@@ -147,7 +144,7 @@ def _proposal(box: Conditions, stiff: list[int]) -> Array | None:
         size = float(gradient @ gradient)
         if size > 0.0:
             most = _STIFF * max(1.0, *weights) / size
-            beta = max(_middle([*box.beta[q]]), 1e-12 * size)
+            beta = max(middle(box.beta[q]), 1e-12 * size)
             form += (most if q in stiff else min(2.0 * weight / beta, most)) * np.outer(gradient, gradient)
     values, vectors = np.linalg.eigh(form)
     return np.asarray(vectors[:, 0]) if values[0] < 0.0 else None

@@ -16,7 +16,7 @@ from flint import arb
 
 from deploy.output.bar import bar
 from deploy.theory.certify.certificate import Certificate, Goals
-from deploy.theory.certify.verifier.balls import ZERO
+from deploy.theory.certify.verifier.balls import ZERO, middle
 from deploy.theory.certify.verifier.conditions import Conditions, Rows, whole
 from deploy.theory.certify.verifier.descent import descends, newton
 
@@ -54,10 +54,6 @@ class Replay:
         }
 
 
-def _silent(_: float) -> None:
-    pass
-
-
 class _StoppedError(Exception):
     """No slab beyond this point is verified; says why."""
 
@@ -69,7 +65,7 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
     proven, failed, interrupted = None, None, False
     before: arb = ZERO
 
-    with nullcontext(_silent) if quiet else bar("verifying") as tell:
+    with nullcontext(lambda _: None) if quiet else bar("verifying") as tell:
 
         def look(nodes: int) -> None:
             tell(min(1.0, (boxes + nodes) / total))
@@ -136,9 +132,9 @@ class Walk:
         if self._further > _FURTHER:
             raise _StoppedError("a box could not be verified however often it was halved")
         row = self._widest(box) if leaf or advice is None else advice
-        middle = arb(_middle(box.rows[row]))
+        cut = arb(middle(box.rows[row]))
         left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
-        left[row][1] = right[row][0] = middle
+        left[row][1] = right[row][0] = cut
         return [_Pending(half, stored=not leaf) for half in (left, right)]
 
     def _next(self) -> int:
@@ -185,10 +181,6 @@ class Walk:
         kappa = _width(box, len(box.rows) - 1) / float(box.rows[-1][1].mid()) * 0.1 * self._unit
         widths = {row: _width(box, row) for row in range(box.n)} | {len(box.rows) - 1: kappa}
         return max(widths, key=lambda row: widths[row])
-
-
-def _middle(row: list[arb]) -> float:
-    return 0.5 * (float(row[0].mid()) + float(row[1].mid()))
 
 
 def _width(box: Conditions, row: int) -> float:

@@ -33,7 +33,7 @@ _ROBOT = [
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
     "agents.safety_filter",
-    "agents.robot",
+    *("agents.hearing", "agents.robot"),
 ]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "parts", "coordinator")),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.models.mutants import MUTANTS, Mutant, hunt
+from tests.agents.lines.models.mutants.catalogue import MUTANTS
+from tests.agents.lines.models.mutants.mutant import Mutant, hunt
 
 pytestmark = pytest.mark.slow
 

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from agents.peers.state import addressed_to
-from protocol.errors import RosterError
 from protocol.messages import Roster, State
+from tests.agents.lines.models.coordinator import Coordinator
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.twins import frozen, twin_of, twin_of_ledger
 
 STILL = (0.0, 0.0)
 TOLERANCE = 1e-6  # m; what the real margins for rounding may add up to
@@ -47,51 +48,17 @@ class Seat:
     ledger: Any = None  # none before it has heard a roster
     key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
 
-
-class Coordinator:
-    """Decides who is there, may die at any moment, and goes on from what it has written down.
-
-    Attributes:
-        roster: the real one.
-        announced: every version ever told, in the order in which they were.
-    """
-
-    def __init__(self, product: Product, saved: bool, owner: Track) -> None:
-        self.owner, self.key = owner, 0
-        self.roster = product.Roster()
-        self.announced: list[Roster] = []
-        self._in_time = saved
-        self._saved = _copied(self.roster)
-
-    def decide(self, act: Callable[[Any], object]) -> bool:
-        """Change the roster and announce it; False if it refuses, or if nothing changes."""
-        before, version = _copied(self.roster), self.roster.version
-        try:
-            act(self.roster)
-        except RosterError:
-            return False
-        if self.roster.version == version:
-            return False
-        self._saved = _copied(self.roster) if self._in_time else before
-        self.announced.append(self.roster.message)
-        return True
-
-    def restart(self) -> None:
-        """Die, and go on from what is written down."""
-        self.roster = _copied(self._saved)
-
-    def twin(self, owner: Track) -> Coordinator:
+    def twin(self, owner: Track) -> Seat:
         """The same, to be changed independently."""
-        twin = _twin(self)
-        twin.roster, twin._saved, twin.owner = _copied(self.roster), _copied(self._saved), owner
-        twin.announced = list(self.announced)
-        return twin
+        known = twin_of(self.known)  # its members are never changed, only replaced
+        ledger = None if self.ledger is None else twin_of_ledger(self.ledger)
+        return Seat(self.robot, self.incarnation, known, owner, ledger)
 
     def frozen(self) -> tuple[Any, ...]:
-        """Equal for coordinators that nothing can tell apart."""
-        rolls = (self.roster, self._saved)
-        kept = [(roster.version, roster.message, tuple(sorted(roster._kept.items()))) for roster in rolls]
-        return (*kept, tuple(self.announced))
+        """Equal for incarnations that nothing can tell apart."""
+        members = tuple(self.known.members.values())
+        ledger = None if self.ledger is None else frozen(self.ledger)
+        return self.robot, self.incarnation, self.known.version, members, ledger
 
 
 class Track:
@@ -120,7 +87,7 @@ class Track:
 
     def twin(self) -> Track:
         """The same state, to be changed independently."""
-        twin = _twin(self)
+        twin = twin_of(self)
         twin.truth, twin.error, twin.seats = dict(self.truth), dict(self.error), dict(self.seats)
         twin.newest = dict(self.newest)
         return twin
@@ -128,7 +95,7 @@ class Track:
     def key(self) -> tuple[Any, ...]:
         """Equal for states that nothing can tell apart."""
         for seat in self.seats.values():
-            seat.key = seat.key or self._number(_frozen_seat(seat))
+            seat.key = seat.key or self._number(seat.frozen())
         self.coordinator.key = self.coordinator.key or self._number(self.coordinator.frozen())
         seats = tuple([seat.key for seat in self.seats.values()])
         return tuple(self.truth.values()), tuple(self.error.values()), seats, self._said, self.coordinator.key
@@ -140,7 +107,7 @@ class Track:
         """An incarnation that is about to change, for this twin alone."""
         seat = self.seats[who]
         if seat.owner is not self:
-            seat = self.seats[who] = _copied_seat(seat, self)
+            seat = self.seats[who] = seat.twin(self)
         seat.key = 0
         return seat
 
@@ -163,8 +130,7 @@ class Track:
 
     def _decide(self, act: Callable[[Any], object]) -> bool:
         """The coordinator changes the roster and announces it; False if it refuses, or nothing changes."""
-        coordinator = self._coordinator()
-        return coordinator.decide(act)
+        return self._coordinator().decide(act)
 
     def _coordinator(self) -> Coordinator:
         if self.coordinator.owner is not self:
@@ -275,7 +241,7 @@ class Track:
 
     def be_told(self, who: Who, roster: Roster) -> bool:
         """An incarnation hears a version of the roster that was told while it was the newest
-        (`Robot._on_roster`)."""
+        (`Robot._follow`)."""
         if all((each.robot, each.incarnation) != who for each in roster.members):
             return False
         robot, incarnation = who
@@ -384,70 +350,3 @@ class Track:
         self.seats[robot, incarnation] = Seat(
             robot, incarnation, self.product.KnownRoster(robot, incarnation), self
         )
-
-
-def _copied(roster: Any) -> Any:
-    twin = _twin(roster)
-    twin._members, twin._kept = dict(roster._members), dict(roster._kept)
-    return twin
-
-
-def _copied_seat(seat: Seat, owner: Track) -> Seat:
-    known = _twin(seat.known)  # its members are never changed, only replaced
-    ledger = None if seat.ledger is None else _copied_ledger(seat.ledger)
-    return Seat(seat.robot, seat.incarnation, known, owner, ledger)
-
-
-def _copied_ledger(ledger: Any) -> Any:
-    twin = _twin(ledger)
-    twin._pairs = {peer: _copied_bond(pair) for peer, pair in ledger._pairs.items()}
-    twin._each = twin._talking = list(twin._pairs.values())
-    return twin
-
-
-def _copied_bond(pair: Any) -> Any:
-    kind = type(pair)
-    twin = kind.__new__(kind)
-    for name in kind.__slots__:
-        setattr(twin, name, getattr(pair, name))
-    twin.end = _twin(pair.end)
-    if pair.owns:
-        twin.end.proposed = dict(pair.end.proposed)
-    if pair.disk is not None:
-        twin.disk = _twin(pair.disk)
-    return twin
-
-
-def _twin(thing: Any) -> Any:
-    kind = type(thing)
-    twin = kind.__new__(kind)
-    twin.__dict__.update(thing.__dict__)
-    return twin
-
-
-def _frozen_seat(seat: Seat) -> tuple[Any, ...]:
-    ledger = seat.ledger
-    pairs = () if ledger is None else tuple(_frozen_bond(pair) for pair in ledger._each)
-    disturbed = ledger is not None and ledger._disturbed
-    return (
-        seat.robot,
-        seat.incarnation,
-        seat.known.version,
-        tuple(seat.known.members.values()),
-        disturbed,
-        pairs,
-    )
-
-
-def _frozen_bond(pair: Any) -> tuple[Any, ...]:
-    """All that can matter later. What follows from the rest, or only moves robots elsewhere, is left out."""
-    end, disk, state = pair.end, pair.disk, pair.state
-    side = None if disk is None or disk.half_plane is None else (disk.half_plane.nx, disk.half_plane.limit)
-    return (
-        tuple(tuple(value.items()) if isinstance(value, dict) else value for value in vars(end).values()),
-        tuple((side.nx, side.limit) for side in pair.line_half_planes),
-        None if disk is None else (disk.shape.x, side),
-        None if state is None else state.incarnation,
-        pair.heard,
-        pair.excused,
-    )

@@ -38,6 +38,7 @@ def _run(tmp_path: Path, **options: Any) -> tuple[dict[str, Any], dict[str, Any]
     return result, json.loads(target.read_text())
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("moment", ["LocalFleet.start", "FaultSchedule.__init__"])
 def test_as_a_recorded_run_is_put_together(moment: str, tmp_path: Path) -> None:
     """Who writes closes the file by itself, and the command waits for that."""
@@ -51,6 +52,7 @@ def test_as_a_recorded_run_is_put_together(moment: str, tmp_path: Path) -> None:
         read(tmp_path / "run.mcap")
 
 
+@pytest.mark.process
 def test_as_a_recorded_run_is_put_together_and_its_disk_is_stuck(tmp_path: Path) -> None:
     stuck = "(writer,) = active_children(); writer._patience = 0.1; os.kill(writer.pid, SIGSTOP)"
     _interrupted("LocalFleet.start", stuck, tmp_path)

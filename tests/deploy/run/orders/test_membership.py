@@ -256,6 +256,7 @@ def test_a_newcomer_that_is_paused_has_no_process_before_it_may_join(event: str)
     assert {observe(scenario, busy=seed).trajectory for seed in range(1, 9)} == {calm.trajectory}
 
 
+@pytest.mark.slow
 def test_who_was_removed_takes_part_in_the_next_scenario_that_has_it() -> None:
     without = replace(SWAP, orders=(Order(0.3, remove=2),))
     reports = LocalFleet([without, SWAP]).execute()
@@ -388,7 +389,7 @@ def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Pa
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, there)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_comings_and_goings_under_faults(seed: int) -> None:
     turnover = Turnover(seed)
     turnover.run(600)

@@ -14,9 +14,11 @@ import pytest
 
 from deploy.run.fleet import ENOUGH
 from deploy.run.options import RunOptions
-from deploy.studies.endurance.endure import LAUNCHER, Trial, result
 from deploy.studies.endurance.judgement import passed
+from deploy.studies.endurance.observation import LAUNCHER
+from deploy.studies.endurance.outcome import result
 from deploy.studies.endurance.samples import Samples
+from deploy.studies.endurance.trial import Trial
 from deploy.studies.endurance.workload import workload
 from protocol.scenario.file import validated
 

@@ -33,6 +33,7 @@ def test_cables_end_with_the_launcher_alone() -> None:
     assert gone(pid)
 
 
+@pytest.mark.process
 def test_a_flooder_that_a_silent_router_holds_up_ends_before_the_router(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -56,6 +57,7 @@ def hold_out(channel: Channel[Any, Any]) -> None:
         time.sleep(1.0)
 
 
+@pytest.mark.process
 def test_one_that_nobody_has_entered_does_not_hold_up_the_end_of_the_command() -> None:
     done = ended("""
 from deploy.studies.endurance import side_process

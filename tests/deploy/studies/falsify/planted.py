@@ -32,6 +32,7 @@ _CHAIN = (
         "agents.peers.roster",
         "agents.peers.link",
         "agents.safety_filter",
+        "agents.hearing",
         "agents.robot",
         "agents.shell.node",
         "deploy.run.local",
@@ -151,31 +152,31 @@ def hearing_all_that_is_said_again(modules: Modules, _: pytest.MonkeyPatch) -> N
 
 def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A peer is the disk of the roster that is known as its State arrives."""
-    robot = modules["agents.robot"].Robot
-    before = robot.on_state
+    hearing = modules["agents.hearing"].Hearing
+    before = hearing.on_state
 
     def on_state(self: Any, state: Any) -> None:
-        state.size(self._neighbours.radii[state.robot])
+        state.size(self.neighbours.radii[state.robot])
         before(self, state)
 
-    def learn(self: Any, filter_: Any, state: Any) -> None:
+    def learn(self: Any, lines: Any, state: Any) -> None:
         if self._attention.counts(state.robot, state.tick):
-            self._neighbours.on_state(state)
-            filter_.lines.on_state(state)
+            self.neighbours.on_state(state)
+            lines.on_state(state)
 
-    robot.on_state, robot._learn = on_state, learn
+    hearing.on_state, hearing._learn = on_state, learn
 
 
 def hearing_what_nobody_waited_for(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot hears what was said before its life, or while it was paused, if it still arrives."""
-    robot = modules["agents.robot"].Robot
-    before = robot._attend
+    hearing = modules["agents.hearing"].Hearing
+    before = hearing._attend
 
     def attend(self: Any, tick: Any) -> None:
         before(self, tick)
         self._attention._absent = -1
 
-    robot._attend = attend
+    hearing._attend = attend
 
 
 def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:

@@ -111,7 +111,9 @@ def test_however_much_a_busy_machine_has_to_catch_up_nobody_is_given_up() -> Non
     [
         (_fenced(), planted.hearing_what_nobody_waited_for),
         (_paused(), planted.hearing_what_nobody_waited_for),
-        (resolved(parts(2, 3, robots=5, density=0.33)), planted.sizing_as_it_comes),
+        pytest.param(
+            resolved(parts(2, 3, robots=5, density=0.33)), planted.sizing_as_it_comes, marks=pytest.mark.slow
+        ),
     ],
     ids=["fenced", "paused", "parts"],
 )

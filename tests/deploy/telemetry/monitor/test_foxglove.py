@@ -22,7 +22,7 @@ from protocol.errors import UsageError
 from protocol.requests.steering import Steer
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until
 
-LAYOUT = Path(__file__).parents[4] / "docs" / "foxglove-layout.json"
+LAYOUT = Path(__file__).parents[4] / "docs" / "guides" / "foxglove-layout.json"
 _DATA = struct.Struct("<BIQ")  # opcode, subscription, time in ns
 
 

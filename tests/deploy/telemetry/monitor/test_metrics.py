@@ -18,7 +18,7 @@ from protocol.errors import UsageError
 from protocol.messages import Clock, Health, Truth
 from protocol.scenario.model import RobotSpec, Scenario
 
-DASHBOARD = Path(__file__).parents[4] / "docs" / "dashboard.json"
+DASHBOARD = Path(__file__).parents[4] / "docs" / "guides" / "dashboard.json"
 SCENARIO = Scenario((RobotSpec(1, 0.03, (0.0, 0.0), (0.1, 0.0)), RobotSpec(2, 0.03, (0.0, 0.2), (0.1, 0.2))))
 Figures = dict[tuple[str, tuple[str, ...]], float]
 

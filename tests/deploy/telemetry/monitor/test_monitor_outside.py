@@ -54,6 +54,7 @@ class World:
         self.truth(encode(Truth(self.tick, (1, 2), ((0.001 * self.tick, 0.0), (0.1, 0.1)), 0.01, 0.5)))
 
 
+@pytest.mark.process
 def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
     router, endpoint = listening(Connection("router"))
     run = fresh_run_name()

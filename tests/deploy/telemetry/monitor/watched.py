@@ -10,7 +10,7 @@ from math import cos, pi, sin
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.steerable import Steerable
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.monitor.web.server import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
@@ -53,7 +53,7 @@ def running(fleet: LocalFleet) -> Iterator[None]:
 
 
 @contextmanager
-def served(source: Source) -> Iterator[Server]:
+def served(source: Steerable) -> Iterator[Server]:
     """The live page of a source."""
     with closing(serve_in_thread(source)) as server:
         yield server

@@ -104,6 +104,7 @@ def test_participants_have_what_is_known_of_them(recording: Recording) -> None:
     assert [each.robot for each in participants(until(recording, 0.1))] == [1, 2, 3]
 
 
+@pytest.mark.slow
 def test_it_is_drawn(recording: Recording, tmp_path: Path) -> None:
     figure([recording]).savefig(tmp_path / "come.svg")
     animate(until(recording, 1.2), tmp_path / "come.gif")

@@ -73,7 +73,7 @@ def blockade(k: float) -> Known:
 
 
 def forever(equal: bool) -> Known:
-    """Four equal or three unequal robots with a minimum at every large k: no K exists (docs/theory.md)."""
+    """Four equal or three unequal robots with a minimum at every large k: no K exists (propositions.md)."""
     if equal:
         goals = np.array([(-0.0444, -0.0437), (0.0429, -0.0424), (-0.0407, 0.0476), (0.0422, 0.0386)])
         place = np.array([(-0.0494, -0.0486), (-0.0281, 0.0285), (0.0281, -0.0285), (0.0494, 0.0486)])

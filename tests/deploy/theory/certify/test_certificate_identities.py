@@ -1,4 +1,4 @@
-"""What the search rests on, at critical points found numerically; and results A to D of docs/theory.md."""
+"""What the search rests on, at critical points found numerically; and results A to D of docs/theory."""
 
 from __future__ import annotations
 

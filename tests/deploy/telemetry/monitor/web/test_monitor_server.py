@@ -125,7 +125,7 @@ def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
 
 def test_a_slow_viewer_gets_the_newest_frame_and_not_those_between() -> None:
     async def scene() -> tuple[int, int]:
-        stream = FrameStream(Source("r"))  # nobody steers here
+        stream = FrameStream(Source("r"))
         stream.enter()
         number, _, _ = await stream.after(0)
         async with asyncio.timeout(PATIENCE):

@@ -1,0 +1,59 @@
+"""The product without one rule of the safety protocol, as if nobody had thought of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.small_model import Bounds, search
+from tests.interpreted import Edit
+
+_RUNS = 2_000  # random ones in which a mutant has to be found, at most, wherever they begin
+
+
+class Mutant(NamedTuple):
+    """The product without one rule.
+
+    Attributes:
+        rule: its short name.
+        says: the rule.
+        edits: what reads otherwise without it.
+        saved: False: the coordinator tells what it decided before it writes it down.
+        model: that finds a violation; "walk", "skirmish" and "aftermath" are random, "pair" is exhaustive
+            within `bounds`.
+        first: the random run to begin with, where it takes many to come to one that shows the mutant.
+    """
+
+    rule: str
+    says: str
+    edits: tuple[Edit, ...] = ()
+    saved: bool = True
+    model: str = "walk"
+    bounds: Bounds = Bounds()
+    first: int = 0
+
+
+class Found(NamedTuple):
+    """A violation, and after how many runs or states; none if it is ""."""
+
+    tried: int
+    violation: str
+
+
+def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
+    """Look for what goes wrong without the rule, in random runs from `first` on, or the mutant's own."""
+    product = Product(mutant.edits)
+    if mutant.model == "pair":
+        return Found(*search(mutant.bounds, product, mutant.saved))
+    begin = mutant.first if first is None else first
+    for tried, seed in enumerate(range(begin, begin + runs), 1):
+        if mutant.model == "walk":
+            violation = walk.violation_of(seed, product, mutant.saved)
+        elif mutant.model == "skirmish":
+            violation = skirmish.violation_of(seed, product)
+        else:
+            violation = aftermath.violation_of(seed, product)
+        if violation:
+            return Found(tried, violation)
+    return Found(runs, "")
