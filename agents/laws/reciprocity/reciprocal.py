@@ -4,9 +4,9 @@ A robot goes straight to its goal if the reciprocal half-planes of all disks wit
 Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not, it takes the allowed velocity
 nearest to straight on. Where many are about to meet in one place, straight on is first turned to the left, so
 that all of them go round it (`roundabout`). Where that gets it too little nearer to its goal, close to the
-goal, and while it escapes from a deadlock, it follows the paper's gradient flow. A peer stands where its wish
-has taken it since its State; the own velocity is the own last wish, too, so that both ends reckon with the
-same.
+goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the goal it waits
+for those who pass rather than be driven aside. A peer stands where its wish has taken it since its State; the
+own velocity is the own last wish, too, so that both ends reckon with the same.
 """
 
 from __future__ import annotations
@@ -29,9 +29,13 @@ Vector = tuple[float, float]
 HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk
 FORESIGHT: Final = 50.0  # laps, ahead of which it is seen that many will meet
 TOGETHER: Final = 3.0  # laps before and after the middle one, within which they do
-MANY: Final = 3  # peers, from which on the robot goes round the place
+MANY: Final = 5  # peers, from which on the robot goes round the place;
+FEW: Final = 2  # where it hears those near alone, who are few of all that it will meet:
+AT_ONCE: Final = 1.0  # then within so many laps
 LATE: Final = 0.6  # more room on the circle there per lap by which States are late, up to one: so are lines
-NEAR: Final = 2.0  # radii from the goal, within which the flow leads there
+NEAR: Final = 4.0  # radii from the goal, within which the flow leads there,
+ASIDE: Final = 0.5  # but by less than this share of its speed nearer to it, so that it is better to wait,
+PATIENCE: Final = 10.0  # laps, until the flow is followed wherever it leads
 SLOW: Final = 0.65  # of the free speed: who gets nearer to the goal by less than that follows the flow;
 SLOW_ROUND: Final = 0.5  # by less than that, who goes round a place
 MARGIN: Final = 0.0125  # of the distance of contact
@@ -50,7 +54,10 @@ class ReciprocalLaw:
         self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
+        self._waited = 0.0  # s, since the flow last led on
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
+        near = scenario.hears_near
+        self._many, self._together = (FEW, AT_ONCE) if near else (MANY, TOGETHER)
         self._roundabout: Roundabout | None = None  # as first seen, until it is passed
         self._wish: Vector = (0.0, 0.0)
 
@@ -59,8 +66,12 @@ class ReciprocalLaw:
         self._gradient.look(view)
         strength = self._gradient.stuck(view, self._wish)
         found = self._reciprocal(view) if strength == 0.0 else None
-        self._wish = self._gradient.flow(view, strength) if found is None else found
-        return self._wish
+        if found is None:
+            found = self._gradient.flow(view, strength)
+            if strength == 0.0 and self._waits(view, found):
+                found = (0.0, 0.0)
+        self._wish = found
+        return found
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """See `agents.laws.law.Law`."""
@@ -87,12 +98,24 @@ class ReciprocalLaw:
         slow = SLOW_ROUND if turn > 0.0 else SLOW
         return (vx, vy) if vx * ex + vy * ey >= slow * rate * away * away else None
 
+    def _waits(self, view: View, flow: Vector) -> bool:
+        """Whether it is better to stand than to be driven aside, near the goal, by those who pass: as long
+        as none of them comes at the robot, and for a while."""
+        (x, y), (gx, gy) = view.position, self._gradient.aim
+        ex, ey = gx - x, gy - y
+        away = math.hypot(ex, ey)
+        if away > NEAR * self._radius or flow[0] * ex + flow[1] * ey >= ASIDE * away * math.hypot(*flow):
+            self._waited = 0.0
+            return False
+        self._waited += self._period
+        return self._waited <= PATIENCE * self._lap and _violated(0.0, 0.0, self._obstacles(view)) == 0
+
     def _turn(self, view: View, way: Vector) -> float:
         """By how much the straight way (m/s) is to be turned to the left, rad."""
         place = self._roundabout
         if place is None or not place.is_ahead(view.position, way):
-            met = together(self._encounters(view, way), TOGETHER * self._lap)
-            place = roundabout(view.position, way, met) if len(met) >= MANY else None
+            met = together(self._encounters(view, way), self._together * self._lap)
+            place = roundabout(view.position, way, met) if len(met) >= self._many else None
             self._roundabout = place
         if place is None:
             return 0.0
