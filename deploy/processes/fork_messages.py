@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 import msgspec
 from msgspec import Meta
 
-from deploy.processes.scheduling import Scheduling
+from deploy.processes.scheduling import ORDINARY, Scheduling
 
 
 class Start(NamedTuple):
@@ -25,7 +25,7 @@ class Start(NamedTuple):
     entry: str
     arguments: tuple[Any, ...]
     reports: bool
-    scheduling: Scheduling
+    scheduling: Scheduling = ORDINARY
 
 
 class Signal(NamedTuple):
