@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -26,7 +25,6 @@ def main(
     connection: Connection,
     run: str,
     robot: int,
-    core: int | None = None,
     *,
     wait: float = PATIENCE,
     beat: Heartbeat | None = None,
@@ -34,14 +32,11 @@ def main(
 ) -> int:
     """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
 
-    `core` is that of the processor to stay on; `wait` how long there may be no world yet, s; `namespace` as
-    of `RobotNode`.
+    `wait` is how long there may be no world yet, s; `namespace` as of `RobotNode`.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
     """
-    if core is not None:
-        _stay_on(core)
     try:
         with stop_on_signal():
             bus = ZenohBus(connection)
@@ -64,14 +59,6 @@ def main(
         LOG.error(error)
         return FAULT
     return SUCCESS
-
-
-def _stay_on(core: int) -> None:
-    """Have this process and its threads to come on one core, where the system lets it; Linux only."""
-    try:
-        os.sched_setaffinity(0, {core})
-    except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
-        LOG.info(f"does not stay on core {core}: {error}")
 
 
 if __name__ == "__main__":

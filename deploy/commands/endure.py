@@ -34,6 +34,7 @@ def endure(
     ] = 0.0,
     robots: Annotated[int, options.robots(2)] = 16,
     mode: options.ModeOption = "realtime",
+    realtime_priority: options.RealtimePriority = False,
     transport: _Real = "routed",
     secure: options.Secure = None,
     json_file: options.Json = None,
@@ -65,7 +66,14 @@ def endure(
     if transport == "mesh":
         options.refuse({"--cut-every": cut_every or None}, "links are cut on their way to a router")
     run = Membership(secure).run(None) or fresh_run_name()
-    how = RunOptions(transport, mode, run=run, secure=secure, restarts=_MANY if kill_every else 0)
+    how = RunOptions(
+        transport,
+        mode,
+        run=run,
+        secure=secure,
+        restarts=_MANY if kill_every else 0,
+        realtime_priority=realtime_priority,
+    )
     trial = Trial(robots, 1.0 if minutes is None else minutes, how, kill_every, cut_every)
     json_output.check(json_file)
     silent = quiet or json_output.is_standard_output(json_file)

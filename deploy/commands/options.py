@@ -94,6 +94,12 @@ Log = Annotated[
     typer.Option("--log", metavar="DIR", help="Log to files here: JSON lines, a file for each process."),
 ]
 ModeOption = Annotated[Mode, typer.Option("--mode", help="Who sets the pace: the robots or the wall clock.")]
+RealtimePriority = Annotated[
+    bool,
+    typer.Option(
+        "--realtime-priority", help="In real time: run world, router and robots before everything else."
+    ),
+]
 
 
 def robots(least: int, *aliases: str) -> Any:

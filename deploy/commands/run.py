@@ -24,6 +24,7 @@ def run(
         Transport, typer.Option(help="Through a router, directly between processes, or all in this process.")
     ] = "routed",
     mode: options.ModeOption = "lockstep",
+    realtime_priority: options.RealtimePriority = False,
     router: options.RouterThere = None,
     name: options.FreshRun = None,
     hosts: Annotated[
@@ -88,6 +89,7 @@ def run(
         restarts(restart),
         log,
         rotation(rotate or []),
+        realtime_priority=realtime_priority,
     )
     begin(LAUNCHER, run_name, log)
     silent = quiet or is_standard_output(json_file)

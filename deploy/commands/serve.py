@@ -26,6 +26,7 @@ def serve(
     seed: options.Seed = None,
     setting: options.Settings = None,
     mode: options.ModeOption = "realtime",
+    realtime_priority: options.RealtimePriority = False,
     speed: Annotated[
         float | None,
         typer.Option(min=0.0, help="Simulated seconds per second in lock-step; 1 unless given."),
@@ -77,6 +78,7 @@ def serve(
         restarts=restarts(restart),
         log=log,
         rotation=rotation(rotate or []),
+        realtime_priority=realtime_priority,
     )
     begin(LAUNCHER, run, log)
     silent = quiet or is_standard_output(json_file)

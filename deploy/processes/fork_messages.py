@@ -11,6 +11,8 @@ from typing import Annotated, Any, NamedTuple
 import msgspec
 from msgspec import Meta
 
+from deploy.processes.scheduling import ORDINARY, Scheduling
+
 
 class Start(NamedTuple):
     """Request: fork a process that calls `entry` ("module:function") with `arguments`.
@@ -23,6 +25,7 @@ class Start(NamedTuple):
     entry: str
     arguments: tuple[Any, ...]
     reports: bool
+    scheduling: Scheduling = ORDINARY
 
 
 class Signal(NamedTuple):

@@ -47,6 +47,7 @@ def run_forked(
         os.dup2(2, 1)  # standard output is the command's alone
         begin_log(start.name)
         LOG.info(f"process {os.getpid()} begins")
+        start.scheduling.apply()  # before there are other threads
         module, _, function = start.entry.partition(":")
         arguments = start.arguments
         if report is not None:

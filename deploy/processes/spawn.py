@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes.fork_messages import MAX_NEWS, News, Request, Signal, Start, decode_news
+from deploy.processes.scheduling import ORDINARY, Scheduling
 from protocol.errors import ProcessError
 
 MODULES: Sequence[str] = (
@@ -74,10 +75,18 @@ class Spawner:
             env=environment(),
         )
 
-    def start(self, name: str, entry: str, arguments: tuple[Any, ...] = (), *, reports: bool = False) -> int:
+    def start(
+        self,
+        name: str,
+        entry: str,
+        arguments: tuple[Any, ...] = (),
+        *,
+        reports: bool = False,
+        scheduling: Scheduling = ORDINARY,
+    ) -> int:
         """Ask for a process that calls `entry` ("module:function"); returns the number of its life."""
         life = next(self._lives)
-        self._send(Start(life, name, entry, arguments, reports))
+        self._send(Start(life, name, entry, arguments, reports, scheduling))
         return life
 
     def signal(self, life: int, number: int) -> None:

@@ -166,7 +166,11 @@ class Supervisor:
             life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
             life.began, life.due = time.monotonic(), None
             life.number = self._spawner.start(
-                process.name, process.entry, process.arguments, reports=process.reports
+                process.name,
+                process.entry,
+                process.arguments,
+                reports=process.reports,
+                scheduling=process.scheduling,
             )
             self._by_number[life.number] = life
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from deploy.processes.scheduling import ORDINARY, Scheduling
 from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
@@ -31,19 +32,34 @@ class Process:
     vital: bool = False  # the fleet cannot go on without it
     restarts: int = 0  # how many times it is started again by itself after it failed
     reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
+    scheduling: Scheduling = ORDINARY
 
 
-def router(connection: Connection, record: tuple[str, Path] | None = None, restarts: int = 0) -> Process:
+def router(
+    connection: Connection,
+    record: tuple[str, Path] | None = None,
+    restarts: int = 0,
+    scheduling: Scheduling = ORDINARY,
+) -> Process:
     """The router; it reports the endpoint that it listens on. `record`: a run, and its writer's address."""
-    return Process(ROUTER, _ROUTING, (connection, record, 0.0), True, restarts, reports=True)
+    arguments = (connection, record, 0.0)
+    return Process(ROUTER, _ROUTING, arguments, True, restarts, reports=True, scheduling=scheduling)
 
 
-def linked_router(connection: Connection, host: str, restarts: int = 0, *, vital: bool = True) -> Process:
+def linked_router(
+    connection: Connection,
+    host: str,
+    restarts: int = 0,
+    scheduling: Scheduling = ORDINARY,
+    *,
+    vital: bool = True,
+) -> Process:
     """The router of one of several hosts; it reports once it is linked with those that it connects to.
 
     Only that of the world's host is `vital`: with another one the robots behind it are lost, and no more.
     """
-    return Process(router_name(host), _ROUTING, (connection, None, _LINKING), vital, restarts, reports=True)
+    name, arguments = router_name(host), (connection, None, _LINKING)
+    return Process(name, _ROUTING, arguments, vital, restarts, reports=True, scheduling=scheduling)
 
 
 def world(
@@ -55,6 +71,7 @@ def world(
     speed: float = 0.0,
     restarts: int = 0,
     journal: Path | None = None,
+    scheduling: Scheduling = ORDINARY,
 ) -> Process:
     """The world of a run, which tells every report as JSON; `restarts` as its robots' rows have it.
 
@@ -62,15 +79,20 @@ def world(
     """
     arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts, journal)
     again = 0 if journal is None else restarts
-    return Process(WORLD, "world.process:supervised", arguments, True, again, reports=True)
+    entry = "world.process:supervised"
+    return Process(WORLD, entry, arguments, True, again, reports=True, scheduling=scheduling)
 
 
 def robot(
-    connection: Connection, run: str, identity: int, restarts: int = 0, core: int | None = None
+    connection: Connection,
+    run: str,
+    identity: int,
+    restarts: int = 0,
+    scheduling: Scheduling = ORDINARY,
 ) -> Process:
-    """One robot, on one `core` if that is given; the fleet goes on without it."""
-    arguments = (connection, run, identity, core)
-    return Process(robot_name(identity), "agents.process:main", arguments, restarts=restarts)
+    """One robot; the fleet goes on without it."""
+    name, arguments = robot_name(identity), (connection, run, identity)
+    return Process(name, "agents.process:main", arguments, restarts=restarts, scheduling=scheduling)
 
 
 def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:

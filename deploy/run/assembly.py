@@ -10,11 +10,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from deploy.processes import table
-from deploy.processes.cores import core_of
 from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.topology import MultiHost, places
 from deploy.processes.router import reserved
+from deploy.processes.scheduling import Scheduling, core_of, require_realtime
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
@@ -59,6 +59,9 @@ class Assembly:
         stack: ExitStack,
     ) -> None:
         self._scenarios, self._options = scenarios, options
+        self._scheduling = Scheduling(realtime=options.realtime_priority)  # of world, routers and robots
+        if options.realtime_priority and (options.hosts is None or options.hosts.has_this_machine):
+            require_realtime()
         self._hosts = self._host_spawners()
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
@@ -82,7 +85,8 @@ class Assembly:
 
     def _robot(self, robot: int, core: int | None = None) -> table.Process:
         options, connection = self._options, self.topology.robot(robot)
-        return table.robot(connection, options.run, robot, options.restarts, core)
+        scheduling = self._scheduling._replace(core=core)
+        return table.robot(connection, options.run, robot, options.restarts, scheduling)
 
     def start_newcomer(self, robot: int) -> None:
         """The process of a robot that was added, on this host; a person must if this cannot."""
@@ -103,7 +107,13 @@ class Assembly:
             return None
         if (roster := Membership(self._options.secure).roster()) is not None:
             check_fit(roster, hosts)
-        return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
+        return HostSpawners(
+            hosts,
+            places(hosts),
+            self._options.run,
+            self._options.log,
+            realtime=self._options.realtime_priority,
+        )
 
     def _start_writer(self, record: Path | None, stack: ExitStack) -> Path | None:
         """Whoever writes the recording, at this address, before anybody who hears."""
@@ -130,9 +140,12 @@ class Assembly:
             return Routed(options.router, membership)
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
-        record = None if self.writer is None or options.restarts else (options.run, self.writer)
+        record = (options.run, self.writer) if self.writer is not None and self._recorded_aboard else None
         router = table.router(
-            membership.router(() if options.listen is None else (options.listen,)), record, options.restarts
+            membership.router(() if options.listen is None else (options.listen,)),
+            record,
+            options.restarts,
+            self._scheduling,
         )
         self.supervisor.start([router])
         endpoint = self.supervisor.report(table.ROUTER, _START)
@@ -149,10 +162,20 @@ class Assembly:
         multi_host.spawners.greet()
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
-            restarts = self._options.restarts
-            self.supervisor.start([table.linked_router(connection, host.name, restarts, vital=vital)])
+            restarts, scheduling = self._options.restarts, self._scheduling
+            self.supervisor.start(
+                [table.linked_router(connection, host.name, restarts, scheduling, vital=vital)]
+            )
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
+
+    @property
+    def _recorded_aboard(self) -> bool:
+        """Whether the fleet's own router records: none that may die, since the recording would end with it,
+        nor one with real-time priority, which recording has not."""
+        options = self._options
+        own_router = options.transport == "routed" and options.router is None and options.hosts is None
+        return own_router and not (options.restarts or options.realtime_priority)
 
     def _journal(self, stack: ExitStack) -> Path | None:
         """Where the world is to keep its journal, if it is to be started again: made here, so that a world
@@ -180,11 +203,10 @@ class Assembly:
             speed=options.speed,
             restarts=options.restarts,
             journal=journal,
+            scheduling=self._scheduling,
         )
         self.supervisor.start([world])
-        own_router = options.transport == "routed" and options.router is None and options.hosts is None
-        # A recording in a router would end with it.
-        if self.writer is not None and (options.restarts or not own_router):
+        if self.writer is not None and not self._recorded_aboard:
             away = AWAY if options.restarts else 0.0
             recorder = table.recorder(topology.observer(), run, self.writer, away, options.restarts)
             self.supervisor.start([recorder])

@@ -5,6 +5,7 @@ what a robot does not command in time is missed. `us` is processor time of all p
 tick, measured after the first two seconds.
 
     python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
+    python -m tests.benchmarks.crowds --robots 200 --realtime-priority
     python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep
 """
 
@@ -23,7 +24,7 @@ from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance, random_starts
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions
+from deploy.run.options import RunOptions, fresh_run_name
 from protocol.messages import Clock
 from protocol.scenario.model import Journey, Network, Order, Scenario
 
@@ -116,11 +117,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--interest", choices=("near", "all"))
     parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
+    parser.add_argument("--realtime-priority", action="store_true", help="of world, router and robots")
     chosen = parser.parse_args(arguments)
+    options = RunOptions(chosen.transport, chosen.mode, realtime_priority=chosen.realtime_priority)
     print("robots  ticks  missed %       us  start s  took s  clearance mm")
     for robots in chosen.robots:
         scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
-        row = measure(scenario, RunOptions(chosen.transport, chosen.mode))
+        row = measure(scenario, replace(options, run=fresh_run_name()))
         print(
             f"{row.robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {row.us:7.0f}  {row.start:7.2f}"
             f"  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",

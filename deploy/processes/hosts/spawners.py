@@ -14,6 +14,7 @@ from deploy.processes.fork_messages import Exited, News
 from deploy.processes.forked import FAULT
 from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
+from deploy.processes.scheduling import ORDINARY, Scheduling
 from deploy.processes.spawn import Spawner
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
@@ -31,17 +32,25 @@ class HostSpawners:
         places: name of a process -> name of its host; all others are started here.
         run: stands in the titles of all processes.
         logs: folder for the files of logs, of this machine's processes and of every host; none unless given.
+        realtime: whether a host that allows no real-time priority is to refuse.
 
     Raises:
         ProcessError: a host cannot be reached.
     """
 
     def __init__(
-        self, table: HostsTable, places: Mapping[str, str], run: str, logs: Path | None = None
+        self,
+        table: HostsTable,
+        places: Mapping[str, str],
+        run: str,
+        logs: Path | None = None,
+        *,
+        realtime: bool = False,
     ) -> None:
         self._places = places
         self._here = Spawner(run=run, logs=logs)
-        self._there = {host.name: SshSpawner(host, run, logs) for host in table.hosts if host.ssh}
+        there = [host for host in table.hosts if host.ssh]
+        self._there = {host.name: SshSpawner(host, run, logs, realtime=realtime) for host in there}
         self._numbers = count(1)
         self._numbers_of: dict[tuple[Spawner, int], int] = {}  # a spawner's own number -> ours
         self._lives: dict[int, tuple[Spawner, int]] = {}  # the reverse, of those that have not ended
@@ -68,12 +77,22 @@ class HostSpawners:
             return
         self._there[host].store(path.name, path.read_bytes())
 
-    def start(self, name: str, entry: str, arguments: tuple[Any, ...] = (), *, reports: bool = False) -> int:
+    def start(
+        self,
+        name: str,
+        entry: str,
+        arguments: tuple[Any, ...] = (),
+        *,
+        reports: bool = False,
+        scheduling: Scheduling = ORDINARY,
+    ) -> int:
         """As `Spawner.start`, on the host where `name` belongs."""
         spawner = self._there.get(self._places.get(name, ""), self._here)
         number = next(self._numbers)
         try:
-            life = 0 if spawner.gone else spawner.start(name, entry, arguments, reports=reports)
+            life = 0
+            if not spawner.gone:
+                life = spawner.start(name, entry, arguments, reports=reports, scheduling=scheduling)
         except ProcessError as error:
             self._lose(spawner, error)
         if spawner.gone:

@@ -58,9 +58,12 @@ class SshSpawner(Spawner):
         ProcessError: there is no ssh here; or from any method, the host is gone.
     """
 
-    def __init__(self, host: Host, run: str, logs: Path | None = None) -> None:
-        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`."""
-        self.host = host
+    def __init__(self, host: Host, run: str, logs: Path | None = None, *, realtime: bool = False) -> None:
+        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`.
+
+        `realtime`: it is to refuse if it allows no real-time priority.
+        """
+        self.host, self._realtime = host, realtime
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
         super().__init__(run=run, logs=logs)
@@ -122,7 +125,8 @@ class SshSpawner(Spawner):
     ) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
         self._relay = Relay(self.host.name, run, logs)
-        command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}")
+        needs = " --realtime-priority" if self._realtime else ""
+        command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}{needs}")
         end = theirs.fileno()
         try:
             ssh = subprocess.Popen(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -32,6 +34,7 @@ from protocol.scenario.model import ProcessFault
 from protocol.wire.codec import decode
 from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
+from tests.deploy.processes.test_scheduling import needs_realtime, policies
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks
@@ -73,10 +76,12 @@ def table(
 
 
 @contextmanager
-def a_long_run(server: Server, folder: Path, **changes: str) -> Iterator[subprocess.Popen[bytes]]:
+def a_long_run(
+    server: Server, folder: Path, *options: str, **changes: str
+) -> Iterator[subprocess.Popen[bytes]]:
     """A launcher whose fleet runs; afterwards nothing of that is left on the hosts, or soon will not be."""
     hosts, port = table(server, folder, ("base", "left"), **changes)
-    command = [*DISKNAV, "run", "figure-1", "--hosts", str(hosts), "--run", "long", *LONG]
+    command = [*DISKNAV, "run", "figure-1", "--hosts", str(hosts), "--run", "long", *LONG, *options]
     launcher = subprocess.Popen(
         [*command, "--quiet", "--json", str(folder / "result.json")], start_new_session=True
     )
@@ -266,3 +271,28 @@ def test_a_host_that_cannot_be_used_is_named(
     done = disknav("run", "figure-1", "--hosts", hosts)
     assert done.returncode == status
     assert text in done.stderr
+
+
+@needs_realtime
+def test_on_every_host_world_router_and_robots_go_first(server: Server, tmp_path: Path) -> None:
+    with a_long_run(server, tmp_path, "--realtime-priority") as launcher:
+        there = psutil.Process(server.pid).children(recursive=True)
+        there += psutil.Process(launcher.pid).children(recursive=True)
+        found = {title(each.pid): policies(each.pid) for each in there}
+        launcher.send_signal(signal.SIGTERM)
+        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+    first = {name for name, these in found.items() if these == {(os.SCHED_RR, 1)}}
+    names = ["router base", "router left", "router right", "world", *(f"robot {n}" for n in SCENARIO.ids)]
+    assert first == {f"disknav {name} (run long)" for name in names}
+    assert all(these == {(os.SCHED_OTHER, 0)} for name, these in found.items() if name not in first)
+
+
+@needs_realtime
+@pytest.mark.skipif(shutil.which("setpriv") is None or os.geteuid() != 0, reason="only root can give it up")
+def test_a_host_that_allows_no_priority_refuses(server: Server, disknav: Forks, tmp_path: Path) -> None:
+    command = f"prlimit --rtprio=0 setpriv --bounding-set=-sys_nice --inh-caps=-sys_nice {server.command}"
+    hosts, _ = table(server, tmp_path, ["left"], command=command)
+    done = disknav("run", "figure-1", "--hosts", hosts, "--mode", "realtime", "--realtime-priority")
+    assert done.returncode == EXIT_FAULT
+    assert "left: disknav: --realtime-priority: the system refuses" in done.stderr
+    assert "host left is gone: ssh ended with status 2; see its output above" in done.stderr
