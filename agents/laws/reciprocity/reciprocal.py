@@ -34,8 +34,7 @@ FEW: Final = 2  # where it hears those near alone, who are few of all that it wi
 AT_ONCE: Final = 1.0  # then within so many laps
 LATE: Final = 0.6  # more room on the circle there per lap by which States are late, up to one: so are lines
 NEAR: Final = 4.0  # radii from the goal, within which the flow leads there,
-ASIDE: Final = 0.5  # but by less than this share of its speed nearer to it, so that it is better to wait,
-PATIENCE: Final = 10.0  # laps, until the flow is followed wherever it leads
+ASIDE: Final = 0.5  # unless by less than this share of its speed: then it is better to wait
 SLOW: Final = 0.65  # of the free speed: who gets nearer to the goal by less than that follows the flow;
 SLOW_ROUND: Final = 0.5  # by less than that, who goes round a place
 MARGIN: Final = 0.0125  # of the distance of contact
@@ -54,7 +53,6 @@ class ReciprocalLaw:
         self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
-        self._waited = 0.0  # s, since the flow last led on
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
         near = scenario.hears_near
         self._many, self._together = (FEW, AT_ONCE) if near else (MANY, TOGETHER)
@@ -100,15 +98,13 @@ class ReciprocalLaw:
 
     def _waits(self, view: View, flow: Vector) -> bool:
         """Whether it is better to stand than to be driven aside, near the goal, by those who pass: as long
-        as none of them comes at the robot, and for a while."""
+        as none of them comes at the robot. Who waits in vain is soon stuck, and escapes."""
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)
         if away > NEAR * self._radius or flow[0] * ex + flow[1] * ey >= ASIDE * away * math.hypot(*flow):
-            self._waited = 0.0
             return False
-        self._waited += self._period
-        return self._waited <= PATIENCE * self._lap and _violated(0.0, 0.0, self._obstacles(view)) == 0
+        return _violated(0.0, 0.0, self._obstacles(view)) == 0
 
     def _turn(self, view: View, way: Vector) -> float:
         """By how much the straight way (m/s) is to be turned to the left, rad."""
