@@ -21,9 +21,8 @@ from agents.laws.reciprocity.velocity_program import nearest
 from agents.laws.view import View
 from agents.lines.line import HalfPlane
 from protocol.geometry import Disk
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-
-Vector = tuple[float, float]
 
 # No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
 HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk

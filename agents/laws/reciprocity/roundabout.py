@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-Vector = tuple[float, float]
+from protocol.messages import Vector
 
 WIDE: Final = 1.08  # times the circle on which the disks touch each other
 LEAST: Final = 0.05  # rad from one to the next, which is some 120 on one circle

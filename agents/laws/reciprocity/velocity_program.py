@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from agents.lines.line import HalfPlane
+from protocol.messages import Vector
 
-Vector = tuple[float, float]
 _PARALLEL: Final = 1e-12
 _ROUNDING: Final = 1e-12  # of the speed limit: a violation by less is none
 
