@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import time
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -12,8 +14,12 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
+from protocol.bus.events import Event
 from protocol.errors import JournalError
-from protocol.scenario.model import Scenario
+from protocol.keys import world_key
+from protocol.messages import Truth
+from protocol.scenario.model import ProcessFault, Scenario
+from protocol.wire.codec import decode
 from tests.world.driving import two
 from world.judge import trajectory
 from world.shell.persistence.journal import Journal
@@ -83,6 +89,30 @@ def test_a_world_that_died_goes_on_from_the_newest(tmp_path: Path) -> None:
     assert past.journal.past[0].expected == {}
     assert past.run.began == pytest.approx(time.monotonic(), abs=60.0)
     assert most < 60_000
+
+
+def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path) -> None:
+    path = tmp_path / "journal"
+    scenario = replace(load("swap-4"), process=(ProcessFault(2, 0.5, "restart"),))
+    Journal.create(path, "local", [scenario])
+    fleet, ticks = LocalFleet([scenario], journal=path), list[int]()
+
+    class Watching:
+        finished, deadline = False, math.inf
+
+        def handle(self, event: Event) -> None:
+            message = decode(event.key, event.payload)  # type: ignore[union-attr]
+            assert isinstance(message, Truth)
+            ticks.append(message.tick)
+
+        def wake(self, now: float) -> None: ...
+
+    bus = fleet.network.connect()
+    bus.subscribe(world_key("local", "truth"))
+    bus.node = Watching()
+    report = fleet.execute()[0]
+    bus.drain()
+    assert ticks == list(range(report["ticks"] + 1))
 
 
 def test_between_two_links_of_its_digest_there_is_none() -> None:

@@ -1,0 +1,119 @@
+"""Who stands for a robot while routers and worlds come and go: neither the process that a successor is to
+replace nor a stranger, and no trajectory shows it."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from agents.shell.node import RobotNode
+from deploy.run.fleet import Fleet
+from deploy.run.local import FaultInjector, LocalFleet
+from deploy.run.options import RunOptions
+from protocol.bus.events import Presence
+from protocol.keys import robot_key, world_key
+from protocol.requests.joining import Admission, Refusal
+from protocol.scenario.model import ProcessFault
+from tests.deploy.run.faults.stale import ENDLESS, RESTARTED, Overheard, answer, go, injector, kept, life
+from tests.deploy.run.orders.guests import SWAP
+from world.shell.persistence.journal import Journal
+
+
+def blink(fleet: LocalFleet) -> None:
+    """The router goes and comes back: so do all tokens."""
+    for alive in (False, True):
+        for robot, bus in fleet.robots.items():
+            fleet.world.handle(Presence(robot_key(fleet.run, robot, "alive"), alive))
+            assert bus.node is not None
+            bus.node.handle(Presence(world_key(fleet.run, "alive"), alive))
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> str:
+    sha: str = LocalFleet([RESTARTED]).execute()[0]["trajectory_sha256"]
+    return sha
+
+
+def test_who_is_to_be_restarted_is_not_its_own_successor_when_a_router_goes(
+    tmp_path: Path, undisturbed: str
+) -> None:
+    """Its launcher gets to it late, and it asks what became of it."""
+    fleet, faults = kept(tmp_path), list[ProcessFault]()
+    launcher = injector(fleet)
+    late = launcher.node
+    assert isinstance(late, FaultInjector)
+    late._carry_out = faults.append  # type: ignore[method-assign]
+    fleet.network.run(lambda: bool(faults))
+    blink(fleet)
+    go(fleet, 1, seconds=0.5)
+    assert (fleet.world.world.tick, life(fleet).incarnation) == (10, 1)
+    for fault in faults:
+        FaultInjector._carry_out(late, fault)
+    report = fleet.execute()[0]
+    assert (report["trajectory_sha256"], report["faults"]["given_up"]) == (undisturbed, [])
+
+
+def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim(
+    tmp_path: Path, undisturbed: str
+) -> None:
+    """The world died as the tick of the restart opened, when its launcher had heard of it."""
+    fleet = kept(tmp_path)
+    injector(fleet).node = None
+    dead, ears = list[bool](), Overheard(fleet)
+    ears.when = lambda: not life(fleet).joined and fleet.world.world.tick == 10
+    ears.then = lambda: dead.append(True)
+    fleet.network.run(lambda: bool(dead))
+    fleet.kill_world()
+    fleet.kill(2)
+    successor = fleet.start(2)
+    fleet.start_world()
+    successor.wake(math.inf)
+    deadline = time.monotonic() + 10.0
+    fleet.network.run(lambda: fleet.world.finished or time.monotonic() > deadline)
+    report = fleet.world.report
+    assert report is not None
+    assert (report["trajectory_sha256"], report["faults"]["given_up"]) == (undisturbed, [])
+
+
+@pytest.mark.parametrize("given_up", [False, True], ids=["between two runs", "given up"])
+def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(
+    tmp_path: Path, given_up: bool
+) -> None:
+    runs = [ENDLESS] if given_up else [SWAP, SWAP]
+    Journal.create(tmp_path / "journal", "local", runs)
+    fleet = LocalFleet(runs, journal=tmp_path / "journal")
+    injector(fleet).node = None
+    if given_up:
+        go(fleet, 10)
+        fleet.world.world.coordinator.lost(2, "hangs")
+    else:
+        dead, ears = list[bool](), Overheard(fleet)
+        ears.when = lambda: fleet.world._run.number == 1
+        ears.then = lambda: dead.append(True)
+        fleet.network.run(lambda: bool(dead))
+    assert not life(fleet).goes_on
+    node = fleet.robots[2].node
+    assert isinstance(node, RobotNode)
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    fleet.kill_world()
+    fleet.start_world()
+    fleet.world_bus.drain()  # the tokens
+    assert isinstance(answer(fleet, "stranger"), Refusal)
+    assert isinstance(answer(fleet, node._world._session), Admission)
+
+
+@pytest.mark.process
+@pytest.mark.timeout(120)
+@pytest.mark.long(15)
+def test_who_is_frozen_for_longer_than_its_token_lives_goes_on() -> None:
+    """At any speed: a token lives for two seconds."""
+    faults = (ProcessFault(2, 0.5, "pause"), ProcessFault(2, 4.0, "resume"))
+    scenario = replace(SWAP, process=faults, time=replace(SWAP.time, fence=6.0))
+    with Fleet([scenario], RunOptions("routed", speed=1.0)) as fleet:
+        (report,) = fleet.execute()
+    assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
+    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
