@@ -16,7 +16,7 @@ from pathlib import Path
 
 from deploy.output.bar import bar
 from tests.fuzz.campaign import Tally, campaign
-from tests.fuzz.targets import TARGETS
+from tests.fuzz.catalogue import TARGETS
 
 
 def report(tally: Tally, seconds: float) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Any
 
-from tests.fuzz.targets import TARGETS
+from tests.fuzz.catalogue import TARGETS
 
 PATIENCE = 10.0  # s that reading one input may take
 _SCHEDULE = [name for name, target in TARGETS.items() for _ in range(target.share)]

@@ -10,7 +10,7 @@ import pytest
 from protocol.errors import MessageError
 from tests.fuzz import __main__ as fuzz
 from tests.fuzz.campaign import campaign, drawn, target_of
-from tests.fuzz.targets import TARGETS
+from tests.fuzz.catalogue import TARGETS
 
 
 @pytest.mark.slow
