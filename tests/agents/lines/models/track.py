@@ -10,16 +10,15 @@ talks on.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from agents.peers.state import addressed_to
 from protocol.messages import Roster, State
 from tests.agents.lines.models.coordinator import Coordinator
 from tests.agents.lines.models.product import Product
-from tests.agents.lines.models.twins import frozen, twin_of, twin_of_ledger
+from tests.agents.lines.models.seat import Seat
+from tests.agents.lines.models.twins import twin_of
 
-STILL = (0.0, 0.0)
 TOLERANCE = 1e-6  # m; what the real margins for rounding may add up to
 
 
@@ -35,30 +34,6 @@ class Setting(NamedTuple):
 
 
 Who = tuple[int, int]  # a robot and one of its incarnations
-
-
-@dataclass(slots=True)
-class Seat:
-    """One incarnation of one robot; tracks share it until one of them changes it."""
-
-    robot: int
-    incarnation: int
-    known: Any  # its KnownRoster
-    owner: Track | None  # who may change it; the others change a copy
-    ledger: Any = None  # none before it has heard a roster
-    key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
-
-    def twin(self, owner: Track) -> Seat:
-        """The same, to be changed independently."""
-        known = twin_of(self.known)  # its members are never changed, only replaced
-        ledger = None if self.ledger is None else twin_of_ledger(self.ledger)
-        return Seat(self.robot, self.incarnation, known, owner, ledger)
-
-    def frozen(self) -> tuple[Any, ...]:
-        """Equal for incarnations that nothing can tell apart."""
-        members = tuple(self.known.members.values())
-        ledger = None if self.ledger is None else frozen(self.ledger)
-        return self.robot, self.incarnation, self.known.version, members, ledger
 
 
 class Track:
@@ -208,26 +183,14 @@ class Track:
         peer."""
         if self.seats[who].ledger is None:
             return False
-        state = self._act(who, ("entries", choose), lambda seat: self._state(seat, choose))
+        state = self._act(
+            who, ("entries", choose), lambda seat: seat.speak(self.product, self.setting, choose)
+        )
         number = self._number(state)
         if number in self._said:
             return False
         self.sent, self._said = (*self.sent, state), self._said | {number}
         return True
-
-    def _state(self, seat: Seat, choose: Callable[[int], Any]) -> State:
-        for pair in seat.ledger._each:
-            pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
-        placement = self.product.placement
-        fit, placement.fit_line = placement.fit_line, lambda _, peer, **__: choose(round(peer.y))
-        try:
-            proposals, answers = seat.ledger.entries(STILL)
-        finally:
-            placement.fit_line = fit
-        name = (0.0, float(seat.robot))  # no place, which only matters to where lines are placed
-        return State(
-            seat.robot, seat.incarnation, 0, name, self.setting.bound, 0.0, 0.0, STILL, proposals, answers
-        )
 
     def hear(self, who: Who, state: State) -> bool:
         """An incarnation hears what was once said."""
@@ -248,27 +211,12 @@ class Track:
         place, estimate = self.truth[robot], None
         if self.newest[robot] == incarnation and place is not None:
             estimate = (place + self.error[robot], 0.0)
-        self._act(who, ("be_told", roster, estimate), lambda seat: self._follow(seat, roster, estimate))
-        return True
-
-    def _follow(self, seat: Seat, roster: Roster, estimate: tuple[float, float] | None) -> None:
-        news = seat.known.update(roster)
-        if seat.ledger is not None:
-            for member in news:
-                seat.ledger.on_member(member)
-            return
-        starts = {robot: (start, 0.0) for robot, start in self.setting.starts.items()}
-        seat.ledger = self.product.SeparatingLines(
-            seat.robot,
-            seat.incarnation,
-            self.radii,
-            speed=4.0 * self.setting.length,
-            period=1.0,
-            members=seat.known.members,
-            starts=starts if seat.known.founding else None,
+        self._act(
+            who,
+            ("be_told", roster, estimate),
+            lambda seat: seat.follow(roster, self.product, self.setting, estimate),
         )
-        if estimate is not None:
-            seat.ledger.locate(0, estimate, self.setting.bound)
+        return True
 
     def acknowledge(self, robot: int) -> bool:
         """A Command of the newest incarnation is taken (`Robot.command`)."""

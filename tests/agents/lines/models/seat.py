@@ -1,0 +1,77 @@
+"""What stands for a robot on a track: the real known roster and ledger of one incarnation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from protocol.messages import Roster, State
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.twins import frozen, twin_of, twin_of_ledger
+
+if TYPE_CHECKING:
+    from tests.agents.lines.models.track import Setting, Track
+
+STILL = (0.0, 0.0)
+
+
+@dataclass(slots=True)
+class Seat:
+    """One incarnation of one robot; tracks share it until one of them changes it."""
+
+    robot: int
+    incarnation: int
+    known: Any  # its KnownRoster
+    owner: Track | None  # who may change it; the others change a copy
+    ledger: Any = None  # none before it has heard a roster
+    key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
+
+    def twin(self, owner: Track) -> Seat:
+        """The same, to be changed independently."""
+        known = twin_of(self.known)  # its members are never changed, only replaced
+        ledger = None if self.ledger is None else twin_of_ledger(self.ledger)
+        return Seat(self.robot, self.incarnation, known, owner, ledger)
+
+    def frozen(self) -> tuple[Any, ...]:
+        """Equal for incarnations that nothing can tell apart."""
+        members = tuple(self.known.members.values())
+        ledger = None if self.ledger is None else frozen(self.ledger)
+        return self.robot, self.incarnation, self.known.version, members, ledger
+
+    def speak(self, product: Product, setting: Setting, choose: Callable[[int], Any]) -> State:
+        """The State that it publishes; `choose` gives the line that is placed between it and each peer."""
+        for pair in self.ledger._each:
+            pair.answers_left = int(bool(not pair.owns and pair.end.seen))  # an answer may be said ever again
+        placement = product.placement
+        fit, placement.fit_line = placement.fit_line, lambda _, peer, **__: choose(round(peer.y))
+        try:
+            proposals, answers = self.ledger.entries(STILL)
+        finally:
+            placement.fit_line = fit
+        name = (0.0, float(self.robot))  # no place, which only matters to where lines are placed
+        return State(
+            self.robot, self.incarnation, 0, name, setting.bound, 0.0, 0.0, STILL, proposals, answers
+        )
+
+    def follow(
+        self, roster: Roster, product: Product, setting: Setting, estimate: tuple[float, float] | None
+    ) -> None:
+        """Hear a version of the roster; the first makes its ledger, with `estimate` of where it is, m."""
+        news = self.known.update(roster)
+        if self.ledger is not None:
+            for member in news:
+                self.ledger.on_member(member)
+            return
+        starts = {robot: (start, 0.0) for robot, start in setting.starts.items()}
+        self.ledger = product.SeparatingLines(
+            self.robot,
+            self.incarnation,
+            dict.fromkeys(setting.starts, setting.radius),
+            speed=4.0 * setting.length,
+            period=1.0,
+            members=self.known.members,
+            starts=starts if self.known.founding else None,
+        )
+        if estimate is not None:
+            self.ledger.locate(0, estimate, setting.bound)
