@@ -18,10 +18,11 @@ import time
 from pathlib import Path
 
 from deploy.output.bar import bar
-from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models import walk
 from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.mutants.mutant import hunt
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import aftermath, skirmish
 
 _KEPT = 200  # runs after which it is noted how far it has come
 _MODELS = {"walk": walk.violation_of, "skirmish": skirmish.violation_of, "aftermath": aftermath.violation_of}

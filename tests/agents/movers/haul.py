@@ -1,7 +1,7 @@
 """Whole robots that take parts up and put them down wherever they are near, while everything goes wrong.
 
-As in `tests.agents.lines.models.skirmish` robots want to collide; who is near a part asks for it, and who has
-one asks to put it down beside itself, whether that makes sense or not.
+As in `tests.agents.lines.models.skirmishes` robots want to collide; who is near a part asks for it, and who
+has one asks to put it down beside itself, whether that makes sense or not.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from typing import Any
 from agents.peers.roster import KnownRoster
 from protocol.messages import Claim, Handling
 from protocol.scenario.model import Carrying, Part, Scenario
-from tests.agents.lines.models import skirmish
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import skirmish
+from tests.agents.lines.models.skirmishes.laws import Attack
 
 REACH = 0.03  # m
 
@@ -65,7 +66,7 @@ class Haul(skirmish.Skirmish):
         process.core._mover = _Porter(self.rng, self.scenario, robot)
 
     def _open(self, process: Any) -> None:
-        process.core._law = skirmish.Attack(self.rng, self.world, process.core.robot)
+        process.core._law = Attack(self.rng, self.world, process.core.robot)
         super()._open(process)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models import walk
 from tests.agents.lines.models.product import LARGE_ROOM, Product
+from tests.agents.lines.models.skirmishes import aftermath, skirmish
 
 PRODUCT = Product()
 

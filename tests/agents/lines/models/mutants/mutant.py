@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tests.agents.lines.models import aftermath, skirmish, walk
+from tests.agents.lines.models import walk
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.agents.lines.models.small_model import Bounds, search
 from tests.interpreted import Edit
 

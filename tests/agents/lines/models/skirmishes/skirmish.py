@@ -7,23 +7,22 @@ on though they are fenced; and messages that are lost, late, repeated and reorde
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any
 
 from agents.peers.state import addressed_to
-from protocol.geometry import Shape
 from protocol.messages import Command, State, Tick
 from protocol.requests.things import ThingOrder
 from protocol.scenario.model import Scenario
-from tests.agents.lines.models import arena
-from tests.agents.lines.models.arena import SPEED, STEP, Vector
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import arena
+from tests.agents.lines.models.skirmishes.arena import STEP, Vector
+from tests.agents.lines.models.skirmishes.judge import TOLERANCE, overlap
+from tests.agents.lines.models.skirmishes.laws import Attack
 
 TICKS = 40
-TOLERANCE = 2e-9  # m
 
 
 def violation_of(seed: int, product: Product, ticks: int = TICKS) -> str:
@@ -165,29 +164,8 @@ class Skirmish:
 
     def violation(self) -> str:
         """What is wrong with where the disks are, or how they came there; "" if nothing."""
-        if self.overstep:
-            return self.overstep
-        scenario, after = self.scenario, self.world.truth.positions
-        ids = scenario.ids
-        for number, robot in enumerate(ids):
-            radius = scenario.spec(robot).radius
-            outside = scenario.workspace.shape.distance(*after[number]) + radius
-            if outside > TOLERANCE:
-                return f"robot {robot} is out of the workspace by {outside:.3g} m"
-            way = math.dist(self.before[number], after[number])
-            for thing, shape in self.things.items():
-                if shape.distance(*after[number]) > radius + way:
-                    continue  # it was never nearer by more than its way
-                overlap = radius - _nearest(shape, self.before[number], after[number])
-                if overlap > TOLERANCE:
-                    return f"robot {robot} and thing {thing} overlap by {overlap:.3g} m"
-            for index in range(number):
-                contact = radius + scenario.spec(ids[index]).radius
-                pairs = (self.before[number], self.before[index], after[number], after[index])
-                overlap = contact - _closest(*pairs)
-                if overlap > TOLERANCE:
-                    return f"robots {ids[index]} and {robot} overlap by {overlap:.3g} m"
-        return ""
+        after = list(self.world.truth.positions)
+        return self.overstep or overlap(self.scenario, self.things, self.before, after)
 
     # -- processes
 
@@ -296,46 +274,3 @@ class _Process:
         self.asleep = 0  # ticks
         self.opened = False
         self.state: State | None = None
-
-
-class Attack:
-    """A law that wants to collide: for some ticks at a peer, past it, or at the wall."""
-
-    def __init__(self, rng: Random, world: Any, robot: int) -> None:
-        self._rng, self._world, self._robot = rng, world, robot
-        self._things = [(shape.around.x, shape.around.y) for shape in world.scenario.shapes.values()]
-        self._targets = len(world.truth.robots) + len(self._things)
-        self._target, self._turn = 0, 0.0
-
-    def slice_norm(self, *_: Any) -> float:
-        return 0.0
-
-    def velocity(self, view: Any) -> Vector:
-        position, rng, truth = view.position, self._rng, self._world.truth
-        if rng.random() < 0.15:
-            self._target, self._turn = rng.randint(-1, self._targets - 1), rng.uniform(-0.6, 0.6)
-        places = (*truth.positions, *self._things)
-        x, y = places[self._target] if self._target >= 0 else (2.0 * position[0], 2.0 * position[1])
-        angle = math.atan2(y - position[1], x - position[0]) + self._turn
-        speed = SPEED * rng.choice((0.3, 1.0, 1.0))
-        return speed * math.cos(angle), speed * math.sin(angle)
-
-
-def _nearest(shape: Shape, before: Vector, after: Vector) -> float:
-    """Smallest distance from a shape during straight motion, a convex function of time, m."""
-    (ax, ay), (bx, by) = before, after
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        one, other = low + (high - low) / 3.0, high - (high - low) / 3.0
-        near, far = (shape.distance(ax + t * (bx - ax), ay + t * (by - ay)) for t in (one, other))
-        low, high = (low, other) if near < far else (one, high)
-    return shape.distance(ax + low * (bx - ax), ay + low * (by - ay))
-
-
-def _closest(one: Vector, other: Vector, one_after: Vector, other_after: Vector) -> float:
-    """Smallest distance while both move straight, m."""
-    px, py = one[0] - other[0], one[1] - other[1]
-    vx, vy = one_after[0] - other_after[0] - px, one_after[1] - other_after[1] - py
-    square = vx * vx + vy * vy
-    when = 0.0 if square == 0.0 else min(1.0, max(0.0, -(px * vx + py * vy) / square))
-    return math.hypot(px + when * vx, py + when * vy)

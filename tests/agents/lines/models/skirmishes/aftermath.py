@@ -11,8 +11,9 @@ from random import Random
 from typing import Any
 
 from protocol.scenario.model import Scenario
-from tests.agents.lines.models import skirmish
 from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import skirmish
+from tests.agents.lines.models.skirmishes.laws import Staying
 
 CALM = 80  # ticks
 
@@ -48,25 +49,15 @@ class Aftermath(skirmish.Skirmish):
                 self.world.coordinator.lost(robot)
                 self._join(robot)
             self.processes[robot].asleep = 0
-            self.processes[robot].core._law = _Staying()
+            self.processes[robot].core._law = Staying()
 
     def _live(self, process: Any, robot: int) -> None:
         super()._live(process, robot)
         if self._is_over:
-            process.core._law = _Staying()
+            process.core._law = Staying()
 
     def standing(self) -> str:
         """Who is not ready to move; "" if everybody is."""
         cores = [process.core for process in self.processes.values()]
         held = sorted(core.robot for core in cores if core._filter is None or not core._filter.ready)
         return f"robots {held} stand for ever" if held else ""
-
-
-class _Staying:
-    """A law that wants to stay."""
-
-    def slice_norm(self, *_: Any) -> float:
-        return 0.0
-
-    def velocity(self, _: Any) -> tuple[float, float]:
-        return 0.0, 0.0
