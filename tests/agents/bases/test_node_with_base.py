@@ -15,7 +15,7 @@ from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.base_side import encode_odometry, encode_pose
-from tests.agents.bases.floor import STEP, Wheels
+from tests.agents.bases.wheels import STEP, Wheels
 from world.shell.node import WorldNode
 
 SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006", "time.endless=true")

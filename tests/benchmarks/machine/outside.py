@@ -23,7 +23,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
 from tests.agents.bases.base_side import encode_odometry, encode_pose
-from tests.agents.bases.floor import STEP, Wheels
+from tests.agents.bases.wheels import STEP, Wheels
 
 SECONDS, ROBOTS = 15.0, 6
 ASKED = 60.0  # MB

@@ -13,7 +13,7 @@ from deploy.calibrate.square import Driver, square
 from deploy.library.load import load
 from protocol.scenario.base import Base
 from tests.agents.bases.base_side import encode_odometry, encode_pose
-from tests.agents.bases.floor import STEP, Wheels
+from tests.agents.bases.wheels import STEP, Wheels
 from tests.forks import Forks
 
 LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
