@@ -12,6 +12,7 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
+from tests.agents.scaling import scaled
 
 pytestmark = pytest.mark.slow
 
@@ -19,24 +20,12 @@ PERIODS = (0.01, 0.05, 0.25, 0.5)  # s
 WORKSPACES = (0.02, 0.3, 200.0)  # m
 
 
-def scaled(name: str, workspace: float, period: float, pace: str) -> Scenario:
+def of_library(name: str, workspace: float, period: float, pace: str) -> Scenario:
     """A scenario of the library with another workspace (m), as many times faster, and another period (s)."""
     base = load(name)
-    factor = workspace / base.workspace.radius
-    robots = tuple(
-        replace(
-            each,
-            radius=factor * each.radius,
-            start=(factor * each.start[0], factor * each.start[1]),
-            goal=(factor * each.goal[0], factor * each.goal[1]),
-        )
-        for each in base.robots
-    )
-    control = replace(base.control, pace=pace, speed=factor * base.control.speed)
-    time = Time(
-        period, limit=120.0, tolerance=factor * base.time.tolerance, fence=20.0 * period, deadlock=30.0
-    )
-    return replace(base, robots=robots, workspace=Workspace(workspace), control=control, time=time)
+    larger = scaled(base, workspace / base.workspace.radius)
+    time = replace(larger.time, step=period, limit=120.0, fence=20.0 * period, deadlock=30.0)
+    return replace(larger, control=replace(larger.control, pace=pace), time=time)
 
 
 def circle(count: int, radius: float, k: float, pace: Literal["common", "own"]) -> Scenario:
@@ -61,7 +50,7 @@ def assert_arrives(scenario: Scenario) -> None:
 @pytest.mark.parametrize("period", PERIODS)
 def test_symmetric_robots_arrive_at_any_period_and_length(period: float, workspace: float, pace: str) -> None:
     for name in ("head-on", "swap-3"):
-        assert_arrives(scaled(name, workspace, period, pace))
+        assert_arrives(of_library(name, workspace, period, pace))
 
 
 @pytest.mark.parametrize("pace", ["common", "own"])

@@ -16,7 +16,8 @@ from deploy.library.load import load, resolved
 from deploy.library.random_instances import random_instance
 from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
-from protocol.scenario.model import Link, ProcessFault, Scenario, Workspace
+from protocol.scenario.model import Link, ProcessFault, Scenario
+from tests.agents.scaling import scaled
 
 CONTACT, HORIZON = 1.0, 3.0
 coordinate = st.floats(-3.0, 3.0)
@@ -140,22 +141,6 @@ def test_under_delay_and_loss_and_a_killed_process_nothing_touches() -> None:
 @pytest.mark.parametrize("factor", [0.125, 1024.0])
 def test_no_length_is_built_in(factor: float) -> None:
     base = reciprocally(swap(6, 0.01, 2))
-    robots = tuple(
-        replace(
-            each,
-            radius=factor * each.radius,
-            start=(factor * each.start[0], factor * each.start[1]),
-            goal=(factor * each.goal[0], factor * each.goal[1]),
-        )
-        for each in base.robots
-    )
-    larger = replace(
-        base,
-        robots=robots,
-        workspace=Workspace(factor * base.workspace.radius),
-        control=replace(base.control, speed=factor * base.control.speed),
-        time=replace(base.time, tolerance=factor * base.time.tolerance),
-    )
-    one, other = run(base), run(larger)
+    one, other = run(base), run(scaled(base, factor))
     assert one[:2] == other[:2] == ("arrived", 0)
     assert other[2:] == pytest.approx(one[2:], rel=0.02)
