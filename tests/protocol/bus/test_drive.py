@@ -63,6 +63,24 @@ def test_who_has_finished_is_left_alone() -> None:
     assert diary.woken == 0
 
 
+def test_only_the_first_signal_stops() -> None:
+    cleaned = []
+
+    @stop_on_signal()
+    @stop_on_signal()
+    def work() -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        finally:
+            os.kill(os.getpid(), signal.SIGTERM)
+            cleaned.append("up")
+
+    with pytest.raises(Stop):
+        work()
+    assert cleaned == ["up"]
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_waits_for_what_must_not_be_left_half_done(number: int) -> None:
     """Also where there are other threads, to one of which the system may give it."""

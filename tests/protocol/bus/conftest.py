@@ -1,0 +1,28 @@
+"""A router in this process, and who connects to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+
+import pytest
+
+from deploy.processes.router import listening
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
+
+Connect = Callable[..., ZenohBus]
+
+
+@pytest.fixture
+def endpoint() -> Iterator[str]:
+    bus, where = listening(Connection("router"))
+    with closing(bus):
+        yield where
+
+
+@pytest.fixture
+def connect(endpoint: str) -> Iterator[Connect]:
+    with ExitStack() as stack:
+        connection = Connection(connect=(endpoint,))
+        yield lambda **how: stack.enter_context(closing(ZenohBus(connection, **how)))

@@ -1,0 +1,95 @@
+"""The main loop of a process on zenoh, and signals, which zenoh's threads leave alone."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from math import inf
+from pathlib import Path
+
+import pytest
+
+from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.events import Event, Presence
+from protocol.bus.zenoh import ZenohBus
+
+pytestmark = pytest.mark.timeout(30)
+
+ALIVE = "disknav/t/robot/1/alive"
+Connect = Callable[..., ZenohBus]
+
+
+def test_a_signal_interrupts_receiving(connect: Connect) -> None:
+    bus = connect()
+    terminate = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM))
+
+    @stop_on_signal()
+    def receive() -> None:
+        terminate.start()
+        bus.receive(inf)
+
+    with pytest.raises(Stop) as stop:
+        receive()
+    assert stop.value.signal == signal.SIGTERM
+
+
+def test_zenohs_threads_leave_signals_alone(connect: Connect) -> None:
+    connect()
+    blocked = []
+    for path in Path("/proc/self/task").iterdir():
+        with suppress(OSError):  # ended since
+            if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
+                blocked.append((path / "status").read_text().partition("SigBlk:\t")[2][:16])
+    assert blocked
+    assert all(int(mask, 16) >> (signal.SIGTERM - 1) & 1 for mask in blocked)
+
+
+class Node:
+    """Ends after a number of events; notes when it was woken."""
+
+    def __init__(self, events: int, deadline: float = inf) -> None:
+        self.left, self.deadline, self.woken = events, deadline, 0
+
+    @property
+    def finished(self) -> bool:
+        return self.left == 0
+
+    def handle(self, event: Event) -> None:
+        assert isinstance(event, Presence)
+        self.left -= 1
+
+    def wake(self, now: float) -> None:
+        assert now >= self.deadline
+        self.woken += 1
+        self.deadline = inf
+
+
+def test_driving_ends_with_the_node(connect: Connect) -> None:
+    class Announced(Node):
+        def wake(self, now: float) -> None:
+            super().wake(now)
+            other.announce(ALIVE)
+
+    bus, other = connect(), connect()
+    bus.watch(ALIVE)
+    node = Announced(1, deadline=time.monotonic())
+    drive(node, bus)
+    assert (node.left, node.woken) == (0, 1)
+    assert bus._session.is_closed()
+
+
+def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
+    class Interrupted(Node):
+        def wake(self, now: float) -> None:
+            super().wake(now)
+            threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+    bus, words = connect(), []
+    with pytest.raises(Stop):
+        drive(Interrupted(1, deadline=0.0), bus, on_stop=lambda: words.append(bus._session.is_closed()))
+    assert words == [False]
+    assert bus._session.is_closed()
