@@ -9,59 +9,12 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console, RenderableType
 
-from deploy.telemetry.monitor.terminal import table
 from deploy.telemetry.monitor.view import snapshot as telling
-from deploy.telemetry.monitor.view.fleet import HISTORY, View
-from deploy.telemetry.scene.thinned import Thinned
-from protocol.messages import Clock, Errand, GoalStatus, Health, Message, PartPlace, Standing, Truth
-from protocol.requests.steering import Steering
-from protocol.scenario.model import Order, Part, RobotSpec, Scenario, Time
-
-SCENARIO = Scenario(
-    tuple(RobotSpec(i, 0.03, (0.1 * i - 0.2, 0.0), (0.1 * i - 0.2, 0.1)) for i in (1, 2, 3)),
-    name="three",
-    time=Time(step=0.05),
-)
-
-
-def view(*, alive: bool = True, lockstep: bool = True) -> View:
-    it = View("r")
-    it.begin(SCENARIO, lockstep)
-    for robot in (None, 1, 2, 3):
-        it.present(robot, alive)
-    return it
-
-
-def clock(
-    tick: int, active: tuple[int, ...] = (1, 2, 3), verdict: str = "", down: tuple[Standing, ...] = ()
-) -> Clock:
-    return Clock(tick, tick * 0.05, active, down, verdict)
-
-
-def truth(tick: int, y: float = 0.0, clearance: float = 0.02, phi: float = 0.5) -> Truth:
-    return Truth(tick, (1, 2, 3), tuple((0.1 * i - 0.2, y) for i in (1, 2, 3)), clearance, phi)
-
-
-def health(
-    robot: int, tick: int, *, life: int = 1, published: int = 0, heard: tuple[tuple[int, int], ...] = ()
-) -> Health:
-    rejected = {"shape": 2, "version": 1}
-    return Health(robot, life, tick, 0.001, published, 9, rejected, heard, ((2, 1.0, 0.0, 0.1),))
-
-
-def rows(it: View, now: float) -> dict[int, dict[str, object]]:
-    return {row["id"]: row for row in telling.snapshot(it, now)["robots"]}
-
-
-def statuses(it: View, now: float) -> list[object]:
-    return [row["status"] for row in rows(it, now).values()]
-
-
-def run_to(it: View, tick: int, now: float, active: tuple[int, ...] = (1, 2, 3)) -> None:
-    it.on_message(clock(tick - 1, active), now)
-    it.on_message(truth(tick, y=0.001 * tick), now)
+from deploy.telemetry.monitor.view.fleet import View
+from protocol.messages import Clock, Errand, GoalStatus, Message, PartPlace, Standing, Truth
+from protocol.scenario.model import Order, Part, RobotSpec
+from tests.deploy.telemetry.monitor.view.heard import SCENARIO, clock, health, rows, run_to, truth, view
 
 
 def test_robots_move_with_the_truth_and_their_velocity_is_what_was_executed() -> None:
@@ -100,16 +53,6 @@ def test_goals_follow_orders_and_an_older_word_changes_nothing() -> None:
     assert telling.overview(it)["robots"][0]["goal"] == (0.2, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("errand", "said"), [("arrived", "at goal"), ("cancelled", "cancelled"), ("given up", "given up")]
-)
-def test_a_robot_that_stays_says_why(errand: Errand, said: str) -> None:
-    it = view()
-    run_to(it, 1, 0.0)
-    it.on_message(goal(1, 1, errand, x=it.robots[1].position[0]), 0.0)
-    assert statuses(it, 0.0) == [said, "under way", "under way"]
-
-
 def test_who_comes_late_is_told_where_robots_were_sent() -> None:
     it = View("r")
     it.begin(SCENARIO, True, (goal(4, 90),))
@@ -123,78 +66,6 @@ def test_lines_to_who_is_far_away_are_not_told() -> None:
     it.on_message(health(1, 2), 0.0)
     it.on_message(health(3, 2), 0.0)
     assert [len(row["lines"]) for row in rows(it, 0.0).values()] == [0, 0, 1]  # type: ignore[arg-type]
-
-
-def test_a_dead_robot_is_an_alarm_at_once_and_the_others_are_not() -> None:
-    it = view()
-    run_to(it, 1, 0.0)
-    it.present(2, False)
-    assert statuses(it, 0.0) == ["under way", "dead", "under way"]
-    assert [row["alarm"] for row in rows(it, 0.0).values()] == [False, True, False]
-
-
-def test_a_fenced_robot_is_an_alarm_until_it_takes_part_again() -> None:
-    it = view()
-    down = (Standing(3, 1, (0.1, 0.0)),)
-    it.on_message(clock(5, active=(1, 2), down=down), 0.0)
-    assert statuses(it, 0.0)[2] == "fenced"
-    it.on_message(clock(9, active=(1, 2, 3), down=down), 0.1)
-    assert statuses(it, 0.1)[2] != "fenced"
-
-
-def test_a_robot_that_falls_behind_its_peers_is_silent_before_its_token_goes() -> None:
-    it = view(lockstep=False)
-    for tick in range(1, 60):
-        now = tick * 0.05
-        run_to(it, tick, now)
-        for robot in (1, 2):
-            it.on_message(health(robot, tick, heard=((3, min(tick, 10)),)), now)
-    assert statuses(it, 59 * 0.05) == ["under way", "under way", "silent"]
-    assert rows(it, 59 * 0.05)[3]["age_ticks"] == 49
-    assert rows(it, 59 * 0.05)[3]["age"] == pytest.approx(49 * 0.05, abs=0.06)
-
-
-def test_in_a_pause_nobody_is_silent() -> None:
-    it = view()
-    run_to(it, 20, 1.0)
-    it.steering = Steering(paused=True)
-    assert telling.snapshot(it, 60.0)["phase"] == "paused"
-    assert statuses(it, 60.0) == ["under way"] * 3
-
-
-def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
-    it = view()
-    it.on_message(truth(7, y=0.1), 0.0)
-    it.on_message(clock(7, verdict="arrived"), 0.0)
-    for robot in (1, 2, 3, None):
-        it.present(robot, False)
-    frame = telling.snapshot(it, 5.0)
-    assert (frame["phase"], frame["verdict"]) == ("ended", "arrived")
-    assert statuses(it, 5.0) == ["at goal"] * 3
-
-
-def test_the_reason_of_the_verdict_is_told_until_another_scenario_begins() -> None:
-    it = view()
-    it.on_message(msgspec.structs.replace(clock(7, verdict="deadlock"), reason="nobody moved for 10 s"), 0.0)
-    frame = telling.snapshot(it, 0.0)
-    assert frame["reason"] == "nobody moved for 10 s"
-    assert "nobody moved for 10 s" in _printed(table(frame))
-    it.begin(SCENARIO, True)
-    assert telling.snapshot(it, 0.0)["reason"] == ""
-
-
-def _printed(what: RenderableType) -> str:
-    console = Console(width=200)
-    with console.capture() as capture:
-        console.print(what)
-    return capture.get()
-
-
-def test_a_world_that_goes_without_a_verdict_is_lost() -> None:
-    it = view()
-    run_to(it, 2, 0.0)
-    it.present(None, False)
-    assert telling.snapshot(it, 0.0)["phase"] == "lost"
 
 
 def test_health_gives_rate_bound_rejections_lines_and_restarts() -> None:
@@ -228,40 +99,6 @@ def test_a_clock_that_goes_back_is_another_scenario() -> None:
     it.on_message(clock(40, verdict="arrived"), 0.0)
     assert not it.is_news(clock(40, verdict="arrived"))
     assert it.is_news(clock(40))
-
-
-@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=120), st.integers(0, 119))
-def test_no_smallest_clearance_is_lost_to_thinning(clearances: list[float], since: int) -> None:
-    it = view()
-    for tick, clearance in enumerate(clearances, start=1):
-        it.on_message(truth(tick, clearance=clearance), tick * 0.001)
-    frame = telling.snapshot(it, 1.0, since)
-    assert len(frame["samples"]) <= 8
-    assert frame["smallest"] == min(clearances)
-    if clearances[since:]:
-        assert min(sample[2] for sample in frame["samples"]) == min(clearances[since:])
-        assert frame["samples"][-1][0] == len(clearances)
-
-
-@given(st.integers(1, 5000), st.integers(1, 40))
-def test_thinned_stays_bounded_and_keeps_order_and_minimum(count: int, limit: int) -> None:
-    kept: Thinned[tuple[int, int]] = Thinned(limit, lambda a, b: (b[0], min(a[1], b[1])))
-    for n in range(count):
-        kept.append((n, (n * 7919) % 1000))
-    assert 1 <= len(kept.items) <= limit + 1
-    assert [n for n, _ in kept.items] == sorted(n for n, _ in kept.items)
-    assert kept.items[-1][0] == count - 1
-    assert min(value for _, value in kept.items) == min((n * 7919) % 1000 for n in range(count))
-
-
-def test_the_history_of_a_long_run_stays_bounded() -> None:
-    it = view()
-    for tick in range(1, 5 * HISTORY):
-        it.on_message(truth(tick), 0.0)
-    told = telling.overview(it)
-    assert len(told["history"]) <= HISTORY
-    assert told["history"][-1][0] == pytest.approx((5 * HISTORY - 1) * 0.05)
-    assert all(len(robot["trail"]) <= 5000 for robot in told["robots"])
 
 
 ids = st.integers(1, 5)  # some of them no robot of the scenario
