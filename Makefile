@@ -17,7 +17,7 @@ INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
   $(addprefix agents/lines/negotiation/,entries.py near.py far.py) \
   $(addprefix agents/bodies/,point.py inertial.py) \
   $(addprefix protocol/bodies/,base.py sweep.py) \
-  $(addprefix agents/laws/,reciprocity/roundabout.py jams/giving_way.py jams/dispersal.py jams/right_of_way.py view.py foresight.py softening.py gradient.py reciprocity/velocity_obstacle.py reciprocity/velocity_program.py reciprocity/reciprocal.py) \
+  $(addprefix agents/laws/,reciprocity/encounters.py reciprocity/roundabout.py jams/giving_way.py jams/dispersal.py jams/right_of_way.py view.py foresight.py softening.py gradient.py reciprocity/velocity_obstacle.py reciprocity/velocity_program.py reciprocity/reciprocal.py) \
   $(addprefix world/coordinator/,commands.py roster.py life.py lives.py coordinator.py) \
   $(addprefix world/plants/,base.py integrator.py) \
   $(addprefix world/judge/,verdict.py record.py referee.py) \

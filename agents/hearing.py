@@ -88,6 +88,7 @@ class Hearing:
             return
         self.lines.survey(picture)
         known = {self._robot, *self._attention.near, *self.neighbours.standing}
+        self.neighbours.picture = picture
         self.neighbours.far = picture.field(position, radius, known)
 
     @property

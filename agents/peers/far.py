@@ -102,6 +102,15 @@ def shift(before: Places, after: Places) -> float:
     return float(np.hypot(after.x - before.x, after.y - before.y).max(initial=0.0))
 
 
+@lru_cache(maxsize=16)
+def drift(before: Places, after: Places) -> tuple[Array, Array]:
+    """By how much everybody went on in a tick since a summary before, m; zero if not all are in both."""
+    ticks = after.tick - before.tick
+    if before.runs != after.runs or ticks <= 0:
+        return np.zeros_like(after.x), np.zeros_like(after.y)
+    return (after.x - before.x) / ticks, (after.y - before.y) / ticks
+
+
 @final
 class FarPicture:
     """One summary, as one robot sees it.
@@ -109,7 +118,7 @@ class FarPicture:
     Args:
         said: by the summary.
         radii: of all robots, m.
-        before: an earlier picture, for what has not changed since.
+        before: an earlier picture, for what has not changed since, and for what has.
 
     Attributes:
         tick: that it is of.
@@ -118,6 +127,7 @@ class FarPicture:
 
     def __init__(self, said: Places, radii: Mapping[int, float], before: FarPicture | None = None) -> None:
         self.tick, self.said, self._radii = said.tick, said, radii
+        self._before = said if before is None else before.said
         self._sizes: Array
         if before is not None and before._radii is radii and before.said.runs == said.runs:
             self._sizes = before._sizes
@@ -127,6 +137,10 @@ class FarPicture:
     def place(self, robot: int) -> Vector | None:
         """Where a robot was, m; None if nobody knows."""
         return self.said.place(robot)
+
+    def courses(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Of all who are in it: x and y, m, how much of both they went on in a tick, m, and radii, m."""
+        return (self.said.x, self.said.y, *drift(self._before, self.said), self._sizes)
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """What all of them but the `known` add to a robot's slice near its own position.

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from agents.navigation.far_field import NOTHING
 from agents.navigation.slice import Peer
+from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from protocol.messages import Member
 
@@ -20,12 +21,14 @@ class Neighbours:
 
     Attributes:
         standing: disks that stand, or that will appear in a place kept free, by id.
+        picture: where those were who are not heard, and whoever else; none where all are heard.
         far: what all those add to the slice who are not heard.
         radii: as last known.
     """
 
     def __init__(self, radii: Mapping[int, float], *, everybody: bool = True) -> None:
         self.standing: dict[int, Member] = {}
+        self.picture: FarPicture | None = None
         self.far = NOTHING
         self._attends = False  # whether some are not heard
         self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late

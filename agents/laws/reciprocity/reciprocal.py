@@ -15,7 +15,8 @@ import math
 from typing import Final, final
 
 from agents.laws.gradient import GradientLaw
-from agents.laws.reciprocity.roundabout import Encounter, Roundabout, roundabout, together
+from agents.laws.reciprocity.encounters import Encounters
+from agents.laws.reciprocity.roundabout import Roundabout, roundabout, together
 from agents.laws.reciprocity.velocity_obstacle import reciprocal
 from agents.laws.reciprocity.velocity_program import nearest
 from agents.laws.view import View
@@ -26,11 +27,9 @@ from protocol.scenario.model import Scenario
 
 # No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
 HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk
-FORESIGHT: Final = 50.0  # laps, ahead of which it is seen that many will meet
+FORESIGHT: Final = 100.0  # laps, ahead of which it is seen that many will meet
 TOGETHER: Final = 3.0  # laps before and after the middle one, within which they do
-MANY: Final = 5  # peers, from which on the robot goes round the place;
-FEW: Final = 2  # where it hears those near alone, who are few of all that it will meet:
-AT_ONCE: Final = 1.0  # then within so many laps
+MANY: Final = 5  # peers, from which on the robot goes round the place
 LATE: Final = 0.6  # more room on the circle there per lap by which States are late, up to one: so are lines
 NEAR: Final = 4.0  # radii from the goal, within which the flow leads there,
 ASIDE: Final = 0.5  # unless by less than this share of its speed: then it is better to wait
@@ -53,8 +52,8 @@ class ReciprocalLaw:
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
         self._late = 0.0  # laps, the age of the oldest State of a disk within reach
-        near = scenario.hears_near
-        self._many, self._together = (FEW, AT_ONCE) if near else (MANY, TOGETHER)
+        ahead = FORESIGHT * self._lap
+        self._encounters = Encounters(robot, spec.radius, scenario.time.step, ahead)
         self._roundabout: Roundabout | None = None  # as first seen, until it is passed
         self._wish: Vector = (0.0, 0.0)
 
@@ -109,29 +108,12 @@ class ReciprocalLaw:
         """By how much the straight way (m/s) is to be turned to the left, rad."""
         place = self._roundabout
         if place is None or not place.is_ahead(view.position, way):
-            met = together(self._encounters(view, way), self._together * self._lap)
-            place = roundabout(view.position, way, met) if len(met) >= self._many else None
+            met = together(self._encounters.met(view, way), TOGETHER * self._lap)
+            place = roundabout(view.position, way, met) if len(met) >= MANY else None
             self._roundabout = place
         if place is None:
             return 0.0
         return place.turn(view.position, way, room=1.0 + LATE * min(self._late, 1.0))
-
-    def _encounters(self, view: View, way: Vector) -> list[Encounter]:
-        """Those whom this robot would touch, itself going straight on and each of them as it wishes."""
-        x, y = view.position
-        met: list[Encounter] = []
-        for state in view.neighbours.moving():
-            if state.placed:
-                age = (view.tick - state.tick) * self._period
-                there = state.x + age * state.vx, state.y + age * state.vy
-                rx, ry = there[0] - x, there[1] - y
-                ux, uy = way[0] - state.vx, way[1] - state.vy
-                square = ux * ux + uy * uy
-                time = (rx * ux + ry * uy) / square if square > 0.0 else 0.0
-                time = min(max(time, 0.0), FORESIGHT * self._lap)
-                if math.hypot(rx - time * ux, ry - time * uy) < self._radius + state.radius:
-                    met.append(Encounter(*there, state.radius, time))
-        return met
 
     def _walls(self, x: float, y: float) -> list[HalfPlane]:
         """Of velocities that come near what is straight, or the boundary: half the way to it in a tick."""

@@ -12,20 +12,12 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from agents.laws.reciprocity.encounters import Encounter
 from protocol.messages import Vector
 
 WIDE: Final = 1.08  # times the circle on which the disks touch each other
 LEAST: Final = 0.05  # rad from one to the next, which is some 120 on one circle
 STEEPEST: Final = 0.5  # rad, by which a robot turns at most
-
-
-class Encounter(NamedTuple):
-    """With a peer that this robot would touch, going straight on."""
-
-    x: float  # where it is, m
-    y: float
-    radius: float  # m
-    time: float  # until they are closest, s
 
 
 class Roundabout(NamedTuple):

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.laws.reciprocity.encounters import Encounter
 from agents.laws.reciprocity.roundabout import (
     STEEPEST,
     WIDE,
-    Encounter,
     Roundabout,
     roundabout,
     together,
