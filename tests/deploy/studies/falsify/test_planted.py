@@ -71,7 +71,7 @@ def test_nothing_follows_from_what_a_busy_machine_has_said_again(monkeypatch: py
     calm = observe(scenario).trajectory
     assert {observe(scenario, busy=seed).trajectory for seed in (1, 2, 9)} == {calm}
     planted.plant(planted.hearing_all_that_is_said_again, monkeypatch)
-    assert observe(scenario, busy=9).trajectory != calm
+    assert any(observe(scenario, busy=seed).trajectory != calm for seed in range(9, 18))
 
 
 def _fenced() -> Scenario:
