@@ -5,8 +5,8 @@ Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not,
 nearest to straight on. Where many are about to meet in one place, straight on is first turned to the left, so
 that all of them go round it (`roundabout`). Where that gets it too little nearer to its goal, close to the
 goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the goal it waits
-for those who pass rather than be driven aside, unless it has no escape. A peer stands where its wish has taken
-it since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
+for those who pass rather than be driven aside, if it has an escape. A peer stands where its wish has taken it
+since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
 """
 
 from __future__ import annotations
