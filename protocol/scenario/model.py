@@ -135,7 +135,7 @@ class Control:
     pace: Literal["common", "own"] = "common"  # one factor for all robots, or each saturates by itself
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
-    escape: bool = True  # gradient: leave deadlocks along negative curvature, which the paper does not
+    escape: bool = True  # gradient, reciprocal: leave deadlocks along negative curvature, unlike the paper
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
     barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h

@@ -5,8 +5,8 @@ Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not,
 nearest to straight on. Where many are about to meet in one place, straight on is first turned to the left, so
 that all of them go round it (`roundabout`). Where that gets it too little nearer to its goal, close to the
 goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the goal it waits
-for those who pass rather than be driven aside. A peer stands where its wish has taken it since its State; the
-own velocity is the own last wish, too, so that both ends reckon with the same.
+for those who pass rather than be driven aside, if it has an escape. A peer stands where its wish has taken it
+since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ class ReciprocalLaw:
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._gradient = GradientLaw(scenario, robot)
+        self._escapes = control.escape  # without which nothing would end a wait that is in vain
         self._radius = spec.radius
         room = scenario.workspace.shape
         self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
@@ -64,7 +65,7 @@ class ReciprocalLaw:
         found = self._reciprocal(view) if strength == 0.0 else None
         if found is None:
             found = self._gradient.flow(view, strength)
-            if strength == 0.0 and self._waits(view, found):
+            if strength == 0.0 and self._escapes and self._waits(view, found):
                 found = (0.0, 0.0)
         self._wish = found
         return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from agents.laws import View
 from agents.laws.gradient import GradientLaw
@@ -48,6 +49,12 @@ def test_nobody_is_waited_for_for_ever() -> None:
     soon = round(5.0 * LAP / SCENARIO.time.step)
     wishes = [law.velocity(seen(tick, beside, (0.0, 0.0))) for tick in range(soon)]
     assert wishes[0] == (0.0, 0.0) != wishes[-1]
+
+
+def test_without_the_escape_which_ends_a_wait_nobody_waits() -> None:
+    alone = replace(SCENARIO, control=replace(SCENARIO.control, escape=False))
+    view = seen(0, (HERE[0] - 2.4 * RADIUS, 0.0), (0.0, SCENARIO.control.speed))
+    assert ReciprocalLaw(alone, 1).velocity(view) == GradientLaw(alone, 1).velocity(view) != (0.0, 0.0)
 
 
 def test_far_from_the_goal_nobody_waits() -> None:
