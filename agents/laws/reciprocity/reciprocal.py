@@ -56,19 +56,29 @@ class ReciprocalLaw:
         ahead = FORESIGHT * self._lap
         self._encounters = Encounters(robot, spec.radius, scenario.time.step, ahead)
         self._roundabout: Roundabout | None = None  # as first seen, until it is passed
+        self._wanted: Vector = (0.0, 0.0)  # last, without an escape
         self._wish: Vector = (0.0, 0.0)
+        self._patient = True  # not since an escape, until something leads on again
 
     def velocity(self, view: View) -> Vector:
         """See `agents.laws.law.Law`."""
-        self._gradient.look(view)
-        strength = self._gradient.stuck(view, self._wish)
+        gradient = self._gradient
+        gradient.look(view)
+        strength = gradient.stuck(view, self._wanted)
         found = self._reciprocal(view) if strength == 0.0 else None
-        if found is None:
-            found = self._gradient.flow(view, strength)
-            if strength == 0.0 and self._escapes and self._waits(view, found):
-                found = (0.0, 0.0)
-        self._wish = found
-        return found
+        if found is not None:
+            self._patient = True
+            self._wanted = self._wish = found
+            return found
+        self._wanted = gradient.flow(view, 0.0)
+        if strength > 0.0:
+            self._patient = False
+            self._wish = gradient.flow(view, strength)
+        else:
+            if self._waits(view, self._wanted):
+                self._wanted = (0.0, 0.0)
+            self._wish = self._wanted
+        return self._wish
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """See `agents.laws.law.Law`."""
@@ -97,11 +107,15 @@ class ReciprocalLaw:
 
     def _waits(self, view: View, flow: Vector) -> bool:
         """Whether it is better to stand than to be driven aside, near the goal, by those who pass: as long
-        as none of them comes at the robot. Who waits in vain is soon stuck, and escapes."""
+        as none of them comes at the robot. Who waits in vain is soon stuck, escapes if it may, and follows
+        the flow until that leads on."""
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)
-        if away > NEAR * self._radius or flow[0] * ex + flow[1] * ey >= ASIDE * away * math.hypot(*flow):
+        if flow[0] * ex + flow[1] * ey >= ASIDE * away * math.hypot(*flow):
+            self._patient = True
+            return False
+        if not (self._escapes and self._patient) or away > NEAR * self._radius:
             return False
         return _violated(0.0, 0.0, self._obstacles(view)) == 0
 

@@ -10,8 +10,10 @@ from agents.laws.gradient import GradientLaw
 from agents.laws.reciprocity.reciprocal import NEAR, ReciprocalLaw
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
+from deploy.library.load import resolved
+from deploy.run.local import LocalFleet
 from protocol.messages import Vector
-from protocol.scenario.model import Control, RobotSpec, Scenario
+from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
 
 RADIUS = 0.04
 GOAL = (0.0, 0.0)
@@ -49,6 +51,24 @@ def test_nobody_is_waited_for_for_ever() -> None:
     soon = round(5.0 * LAP / SCENARIO.time.step)
     wishes = [law.velocity(seen(tick, beside, (0.0, 0.0))) for tick in range(soon)]
     assert wishes[0] == (0.0, 0.0) != wishes[-1]
+
+
+def test_who_has_waited_in_vain_does_not_wait_again() -> None:
+    law, beside = ReciprocalLaw(SCENARIO, 1), (HERE[0] - 3.5 * RADIUS, 0.0)
+    long = round(40.0 * LAP / SCENARIO.time.step)
+    wishes = [law.velocity(seen(tick, beside, (0.0, 0.0))) for tick in range(long)]
+    begun = next(tick for tick, wish in enumerate(wishes) if wish != (0.0, 0.0))
+    assert begun < 5.0 * LAP / SCENARIO.time.step
+    assert (0.0, 0.0) not in wishes[begun:]
+
+
+def test_two_that_change_places_side_by_side_in_a_pack_do_not_wait_for_ever() -> None:
+    starts = (-0.0438754, -0.0759406), (-3.05e-5, -0.0001807), (-0.0882437, -0.000101), (-0.0441882, 0.07596)
+    goals = (-0.044, -0.07621), (-0.088, 0.0), (0.0, 0.0), (-0.044, 0.07621)
+    robots = zip(range(1, 5), starts, goals, strict=True)
+    specs = tuple(RobotSpec(number, RADIUS, start, goal) for number, start, goal in robots)
+    pack = Scenario(specs, workspace=Workspace(0.148), control=Control(law="reciprocal"))
+    assert LocalFleet([resolved(pack)]).execute()[0]["verdict"] == "arrived"
 
 
 def test_without_the_escape_which_ends_a_wait_nobody_waits() -> None:
