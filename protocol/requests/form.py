@@ -24,11 +24,21 @@ def read_request(payload: bytes, kind: type[T], what: str, limit: int) -> T:
     """
     if len(payload) > limit:
         raise MessageError("oversize", f"{what} request: {len(payload)} bytes, at most {limit} are read")
-    read = msgspec.json.decode if is_json(payload) else msgspec.msgpack.decode
     try:
-        return read(payload, type=kind)
+        return msgspec.msgpack.decode(_packed(payload) if is_json(payload) else payload, type=kind)
+    except OverflowError:
+        raise MessageError("shape", f"{what} request: has an integer of more than 64 bits") from None
     except DAMAGED as error:
         raise MessageError("shape", f"{what} request: {error}") from None
+
+
+def _packed(text: bytes) -> bytes:
+    """JSON text in msgpack: nothing can be said in the one form that could not be passed on in the other.
+
+    Raises:
+        OverflowError: it has an integer of more than 64 bits.
+    """
+    return msgspec.msgpack.encode(msgspec.json.decode(text))
 
 
 def encode_reply(reply: msgspec.Struct, request: bytes) -> bytes:
