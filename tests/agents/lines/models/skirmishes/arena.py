@@ -6,6 +6,7 @@ import math
 from random import Random
 from typing import Literal
 
+from protocol.messages import Vector
 from protocol.scenario.body import Body
 from protocol.scenario.model import (
     Actuation,
@@ -20,8 +21,6 @@ from protocol.scenario.model import (
 )
 
 STEP, SPEED = 0.05, 0.6  # s, m/s: a tick leads nearly as far as a small disk reaches
-
-Vector = tuple[float, float]
 
 
 def drawn(seed: int, rng: Random) -> Scenario:
