@@ -34,7 +34,7 @@ class Message(
 
 
 class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A separating line that the owner (lower id) offers to `peer`, or repeats until it is answered."""
+    """A separating line that the owner (lower id) offers to `peer`; it repeats the newest until answered."""
 
     peer: Id  # the follower, the higher id of the pair
     peer_incarnation: Count  # the life of the follower that is meant
@@ -190,7 +190,7 @@ class State(Message, frozen=True, array_like=True, gc=False):
     gamma: Size  # m^2, squared distance to the own goal, gamma_i
     slice: Size  # m, norm of the own gradient slice D_i, for the common pace
     desired: Vector  # m/s, velocity that the law asks for, before the filter
-    proposals: tuple[Proposal, ...] = ()  # lines that this robot owns and that are unanswered
+    proposals: tuple[Proposal, ...] = ()  # unanswered, on lines that it owns; of each peer the newest
     answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
     claim: Claim | None = None  # what it fetches or carries
 

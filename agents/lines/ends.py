@@ -2,7 +2,7 @@
 
 The lower id owns the line: only it proposes, numbering its proposals. Rules:
 
-- The owner proposes only a line that its own disk satisfies, repeats it until it is answered, and
+- The owner proposes only a line that its own disk satisfies, repeats the newest until it is answered, and
   from the first moment obeys the held line and every unanswered proposal.
 - The follower answers each number once: it adopts the line when its own disk satisfies it, and
   from then on obeys that one only; otherwise it rejects it, and never adopts it later.

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections import Counter
 from dataclasses import replace
 from random import Random
 
 import msgspec
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
-from agents.lines.negotiation.entries import fitting
 from agents.lines.negotiation.near import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.state import PeerState, addressed_to
@@ -93,10 +89,8 @@ def test_a_state_fits_after_any_partition(place: int) -> None:
     state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals, answers)
     assert_fits(state, robot_key("r", IDS[place], "state"))
     assert len(answers) == place
-    said = {offer.peer: offer.number for offer in proposals}
-    assert said == dict.fromkeys(IDS[place + 1 :], LIFE + OUTSTANDING)  # of each the newest comes last
-    numbers = Counter(offer.peer for offer in proposals)
-    assert len(set(numbers.values())) <= 1  # nobody is preferred
+    said = [(offer.peer, offer.number) for offer in proposals]
+    assert said == [(peer, LIFE + OUTSTANDING) for peer in IDS[place + 1 :]]  # of each the newest
 
 
 @pytest.mark.parametrize("place", [0, 500, MOST - 1])
@@ -120,27 +114,6 @@ def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
             for turn in range(OUTSTANDING)
         ]
         assert limit - nx * x - ny * y == pytest.approx(min(slacks), abs=1e-9)
-
-
-@given(st.lists(st.integers(1, 40), max_size=400), st.integers(0, 599))
-def test_what_fits_is_said(outstanding: list[int], answers: int) -> None:
-    proposals = [
-        Proposal(HIGHEST_ID - peer, LIFE, number, 1.0, 0.0, 0.0)
-        for peer, count in enumerate(outstanding)
-        for number in range(1, count + 1)
-    ]
-    said = fitting(proposals, answers)
-    order = [proposals.index(each) for each in said] if len(said) < 50 else []
-    assert order == sorted(order)
-    numbers: dict[int, list[int]] = {}
-    for each in said:
-        numbers.setdefault(each.peer, []).append(each.number)
-    depth = max(map(len, numbers.values()), default=0)
-    for peer, count in enumerate(outstanding):
-        assert numbers[HIGHEST_ID - peer] == list(range(max(1, count - depth + 1), count + 1))
-    if sum(outstanding) * 51 + 33 * answers < STREAMS["state"].limit - 256:
-        assert said == proposals
-    assert len(encode(said)) + 33 * answers < STREAMS["state"].limit
 
 
 def test_the_newest_proposal_alone_settles_a_pair() -> None:

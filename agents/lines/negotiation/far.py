@@ -13,7 +13,7 @@ from typing import Final, final
 
 from agents.lines.ends import Follower, Owner
 from agents.lines.line import Line
-from agents.lines.negotiation.entries import answer_of, proposals_of
+from agents.lines.negotiation.entries import answer_of, proposal_of
 from agents.lines.placement import Disk, fit_line
 from agents.lines.robot_pair import RobotPair
 from agents.peers.far import FarPicture
@@ -89,8 +89,9 @@ class FarNegotiation:
                 self._said[peer] = pair
             else:
                 self._consider(pair, end, me, fits)
-                if end.proposed:
-                    proposals += proposals_of(pair)[-1:]
+                offer = proposal_of(pair)
+                if offer is not None:
+                    proposals.append(offer)
                     self._said[peer] = pair
                 elif not end.linked:
                     self._open[peer] = pair

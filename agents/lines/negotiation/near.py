@@ -1,10 +1,9 @@
 """What a robot says of lines to peers that hear its States.
 
-States carry only what is open. A proposal is repeated in every State until it is answered, or,
-if a State has no room for all, at least the newest of the pair (`entries.fitting`). An answer is said when
-a proposal was heard, in the States of the next few ticks. That suffices: an owner without an unanswered
-proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was
-lost, the next repetition that arrives brings about another, and that settles all older ones.
+States carry only what is open. The newest proposal is repeated in every State until it is answered. An answer
+is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner without an
+unanswered proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far
+was lost, the next repetition that arrives brings about another, and that settles all older ones.
 
 The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
 replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
@@ -22,7 +21,7 @@ from typing import Final, final
 
 from agents.lines.ends import Owner
 from agents.lines.line import Line
-from agents.lines.negotiation.entries import answer_of, fitting, proposals_of
+from agents.lines.negotiation.entries import answer_of, proposal_of
 from agents.lines.placement import Disk, fit_line, is_same
 from agents.lines.robot_pair import RobotPair
 from agents.peers.state import PeerState
@@ -66,12 +65,13 @@ class NearNegotiation:
         for pair in pairs:
             if pair.owns:
                 renewals -= self._consider(tick, pair, me, fits, standing, renewals)
-                if not pair.settled:
-                    proposals += proposals_of(pair)
+                offer = None if pair.settled else proposal_of(pair)
+                if offer is not None:
+                    proposals.append(offer)
             elif pair.answers_left:
                 pair.answers_left -= 1
                 answers.append(answer_of(pair))
-        return tuple(fitting(proposals, len(answers))), tuple(answers)
+        return tuple(proposals), tuple(answers)
 
     def _consider(
         self,

@@ -14,7 +14,7 @@ PRODUCT = Product()
 @pytest.mark.parametrize(
     ("bounds", "at_least"),
     [
-        pytest.param(Bounds(proposals=3, outstanding=2), 800, id="three proposals, two unanswered"),
+        pytest.param(Bounds(proposals=5, outstanding=3), 4_900, id="five proposals, three unanswered"),
         pytest.param(Bounds((1, 2)), 1_500, id="the follower restarts"),
         pytest.param(Bounds((1, 1), proposals=1, fences=1), 400, id="one is fenced"),
         pytest.param(Bounds((1, 2), proposals=1, founding=(1,)), 1_300, id="a founding life comes late"),
