@@ -158,7 +158,8 @@ class FarPicture:
 
 def _numbers(payload: bytes) -> Array:
     """Of single precision, to be read only."""
-    numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
+    with np.errstate(invalid="ignore"):  # one that is no number is refused, not warned of
+        numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
     numbers.setflags(write=False)
     return numbers
 

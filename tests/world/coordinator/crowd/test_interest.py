@@ -138,8 +138,13 @@ def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() ->
     assert slices == pytest.approx([*attraction[:2], 0.75, attraction[3]])
 
 
+SIGNALLING = np.full(1, 0x7FA00001, "<u4").tobytes()  # NaN of which a conversion would warn
+
+
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    "slices", [bytes(8), np.full(1, -1.0, "<f4").tobytes(), np.full(1, np.nan, "<f4").tobytes()]
+    "slices",
+    [bytes(8), np.full(1, -1.0, "<f4").tobytes(), np.full(1, np.nan, "<f4").tobytes(), SIGNALLING],
 )
 def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
     with pytest.raises(MessageError):
