@@ -98,6 +98,8 @@ class GradientLaw:
         """Where the robot is pulled: to its goal, unless it gives way."""
         winds = self._attraction.winds
         jams: GivingWay = self._right_of_way if winds else self._dispersal
+        if winds:
+            self._right_of_way.let_pass(view.tick, view.position, self._moving)
         back = jams.yielding(view.tick, view.goal)
         self._yields = back is not None
         if back is not None:

@@ -54,7 +54,7 @@ class Dispersal(GivingWay):
         jam = _jam(position, self._radius, peers)
         if len(jam) + 1 < CROWD:
             return
-        rank = self._rank(tick, [peer for peer in jam if self._wants(peer)])
+        rank = len(self._before(tick, [peer for peer in jam if self._wants(peer)]))
         if rank > 0:
             self._back_off(tick, _spread(position, jam), WAIT + QUEUE * rank)
 

@@ -63,18 +63,15 @@ class GivingWay:
         """Whether a peer is still on its way to its goal."""
         return peer.placed and peer.gamma > (NEAR * self._radius) ** 2
 
-    def _rank(self, tick: int, jam: Iterable[PeerState]) -> int:
-        """How many of these go before this robot.
+    def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
+        """Those of these who go before this robot.
 
         It follows from ids and the tick, so all of a jam know it without a word. It is somebody else after a
         while, for whoever goes first may be the one that cannot.
         """
         turn = int(tick // (TURN * self._lap))
-        own, rank = _order(self._robot, turn), 0
-        for peer in jam:
-            if _order(peer.robot, turn) < own:
-                rank += 1
-        return rank
+        own = _order(self._robot, turn)
+        return [peer for peer in jam if _order(peer.robot, turn) < own]
 
 
 def _order(robot: int, turn: int) -> int:

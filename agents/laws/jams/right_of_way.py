@@ -1,7 +1,8 @@
 """Right of way: who backs off where things leave room for one only, and two want to go through.
 
 No flow and no line resolves that: each keeps the other from its goal, and wants nothing else. So one goes
-first and the others of the jam go back the way they came, to where they can be passed, and wait a while.
+first and the others of the jam go back the way they came, to where they can be passed, and wait until those
+who go before them have passed, or for a while.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ class RightOfWay(GivingWay):
         """See `GivingWay`."""
         super().__init__(robot, radius, lap, period)
         self._trail: list[Vector] = []
+        self._awaited: dict[int, float] = {}  # who goes first, and how far it was from its goal then, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], things: Sequence[Shape]
@@ -49,9 +51,35 @@ class RightOfWay(GivingWay):
         if not self._is_held(tick, left):
             return
         wanting = [peer for peer in peers if self._wants(peer)]
-        rank = self._rank(tick, cluster(position, self._radius, wanting))
-        if rank > 0:
-            self._back_off(tick, self._siding(position, peers, things), WAIT + QUEUE * rank)
+        before = self._before(tick, cluster(position, self._radius, wanting))
+        if before:
+            self._awaited = {peer.robot: math.sqrt(peer.gamma) for peer in before}
+            self._back_off(tick, self._siding(position, peers, things), WAIT + QUEUE * len(before))
+
+    def let_pass(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
+        """Take in a tick in which the robot may give way: if all that it gives way to have passed, or are
+        at their goals, it goes on.
+
+        Args:
+            tick: present.
+            position: own, m.
+            peers: who moves.
+        """
+        if self._back is None:
+            return
+        for peer in peers:
+            if peer.robot in self._awaited and not self._has_passed(position, peer):
+                return
+        self._until = tick
+
+    def _has_passed(self, position: Vector, peer: PeerState) -> bool:
+        """Whether a peer is at its goal, or well on its way to it, and away from this robot."""
+        if not self._wants(peer):
+            return peer.placed
+        dx, dy = peer.x - position[0], peer.y - position[1]
+        clear = math.hypot(dx, dy) > APART * self._radius + peer.radius
+        on_its_way = self._awaited[peer.robot] - math.sqrt(peer.gamma) > APART * self._radius
+        return clear and on_its_way and dx * peer.vx + dy * peer.vy > 0.0
 
     def _siding(self, position: Vector, peers: Sequence[PeerState], things: Sequence[Shape]) -> Vector:
         """The last place on the own way where the others can pass, or else its beginning, m."""

@@ -44,8 +44,8 @@ def test_all_get_through_a_passage_that_is_wide_enough_for_one(robots: int, law:
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
 
-def state(robot: int, x: float, gamma: float = 1.0) -> PeerState:
-    return PeerState(robot, 1, 0, True, x, 0.0, 0.0, gamma, 1.0, 0.0, 0.0, radius=R)
+def state(robot: int, x: float, gamma: float = 1.0, vx: float = 0.0) -> PeerState:
+    return PeerState(robot, 1, 0, True, x, 0.0, 0.0, gamma, 1.0, vx, 0.0, radius=R)
 
 
 WALLS = (
@@ -87,6 +87,33 @@ def test_it_waits_a_while_and_goes_on_sooner_with_another_goal() -> None:
     assert right.yielding(tick + wait, (2.5, 0.0)) is None
     right, _, tick = jammed(robot, state(3 - robot, 0.61))
     assert right.yielding(tick, (-2.5, 0.0)) is None
+
+
+@pytest.mark.parametrize(
+    ("x", "gamma", "vx", "goes_on"),
+    [
+        pytest.param(-0.9, 0.04, -0.1, True, id="it has passed"),
+        pytest.param(-0.9, 0.0, 0.0, True, id="it is at its goal"),
+        pytest.param(-0.6, 0.0, 0.0, True, id="it is at its goal, beside this one"),
+        pytest.param(0.4, 0.64, -0.1, False, id="it is still coming"),
+        pytest.param(-0.6, 0.04, -0.1, False, id="it is just passing"),
+        pytest.param(-0.9, 0.9, -0.1, False, id="it has gone back, too"),
+    ],
+)
+def test_it_goes_on_as_soon_as_who_goes_first_has_passed(
+    x: float, gamma: float, vx: float, goes_on: bool
+) -> None:
+    robot = next(n for n in (1, 2) if jammed(n, state(3 - n, 0.61))[1] is not None)
+    right, back, tick = jammed(robot, state(3 - robot, 0.61))
+    assert back is not None
+    right.let_pass(tick, (-0.5, 0.0), [state(3 - robot, x, gamma, vx), state(7, 0.4)])
+    assert (right.yielding(tick, (2.5, 0.0)) is None) == goes_on
+
+
+def test_who_gives_way_to_nobody_does_not_wait() -> None:
+    right = RightOfWay(1, R, LAP * STEP, STEP)
+    right.let_pass(0, (0.0, 0.0), [])
+    assert right.yielding(0, (2.5, 0.0)) is None
 
 
 def test_nobody_gives_way_to_who_is_far_or_at_its_goal() -> None:
