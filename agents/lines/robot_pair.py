@@ -38,6 +38,7 @@ class RobotPair:
             offset: of the line along that, m.
             limit: of the own centre along that, m.
         rests: whether the line is looked at together with others (`InitialLines`).
+        transit: age of the peer's State when it could be used first, ticks.
         moved_x, moved_y: how far the peer came in a tick between the last two States of its, m.
         answers_left: States that still have to carry the answer.
     """
@@ -62,6 +63,7 @@ class RobotPair:
         "rests",
         "settled",
         "state",
+        "transit",
     )
 
     def __init__(
@@ -79,7 +81,7 @@ class RobotPair:
         self.owns = owns
         self.settled = self.excused = self.rests = False
         self.heard = 0  # newest incarnation of the peer that was heard
-        self.answers_left = 0
+        self.answers_left = self.transit = 0
         self.state: PeerState | None = None
         self.nx = self.ny = self.limit = self.offset = 0.0
         self.moved_x = self.moved_y = 0.0

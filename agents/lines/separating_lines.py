@@ -137,6 +137,8 @@ class SeparatingLines:
             pair = self._pair(state.robot)
         if not pair.accept(state):
             return
+        if pair.state is state:
+            pair.transit = self._tick + 1 - state.tick
         if state.radius != pair.radius and pair.disk is None:
             pair.radius = state.radius
         self._disturbed = self._disturbed or not pair.end.linked

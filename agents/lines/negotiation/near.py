@@ -120,7 +120,9 @@ class NearNegotiation:
         self, tick: int, pair: RobotPair, me: Disk, state: PeerState, standing: bool
     ) -> Line | None:
         """The line that lets both do what they want, as far as can be told from the peer's State."""
-        age, halted = max(0, tick - state.tick), pair.disk is not None
+        halted = pair.disk is not None
+        # While States are lost, nobody is reckoned to go on as it did for more than its radius.
+        age = max(0, min(tick - state.tick, pair.transit + math.ceil(pair.radius / self._max_step)))
         peer = Disk(state.x, state.y, pair.radius + state.bound)
         if not halted:
             (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(pair)
