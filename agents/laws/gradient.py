@@ -28,6 +28,7 @@ class GradientLaw:
 
     Attributes:
         aim: where the last `look` saw the goal pull, m.
+        straight: how far the way there leads straight on, m; infinite where it does not turn.
         obstacles: what stood then and is no robot, as disks.
     """
 
@@ -50,6 +51,7 @@ class GradientLaw:
         self._slice: Slice | None = None
         # Of the present tick; see `look`.
         self.aim = self._goal = spec.goal
+        self.straight = math.inf
         self.obstacles: list[Peer] = []
         self._peers: list[Peer] = []
         self._moving: list[PeerState] = []
@@ -78,6 +80,7 @@ class GradientLaw:
         if view.goal != self._goal and self._progress is not None:
             self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
         self._goal, self.aim = view.goal, self._aim(view)
+        self.straight = self._attraction.straight
         self._far = view.neighbours.far
         self._late = view.tick - self._far.tick
         k = grown(self._k, self._robots, len(others) + self._far.count + 1)

@@ -27,6 +27,9 @@ class Attraction:
         room: the workspace.
         radius: of the robot, m.
         alone: whether it is the only one.
+
+    Attributes:
+        straight: how far the way that `aim` last found leads straight on, m; infinite where it does not turn.
     """
 
     def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
@@ -36,6 +39,7 @@ class Attraction:
         self._routes: list[Route] = []
         self._goal: Vector | None = None
         self._choice = 0  # of the routes, for this goal
+        self.straight = math.inf
 
     @property
     def winds(self) -> bool:
@@ -50,12 +54,14 @@ class Attraction:
             self._begin(list(things))
         if goal != self._goal:
             self._goal, self._choice = goal, 0
+        self.straight = math.inf
         found = self._ahead(position, goal)
         if found is None or found[0] == goal:
             return goal
         (x, y), length = found
         dx, dy = x - position[0], y - position[1]
-        scale = length / math.hypot(dx, dy)
+        self.straight = math.hypot(dx, dy)
+        scale = length / self.straight
         return position[0] + scale * dx, position[1] + scale * dy
 
     def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:

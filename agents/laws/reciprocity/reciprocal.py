@@ -92,6 +92,7 @@ class ReciprocalLaw:
         if away <= NEAR * self._radius:
             return None
         rate = min(self._speed / away, 1.0 / self._period)
+        rate = min(rate, self._gradient.straight / (self._period * away))  # not past a corner
         px, py = rate * ex, rate * ey
         limits = self._walls(x, y)
         walls = len(limits)

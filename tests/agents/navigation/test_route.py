@@ -83,11 +83,15 @@ def test_alone_or_in_a_sphere_world_the_pull_is_straight(things):
 
 def test_elsewhere_it_is_along_the_way_and_as_long():
     start, goal = (-0.5, 0.0), (0.5, 0.01)
-    x, y = Attraction(ROOM, RADIUS, alone=True).aim(start, goal, (BOX,))
+    attraction = Attraction(ROOM, RADIUS, alone=True)
+    x, y = attraction.aim(start, goal, (BOX,))
     (corner, length) = Route(way_points(ROOM, (BOX,), RADIUS)).ahead(start, goal)
     assert math.isclose(math.dist(start, (x, y)), length)
     cross = (x - start[0]) * (corner[1] - start[1]) - (y - start[1]) * (corner[0] - start[0])
     assert abs(cross) < 1e-12
+    assert attraction.straight == math.dist(start, corner)
+    attraction.aim((0.5, 0.5), goal, (BOX,))
+    assert attraction.straight == math.inf
 
 
 @pytest.mark.parametrize("gap", [1.2, 1.6, 1.99])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from agents.laws.reciprocity.velocity_obstacle import reciprocal
 from agents.laws.reciprocity.velocity_program import nearest
 from agents.lines.line import HalfPlane
+from deploy.library.among_things import forest
 from deploy.library.load import load, resolved
 from deploy.library.random_instances import random_instance
 from deploy.library.swaps import swap
@@ -130,6 +131,14 @@ def test_a_few_that_cross_pass_without_a_turn() -> None:
 @pytest.mark.parametrize("name", ["swap-6", "head-on"])
 def test_exactly_symmetric_starts_are_left(name: str) -> None:
     assert run(reciprocally(load(name)))[:2] == ("arrived", 0)
+
+
+@pytest.mark.slow
+def test_a_corner_that_a_tick_would_lead_past_is_gone_round() -> None:
+    """A passage that two can pass by 8 mm, where a tick is 200 mm long."""
+    among = forest(10, 53)
+    verdict, touched, *_ = run(resolved(replace(among, control=replace(among.control, law="reciprocal"))))
+    assert (verdict, touched) == ("arrived", 0)
 
 
 def test_under_delay_and_loss_and_a_killed_process_nothing_touches() -> None:
