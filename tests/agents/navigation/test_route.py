@@ -52,7 +52,7 @@ SLIVER = ConvexPolygon(
 @settings(deadline=None, max_examples=60)
 @given(st.lists(shapes, min_size=1, max_size=4), points, points)
 @example([SLIVER], (0.0, 0.0625), (0.0, -0.25))  # from its corner a shorter one is seen
-def test_ways_are_clear_and_as_long_as_they_say(things, start, goal):
+def test_ways_are_clear_and_no_longer_than_they_say(things, start, goal):
     """From where the disk itself is clear; from a corner a chord of the ring around a thing may be seen that
     is clear of the thing, too, so that the rest of the way is a little shorter, never longer."""
     free = [s for s in things if min(s.distance(*start), s.distance(*goal)) > RADIUS * (1.0 + MARGIN)]
