@@ -35,6 +35,7 @@ NEAR: Final = 4.0  # radii from the goal, within which the flow leads there,
 ASIDE: Final = 0.5  # unless by less than this share of its speed: then it is better to wait
 SLOW: Final = 0.65  # of the free speed: who gets nearer to the goal by less than that follows the flow;
 SLOW_ROUND: Final = 0.5  # by less than that, who goes round a place
+PAST: Final = 0.01  # radii past a corner that a tick leads: else who stands beside one by rounding would stay
 MARGIN: Final = 0.0125  # of the distance of contact
 _APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
 
@@ -92,7 +93,8 @@ class ReciprocalLaw:
         if away <= NEAR * self._radius:
             return None
         rate = min(self._speed / away, 1.0 / self._period)
-        rate = min(rate, self._gradient.straight / (self._period * away))  # not past a corner
+        ahead = max(self._gradient.straight, PAST * self._radius)
+        rate = min(rate, ahead / (self._period * away))
         px, py = rate * ex, rate * ey
         limits = self._walls(x, y)
         walls = len(limits)
