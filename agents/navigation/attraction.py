@@ -48,13 +48,14 @@ class Attraction:
 
     def aim(self, position: Vector, goal: Vector, things: Sequence[Shape]) -> Vector:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
+        self.straight = math.inf
         if not things:
+            self._things, self._routes = [], []
             return goal
         if self._things != list(things):
             self._begin(list(things))
         if goal != self._goal:
             self._goal, self._choice = goal, 0
-        self.straight = math.inf
         found = self._ahead(position, goal)
         if found is None or found[0] == goal:
             return goal

@@ -107,6 +107,15 @@ def test_elsewhere_it_is_along_the_way_and_as_long():
     assert attraction.straight == math.inf
 
 
+def test_once_all_things_are_gone_no_way_winds():
+    attraction, goal = Attraction(ROOM, RADIUS, alone=True), (0.5, 0.01)
+    attraction.aim((-0.5, 0.0), goal, (BOX,))
+    assert attraction.winds
+    assert attraction.aim((-0.5, 0.0), goal, ()) == goal
+    assert attraction.straight == math.inf
+    assert not attraction.winds
+
+
 @pytest.mark.parametrize("gap", [1.2, 1.6, 1.99])
 def test_a_way_leads_to_a_goal_that_is_nearer_to_a_thing_than_ways_keep(gap: float):
     start, goal = (-0.5, 0.0), (0.1 + gap * RADIUS, 0.05)
