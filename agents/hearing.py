@@ -44,8 +44,8 @@ class Hearing:
     def open(self, tick: Tick) -> None:
         """A tick begins: hear whom it says, and what was late."""
         self._tick = tick.tick
-        self._awaited.begin(tick.tick, tick.active)
         self._attend(tick)
+        self._awaited.begin(tick.tick, self._attention.near if tick.active is None else tick.active)
         for letter in tick.letters:  # by way of the world; the link's faults are between robots all the same
             radius = self.neighbours.radii.get(letter.robot)
             if radius is not None:
@@ -60,7 +60,8 @@ class Hearing:
 
     def reconsider(self, tick: Tick) -> None:
         """The same tick again: somebody who took part no longer does, and is not waited for."""
-        self._awaited.reduce(tick.active)
+        if tick.active is not None:
+            self._awaited.reduce(tick.active)
 
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""

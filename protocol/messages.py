@@ -16,7 +16,7 @@ from msgspec import Meta
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
 
-VERSION = 3
+VERSION = 4
 HIGHEST_ID: Final = 999_999_999
 
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
@@ -152,8 +152,9 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # who is addressed
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    active: tuple[Id, ...]  # robots that take part in this tick and whose State is to be awaited
+    active: tuple[Id, ...] | None  # who take part, and whose State is to be awaited; None: all who are near
     sense: Sense | None = None  # None: `as_commanded`, or its base speaks for itself
+    as_commanded: bool = False  # in place of a sense, large fleets: it went exactly as it commanded
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
@@ -161,7 +162,6 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
     letters: tuple[Letter, ...] = ()  # what far peers say of lines to this robot alone
-    as_commanded: bool = False  # in place of a sense, large fleets: it went exactly as it commanded
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from typing import Final, final
 
+import msgspec
+
 from agents.peers.state import PeerState, addressed_to
 from protocol.messages import HIGHEST_ID, Answer, Proposal, State
 from protocol.streams import STREAMS
-from protocol.wire.codec import LARGEST, check_finite, encode
+from protocol.wire.codec import LARGEST, check_finite
 from protocol.wire.cursor import Cursor
 from protocol.wire.reader import Reader
 
@@ -41,7 +43,8 @@ class PeerReader:
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
-        self._begin = encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])[: 2 - _FIELDS]
+        whole = msgspec.msgpack.encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])
+        self._begin = whole[: 2 - _FIELDS]
 
     def read(self, payload: bytes) -> PeerState:
         """What the State in `payload` says to this robot.

@@ -40,7 +40,8 @@ declarations in `protocol/` by `python -m deploy.software.stream_page`; do not e
 
 Every published payload is one [msgpack](https://msgpack.org) array: first a text that names type and protocol
 version, such as `"state/{version}"`, then the fields in the order of the tables below. A reader should
-ignore what has another version, and may ignore fields after those it knows.
+ignore what has another version, and may ignore fields after those it knows. Ticks and Commands end with the
+last field that says something: what is left out is nil, false, 0 or an empty array, whichever it can be.
 
 A complete subscriber, with nothing but `pip install eclipse-zenoh msgpack`:
 

@@ -18,6 +18,7 @@ from protocol.messages import (
     Command,
     GoalStatus,
     Health,
+    Message,
     Proposal,
     Sense,
     State,
@@ -30,7 +31,38 @@ from protocol.wire.reader import reader
 LARGEST: Final = 1e100  # a number whose square is one, too; nothing in a run comes near it
 REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity")
 
-encode = msgspec.msgpack.encode
+_pack = msgspec.msgpack.encode
+
+
+def _with_defaults(message: type[Message]) -> tuple[tuple[str, object], ...]:
+    """Fields that may be left out, and what they are then, from the last one on."""
+    defaults = message.__struct_defaults__
+    fields = message.__struct_fields__[-len(defaults) :]
+    return tuple(zip(reversed(fields), reversed(defaults), strict=True))
+
+
+_OF_TICK: Final = _with_defaults(Tick)
+_OF_COMMAND: Final = _with_defaults(Command)
+
+
+def encode(message: Message) -> bytes:
+    """A message as it travels. Ticks and Commands cross links between hosts in every tick: they end with the
+    last field that is not as it is by default."""
+    if isinstance(message, Tick):
+        return _shortened(message, _OF_TICK)
+    if isinstance(message, Command):
+        return _shortened(message, _OF_COMMAND)
+    return _pack(message)
+
+
+def _shortened(message: Message, fields: tuple[tuple[str, object], ...]) -> bytes:
+    """Without `fields` at the end that are as by default: each of those is one byte of a short array."""
+    payload, spare = _pack(message), 0
+    for name, default in fields:
+        if getattr(message, name) != default:
+            break
+        spare += 1
+    return bytes((payload[0] - spare,)) + payload[1 : len(payload) - spare] if spare else payload
 
 
 def decode(key: str, payload: bytes) -> AnyMessage:

@@ -72,8 +72,9 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         ids,
         counts,
         counts,
-        several(ids),
+        st.none() | several(ids),
         senses,
+        st.booleans(),
         rosters,
         positions,
         st.booleans(),
@@ -94,6 +95,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         report=st.none() | st.builds(Report, vectors, sizes),
         letter=st.none() | letters,
         handles=handlings,
+        slice=st.none() | sizes,
     ),
     "clock": st.builds(
         Clock,
@@ -140,7 +142,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
 _DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
 ONE: dict[str, Message] = {
-    "tick": Tick(1, 2, 3, (1, 3), Sense(None, 3, 0.01, (0.1, 0.2)), _ROSTER),
+    "tick": Tick(1, 2, 3, (1, 3), Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER),
     "state": State(
         1,
         2,

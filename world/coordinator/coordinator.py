@@ -158,7 +158,21 @@ class Coordinator:
         self.active = tuple(other for other in self.active if other != robot)
         self.commands.drop(robot)
         if self.told is not None:
-            self.told = {other: _without(robot, told) for other, told in self.told.items()}
+            self.told = {other: self._without(robot, told) for other, told in self.told.items()}
+
+    def _heard(self, told: Tick) -> tuple[int, ...]:
+        """Whom a robot hears in the open tick, by what it is told."""
+        if told.active is None:
+            assert self._interest is not None
+            return self._interest.near(told.robot)
+        return told.active
+
+    def _without(self, robot: int, told: Tick) -> Tick:
+        """The same, but for a robot that takes no part any more."""
+        heard = self._heard(told)
+        if robot not in heard:
+            return told
+        return msgspec.structs.replace(told, active=tuple([each for each in heard if each != robot]))
 
     # -- a tick
 
@@ -171,7 +185,7 @@ class Coordinator:
         """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
         lacking, self.commands.lacking = self.commands.lacking, {}
         told = self.told or {}
-        heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
+        heard_by = Counter(peer for robot in self.active for peer in self._heard(told[robot]))
         return blamed(heard_by, self.commands.waiting, lacking)
 
     def opens(self, places: Mapping[int, Vector], operated: Operated) -> bool:
@@ -274,17 +288,13 @@ class Coordinator:
                 self.tick,
                 active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sensed.get(robot),
+                robot in omitted,
                 roster_for(robot),
                 goal(robot) if life.is_new or life.heard < since(robot) else None,
                 self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,
                 near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),
                 letters=letters.get(robot, ()),
-                as_commanded=robot in omitted,
             )
             for robot, life in self.lives.listeners()
         }
-
-
-def _without(robot: int, told: Tick) -> Tick:
-    return msgspec.structs.replace(told, active=tuple([each for each in told.active if each != robot]))

@@ -62,7 +62,7 @@ def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
         if robot == own:
             continue
         said: dict[str, Message] = {
-            "tick": Tick(robot, 1, tick, (), None, nobody, None, True),
+            "tick": Tick(robot, 1, tick, (), roster=nobody, halted=True),
             "state": State(robot, 1, tick, AWAY, 0.0, 0.0, 0.0, (0.0, 0.0)),
             "command": Command(robot, 1, tick, (0.05, 0.05)),
             "health": Health(robot, 1, tick, 0.0, 0, 0, {}, (), ()),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from protocol.errors import MessageError
 from protocol.keys import ROBOT_STREAMS
-from protocol.messages import VERSION, AnyMessage
+from protocol.messages import VERSION, AnyMessage, Command, Tick
 from protocol.streams import STREAMS
 from protocol.wire.codec import REASONS, decode, encode
 from tests.protocol.sample_messages import ANY, ids
@@ -56,6 +56,21 @@ def test_every_stream_is_covered() -> None:
 @given(messages)
 def test_round_trip(message: AnyMessage) -> None:
     assert decode(key_of(message), encode(message)) == message
+
+
+@given(st.one_of(ANY["tick"], ANY["command"]))
+def test_ticks_and_commands_end_with_the_last_field_that_says_something(message: Tick | Command) -> None:
+    whole = msgspec.msgpack.decode(msgspec.msgpack.encode(message))
+    short = msgspec.msgpack.decode(encode(message))
+    said, left_out = whole[: len(short)], whole[len(short) :]
+    assert short == said
+    assert all(each in (None, False, 0, []) for each in left_out)
+    assert decode(key_of(message), msgspec.msgpack.encode(whole)) == message  # who writes all is understood
+    defaults = type(message).__struct_defaults__
+    required = len(whole) - len(defaults)
+    if len(short) > required:
+        default = defaults[len(short) - required - 1]
+        assert short[-1] != ([] if default == () else default)
 
 
 @given(st.sampled_from(sorted(STREAMS)), st.binary(max_size=200))

@@ -119,14 +119,21 @@ class Interest:
         told.coming, told.since = tuple(sorted((robot, *announced))), tick + LEAD
         return announced
 
-    def heard(self, robot: int, incarnation: int, tick: int, active: frozenset[int]) -> tuple[int, ...]:
-        """Which of the active robots this one hears in this tick, itself included; an incarnation that was
-        told of nobody hears nobody."""
+    def heard(
+        self, robot: int, incarnation: int, tick: int, active: frozenset[int]
+    ) -> tuple[int, ...] | None:
+        """Which of the active robots this one hears in this tick, itself included; None if those are all whom
+        it was told that it hears, `near`. An incarnation that was told of nobody hears nobody."""
         told = self._told.get(robot)
         if told is not None and told.coming and tick >= told.since:
             told.near = told.coming
-        near = (robot,) if told is None or told.incarnation != incarnation else told.near
-        return near if active.issuperset(near) else tuple(each for each in near if each in active)
+        if told is None or told.incarnation != incarnation:
+            return (robot,)
+        return None if active.issuperset(told.near) else tuple(each for each in told.near if each in active)
+
+    def near(self, robot: int) -> tuple[int, ...]:
+        """Whom a robot that is told anything hears in this tick if all take part, itself included."""
+        return self._told[robot].near
 
 
 def runs(ids: Iterable[int]) -> bytes:

@@ -61,7 +61,7 @@ def test_nobody_is_awaited_before_it_can_be_heard() -> None:
     everybody, heard = frozenset(setting.ids), []
     for tick in range(LEAD + 1):
         interest.open(tick, setting, {}, nowhere)
-        heard.append(interest.heard(1, 1, tick, everybody))
+        heard.append(interest.heard(1, 1, tick, everybody) or interest.near(1))
         interest.tell(1, 1, tick)
     assert heard == [(1,)] * LEAD + [setting.ids]
 
@@ -78,7 +78,7 @@ def test_a_later_life_is_told_at_once_and_awaits_nobody_meanwhile() -> None:
     interest.open(tick, setting, {}, nowhere)
     assert interest.heard(1, 2, tick, everybody) == (1,)
     assert interest.tell(1, 2, tick) == (2, 3, 4)
-    assert interest.heard(1, 2, tick, everybody) == (1,)
+    assert (interest.heard(1, 2, tick, everybody), interest.near(1)) == (None, (1,))
 
 
 def test_the_summary_says_where_everybody_was_sensed() -> None:
@@ -110,6 +110,21 @@ def test_a_tick_names_only_those_who_are_heard() -> None:
     world = joined(four())
     assert {told.active for told in world.open_tick().values()} == {(robot,) for robot in world.scenario.ids}
     assert world.coordinator.active == world.scenario.ids
+
+
+def test_a_tick_says_nothing_of_those_who_are_heard_until_one_of_them_takes_no_part() -> None:
+    world = joined(four(1.0))
+    ids = world.scenario.ids
+    for _ in range(LEAD + 1):
+        told = world.open_tick()
+        for robot in ids:
+            assert world.accept(Command(robot, 1, world.tick, (0.0, 0.0)))
+        world.close_tick()
+    told = world.open_tick()
+    assert {each.active for each in told.values()} == {None}
+    assert world.coordinator.lost(4)
+    told = world.open_tick()
+    assert [told[robot].active for robot in ids[:3]] == [ids[:3]] * 3
 
 
 @given(st.sets(st.integers(1, 12), min_size=1))
