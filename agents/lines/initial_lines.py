@@ -86,6 +86,7 @@ class InitialLines:
         self._starts = _starts_of((starts, radii))
         self._own = self._starts.row[robot]
         self._changed = array("q")  # rows whose line is not the initial one,
+        self._place: dict[int, int] = {}  # where each of them is there,
         self._lines = array("d")  # and four numbers for each: normal and limits, as of `_each`
         self._watched: Places | None = None  # by which it was looked which peers may reach a line,
         self._within = 0.0  # m,
@@ -179,13 +180,12 @@ class InitialLines:
 
     def _put(self, row: int, *line: float) -> None:
         """Keep a line in place of an earlier one."""
-        try:
-            at = 4 * self._changed.index(row)
-        except ValueError:
+        place = self._place.setdefault(row, len(self._place))
+        if place == len(self._changed):
             self._changed.append(row)
             self._lines.extend(line)
         else:
-            self._lines[at : at + 4] = array("d", line)
+            self._lines[4 * place : 4 * place + 4] = array("d", line)
 
     def rest(self, peer: int, side: HalfPlane, theirs: float) -> bool:
         """Look at the line with a peer together with the others from now on; False if one of the two may be

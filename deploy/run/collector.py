@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from threading import Lock
 from typing import Final
 
-_YOUNG: Final = 100_000  # objects, instead of 700: messages of a tick are many, and are gone by themselves
+_YOUNG: Final = 1_000_000  # objects, instead of 700: messages of a tick are many, and are gone by themselves
 _GROWTH: Final = 1.25  # of all objects until they are looked through: what Python's own collector waits for
 
 
