@@ -164,4 +164,5 @@ class GradientLaw:
         gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, self._far.slice - 2.0 * since)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
-        return pace.common_pace(slice_norm, gamma, self._speed, self._max_rate)
+        speed = pace.hastened(self._speed, self._away / self._radius, self._latency / self._lap)
+        return pace.common_pace(slice_norm, gamma, speed, self._max_rate)

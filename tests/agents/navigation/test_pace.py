@@ -3,9 +3,11 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from agents.navigation.flow import Flow, desired_velocity
-from agents.navigation.pace import common_pace, max_rate, own_pace
+from agents.navigation.pace import AT_ALL, HASTE, WHOLLY, common_pace, hastened, max_rate, own_pace
 from agents.navigation.slice import Slice
 
 
@@ -46,3 +48,13 @@ def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
     assert rest == sorted(rest, reverse=True)
     assert 0.0 <= rest[-1] < 1e-9
     assert math.isfinite(rest[-1])
+
+
+@given(st.floats(0.0, 20.0), st.floats(0.0, 5.0))
+def test_only_who_knows_the_others_late_and_is_near_its_goal_makes_haste(away: float, latency: float) -> None:
+    speed = hastened(0.3, away, latency)
+    assert 0.3 <= speed <= 0.3 * (1.0 + HASTE)
+    assert speed == 0.3 or (away < AT_ALL and latency > 0.0)
+    assert hastened(0.3, away, latency + 0.1) >= speed >= hastened(0.3, away + 0.1, latency)
+    if away <= WHOLLY and latency >= 1.0:
+        assert speed == 0.3 * (1.0 + HASTE)
