@@ -66,6 +66,7 @@ class SeparatingLines:
         self._period, max_step = period, speed * period
         self._reach = reach if reach > 0.0 else max_step
         self._first = members
+        self._lined = True  # whether every pair began with a line
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []  # that do not rest
         self._near_negotiation = NearNegotiation(max_step, period, berth)
@@ -105,6 +106,7 @@ class SeparatingLines:
                 initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
                 peer_incarnation=self._first[peer].founding if founding and peer in self._first else 0,
             )
+            self._lined = self._lined and pair.ready
         pair.rests = False
         if self._initial is None:
             self._each.append(pair)
@@ -181,6 +183,8 @@ class SeparatingLines:
     @property
     def ready(self) -> bool:
         """Whether every peer that is there is behind something; who is not ready must stand still."""
+        if self._lined and not self._disturbed:  # only a roster takes a line away
+            return True
         for pair in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
             if not (pair.settled or pair.ready):
                 return False

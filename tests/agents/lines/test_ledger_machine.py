@@ -174,6 +174,12 @@ class Fleet(RuleBasedStateMachine):
                 assert set(follower.end.obeyed) <= set(owner.end.obeyed)
 
     @invariant()
+    def ready(self) -> None:
+        """Who is ready has something between it and each peer that is there, however that was found."""
+        for ledger in self.ledger.values():
+            assert ledger.ready == all(pair.ready for pair in ledger._pairs.values())
+
+    @invariant()
     def settled(self) -> None:
         """What a settled pair keeps at hand is the only line that it obeys; nothing else is left of it."""
         for pair in itertools.chain.from_iterable(ledger._pairs.values() for ledger in self.ledger.values()):
