@@ -109,9 +109,10 @@ class Hearing:
 
     def _attend(self, tick: Tick) -> None:
         """Hear those who are near, as the world says ahead of time; where all hear all it has no say."""
+        turned = self._attention.turn(tick.tick)  # first, as the world does: what was announced may be due
         if tick.near is not None and self._period:
             self._attention.announce(tick.tick, tick.near, summed_up=tick.tick % self._period == 0)
-        if self._attention.turn(tick.tick):
+        if turned:
             self.neighbours.attend(self._attention.near)
             if self.lines is not None:
                 self.lines.attend(self._attention.near)
