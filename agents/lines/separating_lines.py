@@ -66,7 +66,7 @@ class SeparatingLines:
         self._period, max_step = period, speed * period
         self._reach = reach if reach > 0.0 else max_step
         self._first = members
-        self._lined = True  # whether every pair began with a line
+        self._disturbed = False  # whether there was ever a peer without a line of its present incarnation
         self._pairs: dict[int, RobotPair] = {}
         self._each: list[RobotPair] = []  # that do not rest
         self._near_negotiation = NearNegotiation(max_step, period, berth)
@@ -79,7 +79,6 @@ class SeparatingLines:
                 self._pair(peer)
         self._talking = self._each if urgent is None else []  # pairs of those who hear this robot's States
         self._near: frozenset[int] = frozenset()
-        self._disturbed = False  # whether there was ever a peer without a line of its present incarnation
         self.wanted = 0.0  # m, radius of the disk for which own lines leave room, if that is larger
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
@@ -106,7 +105,7 @@ class SeparatingLines:
                 initial=initial_line(self._robot, peer, starts, self._radii) if starts and founding else None,
                 peer_incarnation=self._first[peer].founding if founding and peer in self._first else 0,
             )
-            self._lined = self._lined and pair.ready
+            self._disturbed = self._disturbed or not pair.end.linked
         pair.rests = False
         if self._initial is None:
             self._each.append(pair)
@@ -183,7 +182,7 @@ class SeparatingLines:
     @property
     def ready(self) -> bool:
         """Whether every peer that is there is behind something; who is not ready must stand still."""
-        if self._lined and not self._disturbed:  # only a roster takes a line away
+        if not self._disturbed:
             return True
         for pair in self._each:  # noqa: SIM110  # several times in a tick; a generator costs five times as much
             if not (pair.settled or pair.ready):
