@@ -12,6 +12,7 @@ from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal
 from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus
+from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
 from protocol.process import log
@@ -66,7 +67,7 @@ if __name__ == "__main__":
     entitle(f"robot {identity}", run_name)
     log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
-    router = Connection(connect=(endpoint,), timeout=float(waits), credentials=proof)
+    router = Connection(connect=(Endpoint(endpoint),), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)
     namespace = topics if base else None
     sys.exit(main(router, run_name, int(identity), wait=float(waits), beat=sign, namespace=namespace))

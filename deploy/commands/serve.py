@@ -9,7 +9,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RunOptions, restarts
-from deploy.run.outcome.result import served_status, table
+from deploy.run.outcome.result import served_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -67,11 +67,11 @@ def serve(
         options.refuse_bases(secure)
     membership = Membership(secure)
     run = membership.run(None if name is None else checked_run(name)) or checked_run(loaded.name)
-    endpoint = listen if listen is not None or router is not None else membership.default_router
+    endpoint = membership.endpoint(router or listen or membership.default_router)
     how = RunOptions(
         mode=mode,
-        router=router,
-        listen=endpoint,
+        router=None if router is None else endpoint,
+        listen=endpoint if router is None else None,
         run=run,
         secure=secure,
         speed=0.0 if mode == "realtime" else 1.0 if speed is None else speed,
@@ -83,10 +83,7 @@ def serve(
     begin(LAUNCHER, run, log)
     silent = quiet or is_standard_output(json_file)
     if not silent:
-        typer.echo(f"run {run} at {router or endpoint}; Ctrl-C stops it", err=True)
-    result = execute(loaded, how, Extras(record=record, web=web, json=json_file), quiet=silent)
-    if not silent:
-        from rich.console import Console
-
-        Console(soft_wrap=True).print(table(result))
+        typer.echo(f"run {run} at {endpoint}; Ctrl-C stops it", err=True)
+    extras, tell = Extras(record=record, web=web, json=json_file), (lambda _: None) if silent else show
+    result = execute(loaded, how, extras, quiet=silent, tell=tell)
     raise typer.Exit(served_status(result))

@@ -23,7 +23,7 @@ def probed_key(run: str, role: str) -> str:
     if role == WORLD:
         return world_key(run, "clock")
     robot = role.removeprefix("robot-")
-    if role == ROUTER or not robot.isdecimal():
+    if role == ROUTER or not (robot.isascii() and robot.isdecimal()):
         raise UsageError(f"{role!r} cannot be probed: name the world or a robot, such as robot-3")
     return robot_key(run, int(robot), "health")
 

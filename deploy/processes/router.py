@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.drive import Stop, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
+from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, EndpointTakenError
 
 if TYPE_CHECKING:
     from deploy.telemetry.recording.process import Aboard
 
 HOST = "127.0.0.1"
-PORTS = range(7447, 7547)  # zenoh's own port and those after it
+PORTS = range(DEFAULT_PORT, DEFAULT_PORT + 100)  # zenoh's own port and those after it
 _HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. Whatever is not named here is zenoh's default.\n"
 
 
@@ -55,7 +56,7 @@ def main(
                     bus.await_routers(links)
                 aboard = None if record is None else _aboard(bus, *record)
                 if ready is not None:
-                    ready(endpoint)
+                    ready(str(endpoint))
                 if aboard is not None:
                     aboard.follow()
                 while True:
@@ -72,13 +73,13 @@ def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
     return Aboard(bus, run, address)
 
 
-def listening(connection: Connection) -> tuple[ZenohBus, str]:
+def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
     """Open a router session; returns it with the endpoint that it listens on."""
     if connection.listen:
         return _asked_for(connection), connection.listen[0]
     protocol = "tcp" if connection.credentials is None else "tls"
     for port in PORTS:
-        endpoint = f"{protocol}/{HOST}:{port}"
+        endpoint = Endpoint.at(protocol, HOST, port)
         try:
             with reserved(endpoint):  # else another fleet's router is about to come back there
                 pass
@@ -92,7 +93,7 @@ def listening(connection: Connection) -> tuple[ZenohBus, str]:
 
 
 @contextmanager
-def reserved(endpoint: str) -> Iterator[None]:
+def reserved(endpoint: Endpoint) -> Iterator[None]:
     """Keep an endpoint's port from all who look for a free one, while its own router is not there.
 
     A socket for UDP, where no router listens, says so to other processes, and goes with this one.
@@ -100,9 +101,10 @@ def reserved(endpoint: str) -> Iterator[None]:
     Raises:
         OSError: somebody else has reserved it.
     """
-    host, _, port = endpoint.partition("#")[0].partition("/")[2].rpartition(":")
-    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_DGRAM) as place:
-        place.bind((host.strip("[]"), int(port)))
+    address = endpoint.address
+    assert address is not None, "only routers on a network look for ports"
+    with socket.socket(socket.AF_INET6 if ":" in address[0] else socket.AF_INET, socket.SOCK_DGRAM) as place:
+        place.bind(address)
         yield
 
 
@@ -128,14 +130,15 @@ def _asked_for(connection: Connection) -> ZenohBus:
         ) from error
 
 
-def holder(endpoint: str) -> str:
-    """Who listens on the port of a zenoh endpoint, as far as this user may know; empty if not at all."""
+def holder(endpoint: Endpoint) -> str:
+    """Who listens on the port of an endpoint, as far as this user may know; empty if not at all."""
     import psutil  # only for this text: the router itself stays lean
 
-    port = endpoint.partition("#")[0].rpartition(":")[2]
+    if endpoint.address is None:
+        return ""
     try:
         for each in psutil.net_connections("inet"):
-            if each.status == psutil.CONN_LISTEN and str(getattr(each.laddr, "port", "")) == port:
+            if each.status == psutil.CONN_LISTEN and getattr(each.laddr, "port", 0) == endpoint.address[1]:
                 if each.pid is None:
                     return "a process of another user"
                 return f"{psutil.Process(each.pid).name()} (process {each.pid})"
@@ -144,7 +147,7 @@ def holder(endpoint: str) -> str:
     return ""
 
 
-def router_config(connection: Connection, default: str) -> str:
+def router_config(connection: Connection, default: Endpoint) -> str:
     """JSON5 by which `zenohd` relays, and enforces, exactly as `disknav router` does.
 
     `default` is listened on where `connection` names no endpoint.

@@ -20,6 +20,7 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.run.topology import Mesh, Routed, Topology
 from deploy.security.membership import Membership
+from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
@@ -137,7 +138,7 @@ class Assembly:
                 f"the certificates in {options.secure} end at {self._ends:{_WHEN}}, and links with them"
             )
         if options.router is not None:
-            return Routed(options.router, membership)
+            return Routed(membership.endpoint(options.router), membership)
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
         record = (options.run, self.writer) if self.writer is not None and self._recorded_aboard else None
@@ -148,7 +149,7 @@ class Assembly:
             self._scheduling,
         )
         self.supervisor.start([router])
-        endpoint = self.supervisor.report(table.ROUTER, _START)
+        endpoint = Endpoint(self.supervisor.report(table.ROUTER, _START))
         connection, *others = router.arguments  # whoever comes after it is to be found where it was
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))

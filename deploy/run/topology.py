@@ -10,6 +10,7 @@ from deploy.processes.hosts.topology import MultiHost
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.connection import Connection
+from protocol.endpoint import Endpoint
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Routed:
     A robot in `detours` reaches it at another endpoint, from which everything is passed on.
     """
 
-    endpoint: str
+    endpoint: Endpoint
     membership: Membership = field(default_factory=Membership)
     detours: Mapping[int, str] = field(default_factory=dict)
 
@@ -70,11 +71,11 @@ class Mesh:
 
     viewer = observer
 
-    def _endpoints(self, names: Iterable[str]) -> tuple[str, ...]:
+    def _endpoints(self, names: Iterable[str]) -> tuple[Endpoint, ...]:
         return tuple(self._endpoint(name) for name in names)
 
-    def _endpoint(self, name: str) -> str:
-        return f"unixsock-stream/{self.folder / name}"
+    def _endpoint(self, name: str) -> Endpoint:
+        return Endpoint(f"unixsock-stream/{self.folder / name}")
 
 
 Topology = Routed | Mesh | MultiHost

@@ -11,11 +11,10 @@ from deploy.security.access import access_control
 from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import AUTHORITY, Credentials, credentials, key_file
+from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError
 from protocol.keys import checked_run
 from protocol.process.installation import missing_library
-
-DEFAULT_PORT = 7447
 
 
 @dataclass(frozen=True)
@@ -28,9 +27,9 @@ class Membership:
     directory: Path | None = None
 
     @property
-    def default_router(self) -> str:
+    def default_router(self) -> Endpoint:
         """Where a router is looked for unless told otherwise."""
-        return f"{self.protocol}/127.0.0.1:{DEFAULT_PORT}"
+        return Endpoint.at(self.protocol, "127.0.0.1", DEFAULT_PORT)
 
     @property
     def protocol(self) -> str:
@@ -75,10 +74,10 @@ class Membership:
 
         Raises:
             CertificateError: the files of this role are missing, exposed, or do not fit together.
-            UsageError: an endpoint is not of this kind of network.
+            UsageError: an endpoint is none, or not of this kind of network.
         """
         return Connection(
-            connect=self._checked(routers), timeout=timeout, credentials=self._credentials(role)
+            connect=tuple(map(self.endpoint, routers)), timeout=timeout, credentials=self._credentials(role)
         )
 
     def router(self, listen: Sequence[str] = (), connect: Sequence[str] = (), host: str = "") -> Connection:
@@ -87,7 +86,9 @@ class Membership:
         `host` is its name in the roster; unless given, the only one whose key is here.
         """
         roster = self.roster()
-        connection = Connection("router", self._checked(connect), self._checked(listen))
+        connection = Connection(
+            "router", tuple(map(self.endpoint, connect)), tuple(map(self.endpoint, listen))
+        )
         if roster is None:
             return connection
         host = host or self._host(roster)
@@ -125,10 +126,15 @@ class Membership:
 
         return end_of(str(self.directory / AUTHORITY))
 
-    def _checked(self, endpoints: Sequence[str]) -> tuple[str, ...]:
-        for endpoint in endpoints:
-            if endpoint.startswith("tls/") and self.directory is None:
-                raise UsageError(f"{endpoint} is protected by certificates: give --secure DIR, or use tcp/")
-            if self.directory is not None and not endpoint.startswith("tls/"):
-                raise UsageError(f"{endpoint} is not protected by certificates: with --secure, use tls/")
-        return tuple(endpoints)
+    def endpoint(self, text: str) -> Endpoint:
+        """An endpoint of this network, which need not say its protocol.
+
+        Raises:
+            UsageError: it is none, or of the other kind of network.
+        """
+        endpoint = Endpoint(text, self.protocol)
+        if endpoint.protocol == "tls" and self.directory is None:
+            raise UsageError(f"{endpoint} is protected by certificates: give --secure DIR, or use tcp/")
+        if self.directory is not None and endpoint.protocol != "tls":
+            raise UsageError(f"{endpoint} is not protected by certificates: with --secure, use tls/")
+        return endpoint

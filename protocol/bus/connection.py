@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from protocol.bus.credentials import Credentials
+from protocol.endpoint import Endpoint
 
 MAX_MESSAGE = 8 * 1024 * 1024  # bytes; nothing this protocol sends is half as large
 
@@ -17,25 +18,30 @@ class Connection:
 
     A `client` reaches everybody through one of `connect`; a `router` relays between its clients and
     the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
-    nothing, so every two peers need a link of their own. Endpoints are zenoh's, such as
-    `tcp/127.0.0.1:7447`. A client needs one of its endpoints, a peer the first: links to the others
-    come up when they do, so that a peer may start while another is down.
+    nothing, so every two peers need a link of their own. A client needs one of its endpoints, a peer
+    the first: links to the others come up when they do, so that a peer may start while another is down.
+
+    Raises:
+        UsageError: `connect` or `listen` has a text that is no endpoint.
     """
 
     mode: Literal["client", "router", "peer"] = "client"
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
+    connect: tuple[Endpoint, ...] = ()
+    listen: tuple[Endpoint, ...] = ()
     timeout: float = 20.0  # s, how long opening tries to reach `connect`
     lease: float = 2.0  # s, silence of this process after which others consider it gone
     credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
     access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
     admin: bool = False  # whether a router tells, in zenoh's admin space, who is connected and declares what
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "connect", tuple(map(Endpoint, self.connect)))
+        object.__setattr__(self, "listen", tuple(map(Endpoint, self.listen)))
+
     @property
     def linked(self) -> bool:
         """Whether, as a router, it may have links to other hosts, which do not reach the loopback."""
-        loopback = ("/127.", "/[::1]", "/localhost:")
-        return bool(self.connect) or not all(any(each in e for each in loopback) for e in self.listen)
+        return bool(self.connect) or not all(each.is_loopback for each in self.listen)
 
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
@@ -111,7 +117,7 @@ def _tls(credentials: Credentials | None) -> Mapping[str, Any]:
 
 def _endpoints(connection: Connection) -> list[str]:
     """The endpoints to connect to, with the first marked as indispensable for a peer."""
-    endpoints = list(connection.connect)
+    endpoints = list(map(str, connection.connect))
     if connection.mode == "peer" and endpoints:
-        endpoints[0] += "#exit_on_failure=true"
+        endpoints[0] += f"{';' if '#' in endpoints[0] else '#'}exit_on_failure=true"
     return endpoints

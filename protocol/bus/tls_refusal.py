@@ -9,6 +9,7 @@ import socket
 import ssl
 
 from protocol.bus.credentials import Credentials
+from protocol.endpoint import Endpoint
 
 _PATIENCE = 1.0  # s for a connection, and for the other end's verdict after the handshake
 _ALERTS = {
@@ -22,10 +23,10 @@ _ALERTS = {
 }
 
 
-def refusal(endpoint: str, credentials: Credentials) -> str | None:
+def refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
     """What is wrong with the certificates between here and `endpoint`; None if that is not the reason."""
-    address = _address(endpoint, "tls")
-    if address is None:
+    address = endpoint.address
+    if address is None or endpoint.protocol != "tls":
         return None
     try:
         context = ssl.create_default_context(cafile=credentials.authority)
@@ -46,9 +47,9 @@ def refusal(endpoint: str, credentials: Credentials) -> str | None:
     return None
 
 
-def demands_certificates(endpoint: str) -> bool:
+def demands_certificates(endpoint: Endpoint) -> bool:
     """Whether TLS is spoken at an endpoint that was tried without certificates."""
-    address = _address(endpoint, "tcp") or _address(endpoint, "tls")
+    address = endpoint.address
     if address is None:
         return False
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -80,12 +81,3 @@ def _alert(endpoint: str, credentials: Credentials, error: ssl.SSLError) -> str:
         text = _ALERTS.get(reason, f"TLS alert {reason}")
         return f"the router at {endpoint} refuses the certificate {credentials.certificate}: {text}"
     return f"no TLS with certificates at {endpoint} ({reason}): does the router there run with --secure?"
-
-
-def _address(endpoint: str, protocol: str) -> tuple[str, int] | None:
-    """Host and port of a zenoh endpoint such as `tls/[::1]:7447?metadata#configuration`."""
-    scheme, _, rest = endpoint.partition("/")
-    host, _, port = rest.partition("#")[0].partition("?")[0].rpartition(":")
-    if scheme != protocol or not port.isdecimal():
-        return None
-    return host.strip("[]"), int(port)

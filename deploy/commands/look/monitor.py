@@ -15,6 +15,7 @@ from deploy.security.roster import MONITOR
 from deploy.telemetry.monitor.source import Source
 from deploy.telemetry.monitor.steerable import Steerable
 from protocol.bus.connection import Connection
+from protocol.endpoint import Endpoint
 from protocol.process.installation import missing_library
 from protocol.process.title import entitle
 
@@ -98,7 +99,7 @@ def _connection(endpoints: list[str] | None, membership: Membership, role: str) 
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
         return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
-    return Connection("peer", connect=tuple(endpoints), timeout=_TIMEOUT)
+    return Connection("peer", connect=tuple(map(Endpoint, endpoints)), timeout=_TIMEOUT)
 
 
 def _foxglove(run: str, port: int | None) -> FoxgloveServer:

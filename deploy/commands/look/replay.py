@@ -80,11 +80,13 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
     from deploy.telemetry.recording.reading.replay import publish
     from protocol.bus.connection import Connection
     from protocol.bus.zenoh import ZenohBus
+    from protocol.endpoint import Endpoint
 
     if router is None:
         bus, endpoint = listening(Connection("router"))
     else:
-        bus, endpoint = ZenohBus(Connection(connect=(router,))), router
+        endpoint = Endpoint(router)
+        bus = ZenohBus(Connection(connect=(endpoint,)))
     with closing(bus), bar(f"replaying {recording.path.name}") as progress:
         typer.echo(f"replaying run {run or recording.run} at {endpoint}")
         publish(recording, bus, run, speed=speed, progress=progress)

@@ -10,6 +10,7 @@ import typer
 
 from deploy.commands import options
 from deploy.run.options import fresh_run_name
+from deploy.security.membership import Membership
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 
@@ -69,7 +70,8 @@ def deploy(
     run_name = fresh_run_name() if run is None else checked_run(run)
     roster = Roster(run_name, tuple(sorted({*loaded.ids, *added})))
     command = str(Path(sys.executable).parent / "disknav")
-    chosen = {"image": image, "router": router}
+    endpoint = None if router is None else str(Membership(out).endpoint(router))
+    chosen = {"image": image, "router": endpoint}
     named = {name: value for name, value in chosen.items() if value is not None}
     plan = Plan(
         roster,

@@ -16,8 +16,10 @@ from deploy.output.exit_status import EXIT_INTERRUPTED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
+from protocol.keys import robot_key
 from protocol.process.log import LOG, begin
 from protocol.process.title import entitle
+from protocol.scenario.base import ros_name
 
 Wait = Annotated[
     float, typer.Option(min=1.0, help="How long router and world, or the robots, may take to be there, s.")
@@ -55,10 +57,12 @@ def robot(
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
     if base is not None:
         options.refuse_bases(secure)
+    namespace = None if namespace is None else ros_name(namespace)
     membership = Membership(secure)
-    endpoint, role = router or membership.default_router, robot_role(robot_id)
-    name = membership.named_run(run)
-    membership.client(role, (endpoint,))  # whatever is wrong with its files is said here,
+    role, name = robot_role(robot_id), membership.named_run(run)
+    robot_key(name, robot_id, "join")  # whether there can be such a robot
+    # Whatever is wrong with its files is said here,
+    (endpoint,) = membership.client(role, (router or membership.default_router,)).connect
     begin(f"robot-{robot_id}", name, log)  # or with its log
     # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
     # the working directory, where a folder may be called `agents`, too.

@@ -10,6 +10,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Le, MinLen
 
+from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import HostsError, Problem, UsageError
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.file import read_toml
@@ -142,8 +143,11 @@ def _host(
         elif names.setdefault(name, n) != n:
             yield ("hosts", n, "name"), f"is the name of hosts[{names[name]}] already"
     for key in ("address", "listen"):
-        if re.search(r"[\s/#?]", sound.get("hosts", n, key, default="") or ""):
-            yield ("hosts", n, key), "must be a name or an address, without protocol or path"
+        where = sound.get("hosts", n, key, default="")
+        try:
+            Endpoint.at("tcp", where or "localhost", DEFAULT_PORT)
+        except UsageError:
+            yield ("hosts", n, key), "must be a name or an address, without protocol, port or path"
     address, port = sound.get("hosts", n, "address"), sound.get("hosts", n, "port", default=7447)
     if address == "":
         yield ("hosts", n, "address"), "must not be empty"

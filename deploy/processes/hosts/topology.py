@@ -12,6 +12,7 @@ from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import Credentials
+from protocol.endpoint import Endpoint
 
 
 def places(hosts: HostsTable) -> dict[str, str]:
@@ -32,7 +33,7 @@ class MultiHost:
     def router(self, host: Host) -> Connection:
         """The router of a host: linked with those of all hosts before it in the table."""
         before = self.hosts.hosts[: self.hosts.hosts.index(host)]
-        listen = self._endpoint(host.listen or host.address, host.port)
+        listen = Endpoint.at(self.membership.protocol, host.listen or host.address, host.port)
         connection = self.membership.router(
             (listen,), [self._router_of(other) for other in before], host.name
         )
@@ -56,12 +57,8 @@ class MultiHost:
         """Connection of who watches, and gives orders if the operator's key is there."""
         return self.membership.client(self.membership.viewer, (self._router_of(self.hosts.world_host),))
 
-    def _router_of(self, host: Host) -> str:
-        return self._endpoint(host.address, host.port)
-
-    def _endpoint(self, address: str, port: int) -> str:
-        name = f"[{address}]" if ":" in address else address
-        return f"{self.membership.protocol}/{name}:{port}"
+    def _router_of(self, host: Host) -> Endpoint:
+        return Endpoint.at(self.membership.protocol, host.address, host.port)
 
     def _moved(self, connection: Connection, host: Host) -> Connection:
         """The same for a process on `host`, which gets the files that this one role needs, and no more."""

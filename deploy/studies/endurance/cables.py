@@ -26,10 +26,8 @@ class Cables(SideProcess):
 
     def __init__(self, routed: Routed, robots: Sequence[int], run: str) -> None:
         """`routed`: the router at the other end."""
-        protocol, _, address = routed.endpoint.partition("/")
-        host, _, port = address.rpartition(":")
-        super().__init__("cables", main, (host, int(port)), tuple(robots), run)
-        self._routed, self._protocol = routed, protocol
+        super().__init__("cables", main, routed.endpoint.address, tuple(robots), run)
+        self._routed, self._protocol = routed, routed.endpoint.protocol
 
     def topology(self) -> Routed:
         """The same fleet, with every robot at its cable."""

@@ -18,6 +18,7 @@ from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.bus.events import Presence
 from protocol.bus.zenoh import ZenohBus
+from protocol.endpoint import Endpoint
 from protocol.errors import EndpointTakenError, ProcessError
 from protocol.keys import parse, robot_key
 from protocol.messages import Clock
@@ -107,7 +108,7 @@ def test_nobody_else_takes_the_port_of_a_router_that_will_be_back() -> None:
 
 def test_nobody_holds_a_free_port() -> None:
     with socket.create_server(("127.0.0.1", 0)) as probe:  # beyond the ports that routers take
-        endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+        endpoint = Endpoint.at("tcp", "127.0.0.1", probe.getsockname()[1])
         assert str(os.getpid()) in holder(endpoint)
     assert holder(endpoint) == ""
 

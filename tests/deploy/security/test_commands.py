@@ -13,6 +13,7 @@ from deploy.library.load import load
 from deploy.security.membership import Membership
 from deploy.security.roster import read, robot_role
 from protocol.bus.connection import Connection
+from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Order
 from tests.forks import Forks
@@ -67,6 +68,36 @@ def test_print_config_is_the_whole_of_the_rules(disknav: Forks, tmp_path: Path) 
     assert config["listen"]["endpoints"] == ["tls/127.0.0.1:7447"]
     assert config["access_control"]["default_permission"] == "deny"
     assert config["transport"]["link"]["tls"]["enable_mtls"] is True
+
+
+def test_an_endpoint_need_not_say_the_protocol_of_its_network(tmp_path: Path) -> None:
+    assert Membership().endpoint("localhost:7611") == "tcp/localhost:7611"
+    assert Membership(tmp_path).endpoint("10.0.0.1") == "tls/10.0.0.1:7447"
+    with pytest.raises(UsageError, match="give --secure DIR"):
+        Membership().endpoint("tls/10.0.0.1:7447")
+    with pytest.raises(UsageError, match="with --secure, use tls/"):
+        Membership(tmp_path).endpoint("tcp/10.0.0.1:7447")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("goal", "yard", "1", "--router"),
+        ("router", "--listen"),
+        ("router", "--connect"),
+        ("serve", "figure-1", "-q", "--listen"),
+        ("run", "figure-1", "-q", "--router"),
+        ("monitor", "--run", "yard", "--router"),
+        ("robot", "1", "--run", "yard", "--router"),
+        ("world", "figure-1", "--run", "yard", "--router"),
+        ("probe", "world", "--run", "yard", "--router"),
+    ],
+)
+def test_what_is_no_endpoint_ends_every_command_in_one_line(disknav: Forks, words: tuple[str, ...]) -> None:
+    ended = disknav(*words, "tcp//localhost")
+    assert ended.returncode == 2
+    assert "'tcp//localhost' is no endpoint" in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
 
 
 def test_only_routers_that_other_hosts_reach_are_linked() -> None:

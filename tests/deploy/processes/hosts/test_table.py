@@ -101,7 +101,7 @@ command = ""
         "hosts[1].port: hosts[0] has its router at 10.0.0.1, port 7447 already",
         "hosts[1].robots[0]: robot 1 is on hosts[0] already",
         "hosts[1].ssh: must be a destination such as user@host; options go into `options`",
-        "hosts[2].address: must be a name or an address, without protocol or path",
+        "hosts[2].address: must be a name or an address, without protocol, port or path",
         "hosts[2].command: must not be empty",
         "hosts[2].name: must be of letters, digits and '-', and not begin with '-'",
         'hosts[2].options: must be an array, not the string "-p 2222"',
