@@ -40,10 +40,10 @@ class Ros2Base:
     def __init__(
         self, scenario: Scenario, robot: int, base: Base, clock: Callable[[], int] = time.time_ns
     ) -> None:
-        body = scenario.body_of(robot)
-        self._odometry, self._pose = base.key(robot, base.odometry), base.key(robot, base.pose)
+        body, base = scenario.body_of(robot), base.of(robot)
+        self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
         self.keys: tuple[str, ...] = (self._odometry, self._pose)
-        self.tells = base.key(robot, base.velocity)
+        self.tells = base.key(base.velocity)
         self.due = 0.0
         self._base, self._offset = base, body.offset
         self._clock = clock

@@ -71,7 +71,7 @@ class Driver:
 
     Args:
         base: its topics and frames.
-        robot: the id that stands for `{id}` in its namespace.
+        robot: the id that stands for `{id}` in their names.
         moves: what to do, once odometry and a pose have come.
 
     Attributes:
@@ -82,9 +82,10 @@ class Driver:
     """
 
     def __init__(self, base: Base, robot: int, moves: list[Move]) -> None:
-        self._odometry, self._pose = base.key(robot, base.odometry), base.key(robot, base.pose)
+        base = base.of(robot)
+        self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
         self.keys = (self._odometry, self._pose)
-        self.tells = base.key(robot, base.velocity)
+        self.tells = base.key(base.velocity)
         self.due = 0.0
         self.finished = False
         self.log = Log([], [], [])

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from protocol.scenario.base import Base
-from protocol.scenario.checks.bodies import fields_of
+from protocol.errors import UsageError
+from protocol.scenario.base import FRAMES, TOPICS, Base, ros_name
+from protocol.scenario.checks.bodies import fields_of, robots_of
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.model import Time, World
-from protocol.scenario.shape import Finding, Steps
+from protocol.scenario.shape import Finding, Steps, written
 
-_WILD = "*?#$ "
 _TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
 
 
@@ -20,24 +20,22 @@ def base_findings(sound: Sound) -> Iterator[Finding]:
     external = sound.get("world", "plant") == "external"
     default = sound.get("base")
     yield from _names(("base",), default)
-    keys: dict[str, int] = {}
-    for index in range(sound.size("robots")):
-        steps: Steps = ("robots", index, "base")
+    keys: dict[str, Steps] = {}
+    for robot in robots_of(sound):
+        steps: Steps = (*robot, "base")
         own = sound.get(*steps)
         yield from _names(steps, own)
         table = default if own is None else own
         if not (external or isinstance(table, dict)):
             continue
-        body = sound.get("robots", index, "body")
+        body = sound.get(*robot, "body")
         kind = fields_of(sound.get("body") if body is None else body).get("kind", "point")
         if kind == "point":
             yield (
-                ("robots", index, "body"),
+                (*robot, "body"),
                 'a base outside cannot stop at once: say which body it is, such as "turtlebot3-burger"',
             )
-        key = _key(table, sound.get("robots", index, "id"))
-        if key is not None and keys.setdefault(key, index) != index:
-            yield steps, f"has the same key {key} as robots[{keys[key]}]: give it a namespace of its own"
+        yield from _shared(steps, table, sound.get(*robot, "id"), keys)
     if external:
         yield from _external(sound)
 
@@ -57,15 +55,31 @@ def _external(sound: Sound) -> Iterator[Finding]:
 
 
 def _names(steps: Steps, base: Any) -> Iterator[Finding]:
-    """Topics that would be patterns."""
+    """Names that no key can have, and frames that no header should have."""
     for key, name in base.items() if isinstance(base, dict) else ():
-        if key in ("namespace", "velocity", "odometry", "pose") and set(_WILD) & set(str(name)):
-            yield (*steps, key), f"must have none of {' '.join(_WILD.strip())} and no space"
+        if key in (*TOPICS, "namespace") and isinstance(name, str):
+            try:
+                ros_name(name)
+            except UsageError as error:
+                yield (*steps, key), str(error)
+            if key != "namespace" and not name.strip("/"):
+                yield (*steps, key), "must not be empty"
+        if key in FRAMES and isinstance(name, str) and not name.isprintable():
+            yield (*steps, key), "must have no control characters"
 
 
-def _key(base: Any, robot: int | None) -> str | None:
-    """Under which key a robot's base hears velocities; None where that is malformed."""
-    namespace, velocity = ((base or {}).get(key, getattr(Base(), key)) for key in ("namespace", "velocity"))
-    if robot is None or not isinstance(namespace, str) or not isinstance(velocity, str):
-        return None
-    return Base(namespace=namespace).key(robot, velocity)
+def _shared(steps: Steps, base: Any, robot: int | None, seen: dict[str, Steps]) -> Iterator[Finding]:
+    """Keys that two topics have, of one robot or of two; `seen` are those of robots before this one."""
+    named = {key: value for key, value in (base or {}).items() if key in (*TOPICS, "namespace")}
+    if robot is None or not all(isinstance(value, str) for value in named.values()):
+        return
+    own = Base(**named).of(robot)
+    keys: dict[str, str] = {}
+    for topic in TOPICS:
+        key = own.key(getattr(own, topic))
+        if keys.setdefault(key, topic) != topic:
+            yield steps, f"`{keys[key]}` and `{topic}` are both {key}: give each topic a name of its own"
+        elif key in seen:
+            yield steps, f"has the same key {key} as {written(seen[key])}: give it a namespace of its own"
+            return
+    seen.update(dict.fromkeys(keys, steps[:-1]))

@@ -38,9 +38,21 @@ def test_each_robot_has_its_own_base_or_the_one_for_all():
     scenario = pair(base="[base]\nstamped = true", two='base = {namespace = "left", timeout = 0.4}')
     assert scenario.base_of(1) == Base(stamped=True)
     assert scenario.base_of(2) == Base(namespace="left", timeout=0.4)
-    assert scenario.base_of(1).key(1, "cmd_vel") == "bot1/cmd_vel"
-    assert scenario.base_of(2).key(2, "/odom") == "left/odom"
+    assert scenario.base_of(1).of(1).key("cmd_vel") == "bot1/cmd_vel"
+    assert scenario.base_of(2).of(2).key("/odom") == "left/odom"
     assert parse_document(document_of(scenario)) == scenario
+
+
+def test_the_id_stands_in_every_name():
+    base = pair(base='[base]\nnamespace = ""\npose = "vicon/r{id}/pose"\nbase_frame = "r{id}/base"\n'
+                'velocity = "r{id}/v"\nodometry = "r{id}/o"').base_of(2)  # fmt: skip
+    assert base.of(2).key(base.of(2).pose) == "vicon/r2/pose"
+    assert base.of(2).base_frame == "r2/base"
+
+
+@pytest.mark.parametrize("namespace", ["", "/"])
+def test_a_single_robot_needs_no_namespace(namespace):
+    assert Base(namespace=namespace).of(1).key("/odom") == "odom"
 
 
 def test_a_fleet_outside_has_bases_without_being_told():
@@ -62,7 +74,19 @@ def test_the_filter_takes_a_body_with_everything_that_comes_late():
             {"base": '[base]\nnamespace = "/bot"'},
             r"robots\[1\]\.base: has the same key bot/cmd_vel as robots\[0\]",
         ),
-        ({"one": 'base = {odometry = "odom/**"}'}, r"robots\[0\]\.base\.odometry: must have none of"),
+        (
+            {"one": 'base = {odometry = "odom/**"}'},
+            r"robots\[0\]\.base\.odometry: 'odom/\*\*' is no ROS name",
+        ),
+        ({"one": 'base = {pose = "a//b"}'}, r"robots\[0\]\.base\.pose: 'a//b' is no ROS name"),
+        ({"one": 'base = {pose = "/"}'}, r"robots\[0\]\.base\.pose: must not be empty"),
+        ({"two": 'base = {pose = "odom"}'}, r"robots\[1\]\.base: `odometry` and `pose` are both bot2/odom"),
+        ({"two": 'base = {velocity = "a", odometry = "/a/"}'}, "`velocity` and `odometry` are both bot2/a"),
+        ({"two": 'base = {base_frame = "a\\nb"}'}, r"robots\[1\]\.base\.base_frame: must have no control"),
+        (
+            {"one": 'base = {namespace = "bot2"}'},
+            r"robots\[1\]\.base: has the same key bot2/cmd_vel as robots\[0\]",
+        ),
         ({"base": "[base]\ntimeout = 0"}, r"base\.timeout: must be at least"),
         ({"base": "[base]\ntopic = 1"}, r"base\.topic: unknown key"),
         ({"world": "lease = 0.1"}, r"world\.lease: must be at least 3 ticks"),
