@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from io import TextIOWrapper
 
 from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.software import compiled
@@ -19,6 +20,8 @@ _INVALID = (DocumentError, UsageError, KeyGrammarError, CertificateError)
 def main() -> None:
     """Entry point of the `disknav` command. SIGTERM and a closed terminal end it as Ctrl-C does."""
     begin(LAUNCHER)
+    if isinstance(sys.stdout, TextIOWrapper):  # characters that the terminal's encoding lacks are escaped
+        sys.stdout.reconfigure(errors="backslashreplace")
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell's script has its `command &` ignore the first
         signal.signal(number, signal.default_int_handler)
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # as `nohup` asks

@@ -7,15 +7,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from deploy.run.operator import Operator, operating
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
+from disknav.scenarios import written
 from protocol.errors import UsageError
 from protocol.geometry import Shape
-from protocol.messages import GoalStatus, Vector
+from protocol.messages import GoalStatus, Id, Vector
 from protocol.requests.goals import GoalOrder
 from protocol.requests.things import ThingOrder, ThingReply
 
@@ -50,19 +52,17 @@ class Orders:
             UsageError: the order is malformed, or the world refuses it; says why.
             BusError: no world of this run answers.
         """
-        wanted = {"points": points, "queue": queue, "patrol": patrol, "within": within}
-        try:
-            order = msgspec.convert(wanted, GoalOrder)
-        except msgspec.ValidationError as error:
-            raise UsageError(f"that is no order: {error}") from None
-        reply = self._operator.order(robot, order)
+        order = _converted(
+            {"points": points, "queue": queue, "patrol": patrol, "within": within}, GoalOrder, "order"
+        )
+        reply = self._operator.order(_converted(robot, Id, "robot"), order)
         if not reply.accepted:
             raise UsageError(f"robot {robot} cannot be sent there: {reply.text}")
         return reply.number
 
     def status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
-        return self._operator.status(robot).status
+        return self._operator.status(_converted(robot, Id, "robot")).status
 
     def place(self, *points: Vector, radius: float | None = None) -> int:
         """Have a disk of `radius` (m) around a point appear, or the convex polygon of several, once every
@@ -72,26 +72,35 @@ class Orders:
             UsageError: it is no such thing, or the world refuses it; says why.
             BusError: no world of this run answers.
         """
-        corners = tuple((float(x), float(y)) for x, y in points)
         if radius is None:
-            thing = ThingOrder(points=corners)
-        elif len(corners) == 1:
-            thing = ThingOrder(center=corners[0], radius=float(radius))
+            wanted: dict[str, object] = {"points": points}
+        elif len(points) == 1:
+            wanted = {"center": points[0], "radius": radius}
         else:
             raise UsageError("a disk has one point, its centre; leave out the others, or the radius")
+        thing = _converted(wanted, ThingOrder, "thing")
         if problem := thing.defect():
             raise UsageError(f"that is no thing: it {problem}")
         return _accepted(self._operator.place(thing))
 
     def take(self, number: int) -> None:
         """Say that a thing is not there any more; raises as `place` does."""
-        _accepted(self._operator.take(number))
+        _accepted(self._operator.take(_converted(number, Id, "number of a thing")))
 
     def things(self) -> dict[int, Shape]:
         """What stands, by number; what is yet to appear is not among it."""
         return {
             each.number: each.shape for each in self._operator.things().things if each.status == "standing"
         }
+
+
+def _converted(value: object, kind: Any, what: str) -> Any:
+    """What a program gave, checked as if it had come over the network; raises UsageError."""
+    text = written(value)
+    try:
+        return msgspec.json.decode(text, type=kind)
+    except msgspec.DecodeError as error:
+        raise UsageError(f"that is no {what}: {error}") from None
 
 
 def _accepted(reply: ThingReply) -> int:

@@ -13,7 +13,7 @@ from deploy.run.execute import Extras, execute
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.run.outcome.result import complete
 from deploy.telemetry.recording.reading.reader import read as read_recording
-from disknav.scenarios import Settings, load
+from disknav.scenarios import Settings, Source, ready
 from disknav.simulation import Simulation
 from disknav.trajectory import Trajectory
 from protocol.errors import UsageError
@@ -47,7 +47,7 @@ class Run:
 
 
 def run(
-    scenario: Scenario | str | Path,
+    scenario: Source,
     settings: Settings | None = None,
     *,
     seed: int | None = None,
@@ -73,10 +73,7 @@ def run(
         ScenarioError, UsageError: as `load`; or `settings` or `seed` are given with a finished scenario.
         ProcessError, BusError: the fleet could not be started.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load(scenario, settings, seed=seed)
-    elif settings or seed is not None:
-        raise TypeError("settings and seed are for a name or file: give them to load or build instead")
+    scenario = ready(scenario, settings, seed)
     if transport != "local" and scenario.control.law.startswith("__main__:"):
         raise UsageError(
             f"the processes of a fleet cannot import {scenario.control.law!r} from this script or notebook: "

@@ -11,11 +11,13 @@ from agents.laws import require as require_law
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
 from deploy.library.names import catalogue
+from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
 from world.plants.choice import require as require_plant
 
 Settings = Mapping[str, Any]
+Source = Scenario | str | Path
 
 
 def library() -> dict[str, str]:
@@ -37,6 +39,19 @@ def load(source: str | Path, settings: Settings | None = None, *, seed: int | No
     return load_named(str(source), _written(settings or {}), seed)
 
 
+def ready(source: Source, settings: Settings | None, seed: int | None) -> Scenario:
+    """What is to be run: a scenario as it is, else what `load` makes of a name or file.
+
+    Raises:
+        ScenarioError, UsageError: as `load`; or `settings` or `seed` are given with a finished scenario.
+    """
+    if not isinstance(source, Scenario):
+        return load(source, settings, seed=seed)
+    if settings or seed is not None:
+        raise UsageError("settings and seed are for a name or file: give them to load or build instead")
+    return source
+
+
 def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scenario:
     """A scenario from tables as they stand in a file, ready to run; whatever is left out has its default.
 
@@ -49,7 +64,7 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
         ScenarioError: as in `load`.
         UsageError: a library that its law needs is missing, or `control.k` is "certified".
     """
-    plain = json.loads(json.dumps(document, default=_plain))
+    plain = json.loads(written(document))
     scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
     require_law(scenario.control.law)
     require_plant(scenario.world.plant)
@@ -58,13 +73,24 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
 
 def _written(settings: Settings) -> list[str]:
     """As `--set` takes them: what JSON can say of values, TOML understands."""
-    return [f"{path}={json.dumps(value, default=_plain)}" for path, value in settings.items()]
+    return [f"{path}={written(value)}" for path, value in settings.items()]
+
+
+def written(value: Any) -> str:
+    """A value as JSON: arrays and numbers of numpy as lists and numbers, a class as `module:Class`.
+
+    Raises:
+        UsageError: JSON cannot say it.
+    """
+    try:
+        return json.dumps(value, default=_plain)
+    except (TypeError, ValueError, RecursionError) as error:  # of a key, of a list that contains itself
+        raise UsageError(f"{error}: give numbers, strings, arrays and tables") from None
 
 
 def _plain(value: Any) -> Any:
-    """Arrays and numbers of numpy as JSON knows them; a class, such as a law, as `module:Class`."""
     if isinstance(value, type):
         return f"{value.__module__}:{value.__qualname__}"
     if hasattr(value, "tolist"):
         return value.tolist()
-    raise TypeError(f"a scenario holds numbers, strings, arrays and tables, not {type(value).__name__}")
+    raise TypeError(f"a value of type {type(value).__name__} is none of a scenario")

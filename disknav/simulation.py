@@ -12,9 +12,10 @@ from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from deploy.telemetry.recording.reading.reader import Said, Truths
 from disknav.orders import Orders
+from disknav.scenarios import Settings, Source, ready
 from disknav.trajectory import Floats, Trajectory
+from protocol.keys import checked_run
 from protocol.messages import Truth
-from protocol.scenario.model import Scenario
 
 
 class Simulation:
@@ -26,10 +27,17 @@ class Simulation:
         orders: sends robots elsewhere between two steps; an order holds from the next tick on.
     """
 
-    def __init__(self, scenario: Scenario, *, name: str = "local") -> None:
-        """`scenario` as `disknav.load` or `disknav.build` give it."""
-        self.scenario = scenario
-        self._fleet = LocalFleet([scenario], name)
+    def __init__(
+        self,
+        scenario: Source,
+        settings: Settings | None = None,
+        *,
+        seed: int | None = None,
+        name: str = "local",
+    ) -> None:
+        """Arguments and errors are those of `disknav.run`."""
+        self.scenario = ready(scenario, settings, seed)
+        self._fleet = LocalFleet([self.scenario], checked_run(name))
         self._truths = [self._truth]
         self.orders = Orders(Operator(self._fleet.network.connect(), name))
 

@@ -8,9 +8,14 @@ a run.
 from __future__ import annotations
 
 from enum import IntEnum
+from operator import index
 
 import numpy as np
 from numpy.random import Generator, Philox
+
+from protocol.errors import UsageError
+
+LARGEST_SEED = 2**63 - 1
 
 
 class Purpose(IntEnum):
@@ -26,6 +31,21 @@ class Purpose(IntEnum):
 
 
 _MASK = (1 << 64) - 1
+
+
+def checked_seed(seed: object) -> int:
+    """A seed as a person or a program gave it, such as an integer of numpy.
+
+    Raises:
+        UsageError: it is no whole number from 0 to `LARGEST_SEED`.
+    """
+    try:
+        number = -1 if isinstance(seed, bool) else index(seed)  # type: ignore[arg-type]  # it finds out
+    except TypeError:
+        number = -1
+    if not 0 <= number <= LARGEST_SEED:
+        raise UsageError(f"seed {seed!r}: give a whole number from 0 to {LARGEST_SEED}")
+    return number
 
 
 def generator(seed: int, purpose: Purpose, robot: int = 0, tick: int = 0, peer: int = 0) -> Generator:

@@ -29,6 +29,7 @@ WORLD_STREAMS = (
     *("scenario", "steering", "halt", "fleet", "things", "alive"),
 )
 
+LARGEST_ID = 999_999_999
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(
     r"disknav/(?P<run>[A-Za-z0-9_-]+)/(?:robot/(?P<robot>[1-9][0-9]{0,8})/(?P<rs>[a-z]+)|world/(?P<ws>[a-z]+))"
@@ -45,13 +46,15 @@ class Address(NamedTuple):
 
 def checked_run(run: str) -> str:
     """Return `run` if it may stand in a key, else raise KeyGrammarError."""
-    if not _RUN.fullmatch(run):
+    if not (isinstance(run, str) and _RUN.fullmatch(run)):
         raise KeyGrammarError(f"run name {run!r}: use letters, digits, '_' and '-' only")
     return run
 
 
 def robot_key(run: str, robot: int, stream: str) -> str:
     """Key of one robot's stream, e.g. `disknav/demo/robot/3/state`."""
+    if not 1 <= robot <= LARGEST_ID:
+        raise KeyGrammarError(f"robot {robot}: ids are whole numbers from 1 to {LARGEST_ID}")
     if stream not in ROBOT_STREAMS:
         raise KeyGrammarError(f"no robot stream {stream!r}; there are {', '.join(ROBOT_STREAMS)}")
     return f"disknav/{run}/robot/{robot}/{stream}"

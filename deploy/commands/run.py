@@ -10,7 +10,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import RESTARTS, RunOptions, Transport, fresh_run_name, restarts
-from deploy.run.outcome.result import exit_status, table
+from deploy.run.outcome.result import exit_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -93,12 +93,12 @@ def run(
     )
     begin(LAUNCHER, run_name, log)
     silent = quiet or is_standard_output(json_file)
-    result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent)
+    tell = (lambda _: None) if silent else show
+    result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent, tell=tell)
     if not silent:
         from rich.console import Console
 
         console = Console(soft_wrap=True)
-        console.print(table(result))
         files = [("recording", each) for each in result["recordings"]]
         files += [(what, target) for what, target in (("picture", plot), ("result", json_file)) if target]
         for what, target in files:

@@ -87,14 +87,12 @@ def schema() -> None:
 
 
 def _write(scenario: Scenario, output: Path | None) -> None:
-    from protocol.errors import UsageError
+    from deploy.output.target import writing
     from protocol.scenario.file import write_toml
 
-    text = write_toml(scenario)
+    text = write_toml(scenario).encode()  # TOML is UTF-8 whatever the terminal's encoding
     if output is None:
-        print(text, end="")
+        sys.stdout.buffer.write(text)
         return
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{output} cannot be written: {error.strerror}") from None
+    with writing(output, "write a scenario"):
+        output.write_bytes(text)

@@ -10,6 +10,7 @@ from agents.laws import require as require_law
 from deploy.library.names import build
 from deploy.library.trial import try_out
 from deploy.theory.gain.tuning import automatic_k, crowd
+from protocol.draws import checked_seed
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
@@ -73,8 +74,8 @@ def _certified(name: str, scenario: Scenario) -> Scenario:
 
 
 def _document(name: str, seed: int | None) -> Document:
-    path = Path(name)
-    if path.is_file():
+    path, seed = Path(name), None if seed is None else checked_seed(seed)
+    if _is_file(path):
         document = read_document(path)
         return document if seed is None else document | {"seed": seed}
     if path.suffix == ".toml" or "/" in name:
@@ -82,3 +83,10 @@ def _document(name: str, seed: int | None) -> Document:
             f"no scenario file {name!r}; the library has names such as figure-1 (see scenario list)"
         )
     return document_of(build(name, seed))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError as error:
+        raise UsageError(f"scenario file {str(path)!r}: {error.strerror}") from None

@@ -15,6 +15,7 @@ from deploy.library.goal_sets import TIGHTNESS, figure_3
 from deploy.library.movers import parts
 from deploy.library.random_instances import in_turn, random_instance
 from deploy.library.swaps import circle, head_on, swap, turtlebots
+from protocol.draws import checked_seed
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 
@@ -89,9 +90,9 @@ def build(name: str, seed: int | None = None) -> Scenario:
     """The library's scenario of this name; `seed` (0 unless given) determines all that is random in it.
 
     Raises:
-        UsageError: there is no such name.
+        UsageError: there is no such name, or this is no seed.
     """
-    seed = DEFAULT_SEED if seed is None else seed
+    seed = DEFAULT_SEED if seed is None else checked_seed(seed)
     if name in _FIXED:
         return _FIXED[name][0](seed)
     if found := _NUMBERED.fullmatch(name):

@@ -6,9 +6,10 @@ import json
 import sys
 from pathlib import Path
 
-from deploy.output.target import check_target
+from deploy.output.target import check_target, writing
 
 _STANDARD_OUTPUT = "-"
+_WHAT = "write JSON"
 
 
 def is_standard_output(target: Path | None) -> bool:
@@ -23,15 +24,20 @@ def check(target: Path | None) -> None:
         UsageError: `target` cannot be written.
     """
     if target is not None and not is_standard_output(target):
-        check_target(target, "write JSON")
+        check_target(target, _WHAT)
 
 
 def write_json(document: object, target: Path | None) -> None:
-    """Write `document` into the file `target`, to standard output for '-', nowhere for None."""
+    """Write `document` into the file `target`, to standard output for '-', nowhere for None.
+
+    Raises:
+        UsageError: `target` cannot be written.
+    """
     if target is None:
         return
     text = json.dumps(document, indent=2) + "\n"
     if is_standard_output(target):
         sys.stdout.write(text)
     else:
-        target.write_text(text, encoding="utf-8")
+        with writing(target, _WHAT):
+            target.write_text(text, encoding="utf-8")

@@ -1,7 +1,9 @@
-"""Files that a command is asked to write: found out beforehand what would fail after the work."""
+"""Files that a command is asked to write: what would fail is found out beforehand, what fails is one line."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from protocol.errors import UsageError
@@ -26,3 +28,20 @@ def check_target(target: Path, what: str) -> None:
         ) from error
     if not existed:
         target.unlink()
+
+
+@contextmanager
+def writing(target: Path, what: str) -> Iterator[None]:
+    """Inside, `what` (a verb phrase) is written to `target`; no half of it is left where nothing was.
+
+    Raises:
+        UsageError: it cannot be written: the disk is full, or may only be read.
+    """
+    existed = target.exists()
+    try:
+        yield
+    except OSError as error:
+        if not existed:
+            with suppress(OSError):
+                target.unlink(missing_ok=True)
+        raise UsageError(f"cannot {what} to {target}: {error.strerror or error}") from error

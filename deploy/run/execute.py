@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,14 +37,27 @@ class Extras:
     json: Path | None = None
 
 
-def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: bool) -> Result:
+def execute(
+    scenario: Scenario,
+    options: RunOptions,
+    extras: Extras,
+    *,
+    quiet: bool,
+    tell: Callable[[Result], None] = lambda _: None,
+) -> Result:
     """Run `scenario` to its verdict; whenever Ctrl-C comes, and however often, there is a result.
 
+    Args:
+        quiet: whether to show no progress.
+        tell: takes the result as soon as the fleet is down, whatever else may fail after that.
+
     Raises:
-        UsageError: the options do not fit together, or an optional library is missing.
+        UsageError: the options do not fit together, an optional library is missing, or a file that was asked
+            for cannot be written.
         ProcessError, BusError: the fleet could not be started.
     """
     _check(extras)
+    unwritten: UsageError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # whoever is not simulated does not wait
     with ExitStack() as stack:
@@ -60,15 +74,22 @@ def execute(scenario: Scenario, options: RunOptions, extras: Extras, *, quiet: b
                     report = interrupted(unjudged(scenario, None, time.monotonic() - began))
                     result = complete(report, options, [])
                     json_output.write_json(result, extras.json)
+                tell(result)
                 return result
             reports = fleet.execute()
             with undisturbed():
                 processes, recordings = fleet.processes(), fleet.recordings()
                 result = complete(reports[0], options, processes, recordings if extras.record else [])
                 LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
-                json_output.write_json(result, extras.json)  # before anything that may still fail, or wait
+                try:
+                    json_output.write_json(result, extras.json)  # before anything that may still wait
+                except UsageError as error:
+                    unwritten = error
                 fleet.record(result)
                 running.close()
+        tell(result)
+        if unwritten is not None:
+            raise unwritten
         if extras.plot is not None:
             first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
             draw(Path(recordings[first]), extras.plot)

@@ -32,7 +32,7 @@ def restarts(policy: str) -> int:
     """
     found = _POLICY.fullmatch(policy)
     if found is None:
-        raise UsageError(f"--restart {policy}: give never, on-failure, or on-failure:N with N from 1 on")
+        raise UsageError(f"--restart {policy!r}: give never, on-failure, or on-failure:N with N from 1 on")
     if policy == "never":
         return 0
     return int(found[1]) if found[1] else RESTARTS

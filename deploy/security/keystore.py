@@ -14,6 +14,8 @@ from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
+_LONGEST = 36_500.0  # days
+
 try:
     from deploy.security.certificates import Authority
 except ModuleNotFoundError as error:
@@ -36,8 +38,8 @@ def create(
         UsageError: the directory exists and `force` is not set, is not a directory of keys, `days` is not
             positive, or there is no library for certificates.
     """
-    if not days > 0.0:
-        raise UsageError(f"{days:g} days: certificates must be valid for some time")
+    if not 0.0 < days <= _LONGEST:
+        raise UsageError(f"{days:g} days: certificates are valid for some time, at most {_LONGEST:g} days")
     _check_replaceable(directory, force)
     directory.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))  # mode 0700

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, fields, replace
-from typing import Annotated, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
 
 from annotated_types import Len
 
@@ -50,10 +50,8 @@ class Base:
 
     def of(self, robot: int) -> Base:
         """The base of one robot: its id in place of `{id}`."""
-        texts = {field.name: getattr(self, field.name) for field in fields(self)}
-        named = {
-            name: text.replace("{id}", str(robot)) for name, text in texts.items() if isinstance(text, str)
-        }
+        names = ("namespace", *TOPICS, *FRAMES)
+        named: dict[str, Any] = {name: getattr(self, name).replace("{id}", str(robot)) for name in names}
         return replace(self, **named)
 
     def key(self, topic: str) -> str:

@@ -52,8 +52,39 @@ def test_certificates_are_of_files_and_names() -> None:
 
 
 def test_what_a_file_cannot_say_is_refused() -> None:
-    with pytest.raises(TypeError, match="not complex"):
+    with pytest.raises(UsageError, match="type complex"):
         disknav.build({"robots": ROBOTS, "seed": 1j})
+
+
+def test_seeds_and_points_of_numpy_are_numbers(tmp_path: Path) -> None:
+    file = tmp_path / "two.toml"
+    file.write_text(write_toml(disknav.build({"robots": ROBOTS})))
+    assert disknav.load(file, seed=np.int64(2)) == disknav.load(file, seed=2)
+    assert disknav.load("random-6", seed=np.arange(3)[2]) == disknav.load("random-6", seed=2)
+    simulation = disknav.Simulation("swap-6")
+    orders = simulation.orders
+    assert simulation.step()
+    assert orders.send(np.int64(3), np.array([0.0, 0.0]), within=np.float32(5.0)) == 1
+    assert orders.status(np.uint8(3)).goal == (0.0, 0.0)
+    number = orders.place(np.array([0.1, 0.2]), radius=np.float64(0.01))
+    orders.take(np.int32(number))
+
+
+@pytest.mark.parametrize("seed", [-1, 2**63, 1.0, "3", True, np.float64(2.0), None.__class__])
+def test_what_is_no_seed_is_named(seed: object) -> None:
+    for source in ("swap-6", "figure-1"):
+        with pytest.raises(UsageError, match="give a whole number from 0 to"):
+            disknav.load(source, seed=seed)  # type: ignore[arg-type]  # as a stranger gave it
+
+
+def test_a_simulation_takes_what_a_run_takes() -> None:
+    simulation = disknav.Simulation("swap-3", {"control.k": 80}, seed=5)
+    assert simulation.scenario == disknav.load("swap-3", {"control.k": 80}, seed=5)
+    assert simulation.step()
+    with pytest.raises(UsageError, match="load or build"):
+        disknav.Simulation(simulation.scenario, seed=1)
+    with pytest.raises(disknav.DisknavError, match="run name"):
+        disknav.Simulation("swap-3", name="a/b")
 
 
 def test_a_run_is_the_worlds_truth() -> None:
@@ -119,7 +150,7 @@ def test_faults_happen_while_stepping() -> None:
 
 
 def test_a_finished_scenario_takes_no_settings() -> None:
-    with pytest.raises(TypeError, match="load or build"):
+    with pytest.raises(UsageError, match="load or build"):
         disknav.run(disknav.build({"robots": ROBOTS}), {"control.k": 3})
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich.console import Group, RenderableType
+from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -52,6 +52,11 @@ def served_status(result: Mapping[str, Any]) -> int:
     if result["collisions"]:
         return EXIT_OTHERWISE
     return EXIT_ARRIVED if result["verdict"] == "interrupted" else EXIT_FAULT
+
+
+def show(result: Mapping[str, Any]) -> None:
+    """Print the table of a result."""
+    Console(soft_wrap=True).print(table(result))
 
 
 def table(result: Mapping[str, Any]) -> RenderableType:

@@ -8,27 +8,29 @@ from pathlib import Path
 
 import numpy as np
 
+from deploy.output.target import check_target, writing
 from deploy.telemetry.recording.reading.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
 PICTURES = (".png", ".svg", ".pdf")
 ANIMATIONS = (".gif", ".mp4")
+_WHAT = "draw"
 
 
 def check(target: Path, recordings: int = 1) -> None:
     """Whether `target` can be drawn at all: to be asked before a run that is to be drawn.
 
     Raises:
-        UsageError: unknown kind of file, a film of several runs, or matplotlib is not installed.
+        UsageError: unknown kind of file, one that cannot be written, a film of several runs, or matplotlib
+            is not installed.
     """
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:
         raise UsageError(f"{target}: cannot draw this kind of file; name one that ends in {', '.join(kinds)}")
     if target.suffix in ANIMATIONS and recordings > 1:
         raise UsageError(f"{target}: an animation shows one recording; name one, or draw a picture")
-    if not target.parent.is_dir():
-        raise UsageError(f"{target}: the folder {target.parent} does not exist")
+    check_target(target, _WHAT)
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:
@@ -43,7 +45,7 @@ def draw(
     """Draw one recording, or several side by side, into `target`.
 
     Raises:
-        UsageError: see `check`.
+        UsageError: see `check`; or the disk is full.
     """
     if isinstance(recordings, Path):
         recordings = read(recordings)
@@ -56,7 +58,7 @@ def draw(
     from deploy.telemetry.plot.figure import figure
     from deploy.telemetry.plot.style import RC
 
-    with matplotlib.rc_context(RC):
+    with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:
             animate(recordings[0], target, progress)
         else:

@@ -40,7 +40,7 @@ def rotation(given: Sequence[str]) -> Rotation:
         found = _FORM.fullmatch(text)
         if found is None or not float(found[1]):
             units = ", ".join((*_BYTES, *_SECONDS))
-            raise UsageError(f"--rotate {text}: give a number and a unit ({units}), such as 500MB or 1h")
+            raise UsageError(f"--rotate {text!r}: give a number and a unit ({units}), such as 500MB or 1h")
         if found[2] in _BYTES:
             size = min(size, float(found[1]) * _BYTES[found[2]])
         else:

@@ -23,6 +23,7 @@ from protocol.scenario.shape import Document, Finding, Steps
 
 _NAMED = 3  # overlaps of one disk that are spelled out
 _LONGEST = 10**9  # ticks
+_LONG_NAME = 200
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ def checked(document: Document, malformed: Collection[Steps]) -> list[Finding]:
         *space_findings(sound, room, _placed(disks)),
         *part_findings(sound, room, _placed(disks)),
         *_times(sound),
+        *_texts(sound),
         *body_findings(sound),
         *base_findings(sound),
         *fault_findings(sound, named_robots(sound, known)),
@@ -115,6 +117,15 @@ def _overlaps(disks: list[_Disk], key: str) -> Iterator[Finding]:
             ]
             more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
             yield ("robots", disk.index, key), ", ".join(texts) + more
+
+
+def _texts(sound: Sound) -> Iterator[Finding]:
+    """What is printed wherever the run is shown."""
+    name, description = sound.get("name", default=""), sound.get("description", default="")
+    if name is not None and not (name.isprintable() and len(name) <= _LONG_NAME):
+        yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
+    if description is not None and not description.replace("\n", "").replace("\t", "").isprintable():
+        yield ("description",), "must have no control characters but line ends and tabs"
 
 
 def _times(sound: Sound) -> Iterator[Finding]:
