@@ -2,67 +2,61 @@
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3; do \
   command -v $$p >/dev/null 2>&1 && $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
+DEMO := .venv/.demo
 READY := .venv/.ready
 COMPILED := .venv/.compiled
 KERNEL := .venv/.kernel
-# What runs for every message; mypyc makes C of it, with the same trajectories to the last bit.
-INNER := $(addprefix protocol/bus/,events.py drive.py local.py zenoh.py) \
-  $(addprefix protocol/geometry/,disk.py polygon.py) \
-  $(addprefix protocol/wire/,cursor.py reader.py codec.py) \
-  $(addprefix agents/,localisation/estimate.py safety_filter.py hearing.py robot.py) \
-  $(addprefix agents/shell/,contact.py subscriptions.py node.py) \
-  $(addprefix agents/peers/,roster.py awaited.py attention.py far.py state.py reader.py neighbours.py link.py) \
-  $(addprefix agents/navigation/,far_field.py slice.py flow.py pace.py deadlock.py obstacles.py attraction.py) \
-  $(addprefix agents/lines/,polygon.py safe_velocity.py line.py own_set.py boundary.py placement.py ends.py tangent.py things.py robot_pair.py initial_lines.py separating_lines.py) \
-  $(addprefix agents/lines/negotiation/,entries.py near.py far.py) \
-  $(addprefix agents/bodies/,point.py inertial.py) \
-  $(addprefix protocol/bodies/,base.py sweep.py) \
-  $(addprefix agents/laws/,reciprocity/encounters.py reciprocity/roundabout.py jams/giving_way.py jams/dispersal.py jams/right_of_way.py view.py foresight.py softening.py gradient.py reciprocity/velocity_obstacle.py reciprocity/velocity_program.py reciprocity/reciprocal.py) \
-  $(addprefix world/coordinator/,commands.py roster.py life.py lives.py coordinator.py) \
-  $(addprefix world/plants/,base.py integrator.py) \
-  $(addprefix world/judge/,verdict.py record.py referee.py) \
-  $(addprefix world/sensing/,position.py odometry.py) \
-  $(addprefix world/,simulation.py world.py) \
-  $(addprefix world/shell/,run.py publishers.py pacing.py node.py)
-
-# What a certificate's search runs; numba compiles it for whoever comes first, which takes as long as a whole proof.
+# What a certificate's search runs; numba compiles it at its first use, which takes as long as a whole proof.
 SEARCH := $(wildcard deploy/theory/certify/boxes/*.py)
 
+, := ,
+# $(call install,EXTRAS): this checkout and these extras in .venv, by uv where the registry has it for this machine, else by pip.
+define install
+@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
+@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+@$(BIN)/uv --version >/dev/null 2>&1 || $(BIN)/python -m pip install --quiet --disable-pip-version-check uv 2>/dev/null || true
+@export HATCH_BUILD_NO_HOOKS=true; if $(BIN)/uv --version >/dev/null 2>&1; \
+  then $(BIN)/uv pip install --quiet --python $(BIN)/python --editable '.[$(1)]'; \
+  else $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(1)]'; fi
+@touch $@
+endef
+
 .DEFAULT_GOAL := help
-.PHONY: help setup compile inner site demo test fast check collect golden bench fuzz figures diagrams engines clean
+.PHONY: help setup compile site demo test fast check collect golden bench fuzz figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-setup: $(READY) $(COMPILED) $(KERNEL)  ## build .venv with everything that running and testing needs, and compile
+demo: $(if $(wildcard $(READY)),$(READY),$(DEMO))  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
+	@mkdir -p out
+	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
+	@echo; echo "Next: look at out/figure-1.png; see a swap of six on a live page, and what the theory says of it:"; \
+	  echo "  $(BIN)/disknav run swap-6 --web"; echo "  $(BIN)/disknav check swap-6"; \
+	  echo "\`make setup\` installs all extras and compiles; docs/index.md goes on from here."
 
-compile: $(COMPILED)  ## make C of the inner loops again, after a change to them
+setup:  ## build .venv with everything that running and testing needs, and compile
+	@$(MAKE) --no-print-directory --jobs=2 $(COMPILED) $(KERNEL)
 
-inner:
-	@echo $(INNER)
+compile: $(COMPILED)  ## make C of the modules that run for every message again, after a change to one of them
 
-$(COMPILED): $(READY) compile.py Makefile $(INNER)
-	@mkdir -p build; rm -f *__mypyc*.so
-	@if $(BIN)/python compile.py $(INNER) >build/compile.log 2>&1; then echo "compiled the inner loops"; \
+$(DEMO): pyproject.toml
+	$(call install,demo)
+
+$(READY): pyproject.toml
+	$(call install,all$(,)test)
+
+$(COMPILED): $(READY) compile.py $(shell find protocol agents world -name '*.py')
+	@mkdir -p build; find . -name '*__mypyc*.so' -not -path './.venv/*' -delete
+	@if $(BIN)/python compile.py >build/compile.log 2>&1; then echo "compiled"; \
 	  find protocol agents world deploy -name '*.so' -exec touch {} +; \
 	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world deploy -name '*.so' -delete; \
 	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at half to three quarters of the speed; to try again: touch compile.py"; fi
-	@touch $@
-
-$(READY): pyproject.toml
-	@test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
-	$(PYTHON) -m venv .venv
-	HATCH_BUILD_NO_HOOKS=true $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
 	@touch $@
 
 $(KERNEL): $(READY) $(SEARCH)
 	@mkdir -p build; rm -f build/figure-2.certificate.json
 	@$(BIN)/python -m disknav certify figure-2 --k 1000 --quiet --out build/figure-2.certificate.json >/dev/null
 	@touch $@
-
-demo: $(READY) $(COMPILED)  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
-	@mkdir -p out
-	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
 
 check: $(READY)  ## lint, formatting, types, import contracts
 	$(BIN)/ruff check .
@@ -78,7 +72,7 @@ collect: $(READY) $(COMPILED)  # once: else each process of pytest-xdist rewrite
 fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
 
-test: $(READY) $(COMPILED) $(KERNEL)  ## lint, types, import contracts and the whole suite
+test: setup  ## lint, types, import contracts and the whole suite
 	@$(MAKE) --no-print-directory --jobs=2 check collect
 	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)

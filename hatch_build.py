@@ -1,4 +1,4 @@
-"""Compiles the inner loops into a wheel where there is a C compiler, as `make compile` does in a checkout."""
+"""Compiles a wheel where there is a C compiler, as `make compile` does in a checkout."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 _SECONDS = 1200  # to compile
 
 
-class CompiledInnerLoops(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's stub wants a configuration that hooks do not use
-    """Adds what mypyc makes of the Makefile's INNER; without it the wheel is pure Python."""
+class CompiledModules(BuildHookInterface):  # type: ignore[type-arg]  # hatchling's stub wants a configuration that hooks do not use
+    """Adds what mypyc makes of the folders that compile.py names; without it the wheel is pure Python."""
 
     _copy: Path | None = None
 
@@ -48,8 +48,7 @@ class CompiledInnerLoops(BuildHookInterface):  # type: ignore[type-arg]  # hatch
             shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("*.so", "__pycache__"))
         for name in ("pyproject.toml", "compile.py"):
             shutil.copy(root / name, copy)
-        inner = self._run(["make", "--silent", "inner"], root).split()
-        self._run([sys.executable, "compile.py", *inner], copy)
+        self._run([sys.executable, "compile.py"], copy)
         return sorted(path.relative_to(copy) for path in copy.rglob("*.so") if "build" not in path.parts)
 
     @staticmethod

@@ -10,7 +10,7 @@ from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.software import compiled
 from protocol.bus.drive import uninterrupted
 from protocol.errors import CertificateError, DisknavError, DocumentError, KeyGrammarError, UsageError
-from protocol.process.installation import is_checkout
+from protocol.process.installation import explained, is_checkout
 from protocol.process.log import LAUNCHER, LOG, begin
 from protocol.process.signals import ENDING
 
@@ -36,6 +36,10 @@ def main() -> None:
         _fail(error, EXIT_INVALID)
     except DisknavError as error:
         _fail(error, EXIT_FAULT)
+    except ModuleNotFoundError as error:
+        if (said := explained(error)) is None:
+            raise
+        _fail(said, EXIT_INVALID)
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     finally:

@@ -9,8 +9,8 @@ from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 from protocol.errors import UsageError
+from protocol.process.installation import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 _PACKAGES = ("protocol", "agents", "world", "deploy")
 
 

@@ -19,7 +19,7 @@ from protocol.process.installation import ROOT, how_to_install, is_checkout
 
 Level = Literal["good", "note", "bad"]
 _EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")
-_NOT_FOR_RUNNING = ("all", "test", "docs")  # extras
+_COLLECTIONS = ("all", "demo", "test")  # extras that are for no feature of their own
 _UNSYNCHRONISED = 5  # TIME_ERROR of <sys/timex.h>
 _TIMEX = 512  # bytes, more than struct timex takes anywhere
 _FILES = 1024  # descriptors, enough for fifty robots
@@ -90,7 +90,7 @@ def _extras() -> Iterator[Finding]:
         return
     wanted: dict[str, list[str]] = {}
     for match in found:
-        if match is not None and match[2] not in _NOT_FOR_RUNNING:
+        if match is not None and match[2] not in _COLLECTIONS:
             wanted.setdefault(match[2], []).append(match[1])
     for extra, libraries in wanted.items():
         missing = [library for library in libraries if not _is_installed(library)]

@@ -10,7 +10,9 @@ from shlex import quote
 
 from protocol.errors import UsageError
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
+# Top-level modules of libraries that only an extra brings, and are imported where they are used.
+_EXTRAS = {"scipy": "theory"}
 
 
 def is_checkout(root: Path = ROOT) -> bool:
@@ -19,8 +21,16 @@ def is_checkout(root: Path = ROOT) -> bool:
 
 
 def missing_library(what: str, library: str, extra: str) -> UsageError:
-    """What to tell who asks for `what` (such as "a picture") without the library for it."""
+    """The error of a request for `what` (such as "a picture") that needs a library of an extra."""
     return UsageError(f"{what} needs the library {library}, which is not installed: {how_to_install(extra)}")
+
+
+def explained(error: ModuleNotFoundError) -> UsageError | None:
+    """What to show where a library of an extra is missing; None where `error` is a fault of this software."""
+    library = (error.name or "").partition(".")[0]
+    if library not in _EXTRAS:
+        return None
+    return missing_library("this command", library, _EXTRAS[library])
 
 
 def how_to_install(extra: str, root: Path = ROOT) -> str:

@@ -11,6 +11,11 @@ import pytest
 from protocol.process import installation
 
 
+def test_this_repository_is_a_checkout() -> None:
+    assert installation.is_checkout()
+    assert (installation.ROOT / "protocol" / "process" / "installation.py").is_file()
+
+
 def test_a_checkout_is_set_up_again(tmp_path: Path) -> None:
     for name in ("pyproject.toml", "Makefile"):
         (tmp_path / name).touch()
@@ -31,6 +36,14 @@ def test_a_wheel_is_named_by_where_it_came_from(
     monkeypatch.setattr(installation, "distribution", lambda _: metadata)
     assert not installation.is_checkout(tmp_path)
     assert installation.how_to_install("plot", tmp_path).endswith(f"-m pip install 'disknav[plot]{origin}'")
+
+
+def test_only_libraries_of_extras_are_explained() -> None:
+    error = installation.explained(ModuleNotFoundError("no", name="scipy.optimize"))
+    assert error is not None
+    assert "scipy" in str(error)
+    assert "[theory]" in str(error)
+    assert installation.explained(ModuleNotFoundError("no", name="agents.typo")) is None
 
 
 def test_the_error_names_what_lacks_which_library() -> None:
