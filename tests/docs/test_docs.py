@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -18,22 +17,6 @@ _NAMED = re.compile(rf"`((?:{'|'.join(FOLDERS)})/(?:[\w./-]*/|[\w./-]+\.(?:py|md
 def test_every_path_is_there(page: Path) -> None:
     named = set(_NAMED.findall(page.read_text()))
     assert [path for path in sorted(named) if not (ROOT / path).exists()] == []
-
-
-def test_the_map_names_every_folder_and_files_beside_what_it_names() -> None:
-    named: set[str] = set()
-    for row in re.findall(r"^\|.*\|$", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE):
-        beside = ROOT
-        for path in re.findall(r"`([\w/-]+(?:/|\.py))`", row):
-            if "/" in path:
-                beside = (ROOT / path).parent
-                named.add(path)
-            else:
-                assert (beside / path).exists(), f"{path} is not in {beside}"
-    packages = ("protocol", "agents", "world", "deploy")
-    folders = {path.parent for package in packages for path in (ROOT / package).glob("*/*.py")}
-    names = {folder.relative_to(ROOT).as_posix() + "/" for folder in folders}
-    assert [name for name in sorted(names) if not any(each.startswith(name) for each in named)] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -53,13 +36,3 @@ def test_every_module_to_run_is_there() -> None:
     }
     assert len(named) > 20
     assert [path for path in named if not path.with_suffix(".py").exists() and not path.is_dir()] == []
-
-
-def test_no_folder_is_a_heap() -> None:
-    entries: dict[Path, set[str]] = defaultdict(set)
-    for path in (path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()):
-        if "__pycache__" not in path.parts and path.suffix != ".so":  # which the machine made
-            for folder in path.relative_to(ROOT).parents:
-                entries[folder].add(path.relative_to(ROOT / folder).parts[0])
-    del entries[Path()]
-    assert {str(folder): found for folder, found in entries.items() if len(found) > 14} == {}
