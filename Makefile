@@ -86,7 +86,7 @@ bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measur
 	$(BIN)/python -m pytest tests/benchmarks/machine/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
-	$(BIN)/python -m tests.fuzz --inputs 1000000
+	$(BIN)/python -m tests.campaigns fuzz
 
 figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; half an hour, goes on after Ctrl-C
 	@mkdir -p out

@@ -12,7 +12,6 @@ from deploy.commands import scenario
 from deploy.commands.certify import certify
 from deploy.commands.check import check
 from deploy.commands.doctor import doctor
-from deploy.commands.endure import endure, flood
 from deploy.commands.look.info import info
 from deploy.commands.look.monitor import monitor
 from deploy.commands.look.plot import plot
@@ -58,7 +57,7 @@ app = typer.Typer(
 GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, serve, goal, scenario.app, check),
     "Look": (info, plot, replay, monitor),
-    "Study": (study, certify, endure, flood),
+    "Study": (study, certify),
     "Operate": (
         *(add, remove, place, take, things, stop, release),
         *(router, world, robot, calibrate, keys.app, hosts.app, deploy, probe, doctor),

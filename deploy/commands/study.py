@@ -11,7 +11,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
-from deploy.studies.harness.request import FOUND, Request
+from deploy.studies.harness.request import Request
 from deploy.studies.harness.study import StudyName
 
 
@@ -35,9 +35,6 @@ def study(
     transport: Annotated[
         Transport | None, typer.Option(help="Real processes (routed, mesh) or all in one (local).")
     ] = None,
-    random: Annotated[
-        int | None, typer.Option(min=1, help="robustness: this many random fault runs instead of the grid.")
-    ] = None,
     law: Annotated[
         list[str] | None,
         typer.Option(metavar="MODULE:CLASS", help="peers: a law of yours beside the others; repeatable."),
@@ -49,31 +46,16 @@ def study(
     json_file: options.Json = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
-    out: Annotated[
-        Path | None,
-        options.out(
-            f"falsify: folder for the scenarios that it finds; {FOUND} unless given.",
-            "--found",
-            metavar="FOLDER",
-        ),
-    ] = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
-
-    [b]falsify[/b] is no table: it searches for a scenario that breaks what is promised, half of --runs (1000)
-    drawn anew, half mutants of near misses, and keeps what it finds as files in --out, shrunk.
-    One in eight is also run after another scenario on the same robots, and kept with it if that shows more.
-    With --transport routed or mesh each is run on real processes too, and compared.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.
 
     Examples: disknav study tightness --json tightness.json --plot tightness.png;
-    disknav study robustness --random 10000 --json faults.json;
     disknav study tuning --runs 5 --transport local;
-    disknav study peers --law courtesy.py:Courtesy --only "swap 1";
-    disknav study falsify --runs 50000 --seed 7 --json falsify.json
+    disknav study peers --law courtesy.py:Courtesy --only "swap 1"
 
     With [b]--scheduler[/b] each Dask worker runs batches of eight, in-process or as fleets of its own host;
     workers need the same version of disknav, and one thread each: dask worker ADDRESS --nthreads 1.
@@ -82,15 +64,11 @@ def study(
     """
     from deploy.studies.perform import perform
 
-    if name != "falsify":
-        options.refuse({"--out": out}, f"study {name} makes rows: --json FILE writes them, --plot draws them")
     if name != "peers":
         options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
     if scheduler is not None or name == "scale":
         where = "where --scheduler says" if scheduler else "one run at a time"
         options.refuse({"--jobs": jobs}, f"study {name} runs {where}")
-    if random is not None:
-        options.refuse({"--runs": runs}, "--random says how many runs there are")
     if json_file is None or is_standard_output(json_file):
         options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
     request = Request(
@@ -101,12 +79,10 @@ def study(
         seed=seed,
         settings=tuple(setting or ()),
         transport=transport,
-        random=random,
         target=json_file,
         plot=plot,
         fresh=fresh,
         quiet=quiet,
-        found=FOUND if out is None else out,
         laws=tuple(law or ()),
         only=tuple(only or ()),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -39,7 +39,6 @@ class Assembly:
         scenarios: k already numbers; all with the same robot ids.
         options: transport, clock, names.
         record: file to record to.
-        lead: alters how processes are linked, once there is a router.
         stack: whatever has to be undone at the end is put there, also if something does not start.
 
     Attributes:
@@ -56,7 +55,6 @@ class Assembly:
         scenarios: Sequence[Scenario],
         options: RunOptions,
         record: Path | None,
-        lead: Callable[[Topology], Topology],
         stack: ExitStack,
     ) -> None:
         self._scenarios, self._options = scenarios, options
@@ -68,7 +66,7 @@ class Assembly:
         self.supervisor = stack.enter_context(Supervisor(spawner))
         self.writer = self._start_writer(record, stack)
         self._ends: datetime | None = None
-        self.topology = lead(self._begin(stack))
+        self.topology = self._begin(stack)
         self._start_world(self._journal(stack))
 
     @property

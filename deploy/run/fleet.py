@@ -53,7 +53,6 @@ class Fleet:
         record: file to record to.
         on_report: is told every report as soon as its run has ended.
         digest: what is kept of each report; all of it unless given.
-        lead: alters how processes are linked, once there is a router.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -71,7 +70,6 @@ class Fleet:
         record: Path | None = None,
         on_report: Callable[[Report], None] | None = None,
         digest: Callable[[Report], Report] = lambda report: report,
-        lead: Callable[[Topology], Topology] = lambda topology: topology,
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record = watch, record
@@ -79,7 +77,6 @@ class Fleet:
         self._clock: Clock | None = None
         self._began = time.monotonic()
         self._reports = Reports(len(scenarios), on_report, digest, lambda: self._assembly.expired)
-        self._lead = lead
         self._leaving = _LEAVING
         self._started: set[int] = set()  # newcomers whose processes were started
         self._frozen: set[int] = set()  # robots whose processes are paused
@@ -88,7 +85,7 @@ class Fleet:
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._assembly = Assembly(self._scenarios, self._options, self._record, self._lead, stack)
+            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,14 +15,10 @@ from protocol.endpoint import Endpoint
 
 @dataclass(frozen=True)
 class Routed:
-    """All are clients of the router at `endpoint`, each with what proves its role.
-
-    A robot in `detours` reaches it at another endpoint, from which everything is passed on.
-    """
+    """All are clients of the router at `endpoint`, each with what proves its role."""
 
     endpoint: Endpoint
     membership: Membership = field(default_factory=Membership)
-    detours: Mapping[int, str] = field(default_factory=dict)
 
     def world(self) -> Connection:
         """The world's connection."""
@@ -30,7 +26,7 @@ class Routed:
 
     def robot(self, robot: int) -> Connection:
         """A robot's connection."""
-        return self.membership.client(robot_role(robot), (self.detours.get(robot, self.endpoint),))
+        return self.membership.client(robot_role(robot), (self.endpoint,))
 
     def observer(self) -> Connection:
         """Connection of somebody who only watches."""

@@ -9,13 +9,11 @@ from typing import Any
 from deploy.run.options import Transport
 from deploy.studies.faults.arrival import arrival
 from deploy.studies.faults.delay import delay
-from deploy.studies.faults.random_faults import random_faults
 from deploy.studies.faults.robustness import robustness
 from deploy.studies.harness.study import Study, StudyName
 from deploy.studies.paper.experiments import tightness, tuning
 from deploy.studies.peers.study import peers
 from deploy.studies.scale import scale
-from protocol.errors import UsageError
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {
     "tightness": tightness,
@@ -47,7 +45,6 @@ def find(
     name: StudyName,
     runs: int | None,
     seed: int,
-    random: int | None,
     transport: Transport | None,
     *,
     laws: Sequence[str] = (),
@@ -57,14 +54,7 @@ def find(
 
     Args:
         laws, only: see `peers`; other studies have none.
-
-    Raises:
-        UsageError: `random` (runs) was given to a study that has no random fault runs.
     """
-    if random is not None:
-        if name != "robustness":
-            raise UsageError(f"study {name} has no random fault runs; --random belongs to robustness")
-        return random_faults(random, seed)
     arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
     if name == "scale" and transport is not None:
         arguments["transports"] = (transport,)

@@ -13,7 +13,6 @@ from deploy.output.json_output import is_standard_output, write_json
 from deploy.software.provenance import provenance
 from deploy.studies.catalogue import defaults, find
 from deploy.studies.charts.table import table
-from deploy.studies.falsify.perform import falsify
 from deploy.studies.harness.adjusted import adjusted
 from deploy.studies.harness.request import Request
 from deploy.studies.harness.runners.run_log import RunLog
@@ -33,8 +32,6 @@ def perform(request: Request) -> int:
         UsageError, ScenarioError: what was asked for does not exist or cannot be written.
         ProcessError: the cluster, a worker or a fleet was lost; the same request goes on from there.
     """
-    if request.name == "falsify":
-        return falsify(request, _log_path(request.file))
     usual = defaults(request.name)
     transport = request.transport or usual.transport
     jobs = 1 if usual.one_job else request.jobs
@@ -47,7 +44,6 @@ def perform(request: Request) -> int:
             request.name,
             request.runs,
             request.seed,
-            request.random,
             request.transport,
             laws=request.laws,
             only=request.only,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from multiprocessing.context import ForkProcess, SpawnProcess
+from multiprocessing.context import ForkProcess
 from multiprocessing.process import BaseProcess
 from typing import Any
 
@@ -46,7 +46,3 @@ class _Beside(BaseProcess):
 
 class ForkedBeside(_Beside, ForkProcess):
     """Forked from this process."""
-
-
-class SpawnedBeside(_Beside, SpawnProcess):
-    """In an interpreter of its own."""

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.scenario.model import Network, ProcessFault
+from tests.skipped_waits import skipped_waits
 
 
 def test_who_missed_when_others_came_near_waits_for_nobody_who_is_gone() -> None:

@@ -54,7 +54,7 @@ def test_an_option_means_the_same_everywhere(name: str) -> None:
 
 def test_json_is_a_file_wherever_there_is_a_result() -> None:
     found = option("--json")
-    assert set(found) >= {"run", "study", "check", "certify", "endure", "flood", "info", "doctor"}
+    assert set(found) >= {"run", "study", "check", "certify", "info", "doctor"}
     assert {each.metavar for each in found.values()} == {"FILE"}
 
 
@@ -101,16 +101,11 @@ CANNOT_APPLY = [
     ("serve figure-1 --router tcp/127.0.0.1:7447 --listen tcp/127.0.0.1:7448", "--listen"),
     ("goal yard 3 --wait", "--wait"),
     ("router --host left --print-config", "--host"),
-    ("flood --open --as robot", "--as"),
     ("monitor --run x --port 8000", "--port"),
-    ("study tuning --out here", "--out"),
     ("study tuning --fresh", "--fresh"),
     ("study tuning --fresh --json -", "--fresh"),
     ("study scale --jobs 2", "--jobs"),
     ("study tuning --jobs 2 --scheduler tcp://127.0.0.1:1", "--jobs"),
-    ("study robustness --random 10 --runs 3", "--runs"),
-    ("study tuning --random 10", "--random"),
-    ("study falsify --plot here.png", "--plot"),
     ("certify figure-2 --seed 0", "--seed"),
     ("certify figure-2 --starts 3 --minutes 1", "--minutes"),
     ("certify figure-2 --starts 3 --out here.json", "--out"),

@@ -8,12 +8,12 @@ from functools import cache
 
 from deploy.library.demonstrations import crash
 from deploy.run.local import LocalFleet
-from deploy.studies.faults.scenario import fault_scenario
 from protocol.bus.events import Event, Sample
 from protocol.keys import everything, robot_key
 from protocol.scenario.model import Network
 from protocol.streams import STREAMS
 from protocol.wire.codec import encode
+from tests.campaigns.faults import fault_scenario
 from tests.protocol.sample_messages import ONE
 
 _KEPT = 40  # valid messages a stream

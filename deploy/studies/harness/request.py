@@ -9,8 +9,6 @@ from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
 from deploy.studies.harness.study import StudyName
 
-FOUND = Path("out/falsify")  # where a search keeps what it finds
-
 
 @dataclass(frozen=True)
 class Request:
@@ -23,12 +21,10 @@ class Request:
     seed: int
     settings: tuple[str, ...]
     transport: Transport | None
-    random: int | None
     target: Path | None
     plot: Path | None
     fresh: bool
     quiet: bool
-    found: Path = FOUND
     laws: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
 

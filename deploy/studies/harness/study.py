@@ -14,7 +14,7 @@ from protocol.scenario.model import Scenario
 Row = dict[str, Any]
 Result = dict[str, Any]
 Build = Callable[[int], Scenario]
-StudyName = Literal["tightness", "tuning", "robustness", "arrival", "delay", "peers", "scale", "falsify"]
+StudyName = Literal["tightness", "tuning", "robustness", "arrival", "delay", "peers", "scale"]
 
 
 @dataclass(frozen=True)

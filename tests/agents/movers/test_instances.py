@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from deploy.library.load import load
-from tests.agents.movers.campaign import SECONDS, run
+from tests.campaigns.movers import SECONDS, run
 
 pytestmark = pytest.mark.slow
 

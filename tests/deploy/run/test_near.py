@@ -14,7 +14,6 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
-from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.events import Event, Sample
 from protocol.messages import Summary, Tick
 from protocol.scenario.model import (
@@ -29,6 +28,7 @@ from protocol.scenario.model import (
     Workspace,
 )
 from protocol.wire.codec import decode
+from tests.skipped_waits import skipped_waits
 
 SHORT = 4.0  # s of simulated time
 

@@ -16,9 +16,7 @@ from deploy.software.provenance import provenance
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.table import table
 from deploy.studies.faults.arrival import arrival, crowd, room
-from deploy.studies.faults.random_faults import outcome, random_faults
 from deploy.studies.faults.robustness import Conditions, grid, robustness
-from deploy.studies.faults.scenario import fault_scenario
 from deploy.studies.harness.request import Request
 from deploy.studies.harness.runners.run_log import RunLog
 from deploy.studies.harness.runners.runner import execute
@@ -29,7 +27,6 @@ from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import perform
 from deploy.studies.scale import scale
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario, Workspace
 
 pytestmark = pytest.mark.slow
@@ -38,7 +35,6 @@ PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
 SMALL: dict[str, Callable[[], Study]] = {
     "robustness": lambda: robustness(1, conditions=[Conditions(), Conditions(noise=0.001)]),
     "arrival": lambda: arrival(1),
-    "random faults": lambda: random_faults(4),
     "scale": lambda: scale(1, robots=(3, 4), transports=("local",)),
 }
 
@@ -65,7 +61,6 @@ def _request(**changes: object) -> Request:
         "seed": 0,
         "settings": ("time.step=0.05",),
         "transport": "local",
-        "random": None,
         "scheduler": None,
         "target": None,
         "plot": None,
@@ -91,8 +86,6 @@ def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
 def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="does not exist"):
         perform(_request(target=tmp_path / "nowhere" / "rows.json"))
-    with pytest.raises(UsageError, match="random fault runs"):
-        perform(_request(random=3))
     with pytest.raises(UsageError, match="picture"):
         perform(_request(plot=tmp_path / "rows.gif"))
     with pytest.raises(ScenarioError, match="pace"):
@@ -106,34 +99,6 @@ def test_the_papers_flow_is_bare() -> None:
     assert not control.escape
     assert (time.step, time.tolerance) == (PERIOD, TOLERANCE)
     assert [cell.labels["k"] for cell in tuning(1).cells][4:] == [20.0, 30.0, 40.0, 60.0, 100.0, 300.0]
-
-
-def test_fault_scenarios_are_valid_and_repeatable() -> None:
-    for seed in range(60):
-        scenario = fault_scenario(seed)
-        assert validated(scenario) == scenario == fault_scenario(seed)
-        assert 3 <= len(scenario.robots) <= 8
-        assert (scenario.link.delay, scenario.link.loss) == ((0.0, 1.0), 0.5)
-
-
-def test_fault_scenarios_have_every_fault() -> None:
-    drawn = [fault_scenario(seed) for seed in range(60)]
-    assert {fault.event for s in drawn for fault in s.process} == {"kill", "pause", "resume", "restart"}
-    assert {bool(s.link.partition) for s in drawn} == {bool(s.link.duplicate) for s in drawn} == {True, False}
-    assert {s.sensing[0].noise > 0.0 for s in drawn} == {True, False}
-    assert {len({robot.radius for robot in s.robots}) > 1 for s in drawn} == {True, False}
-
-
-def test_outcomes_of_fault_runs() -> None:
-    base = {"seed": 1, "verdict": "timeout", "collisions": 0, "down": [], "arrived": [1], "robots": [1, 2]}
-    assert outcome({**base, "verdict": "arrived"}) == "arrived"
-    assert outcome({**base, "collisions": 1, "verdict": "collision"}) == "collision"
-    assert outcome(base) == "not_arrived"
-    assert outcome({**base, "verdict": "aborted", "down": [2]}) == "survivors_arrived"
-    assert outcome({"seed": 1, "verdict": "failed"}) == "failed"
-    goal = fault_scenario(1).robots[0].goal
-    buried = {**base, "down": [2], "arrived": [], "robots": [1, 2], "positions": {"1": (0, 0), "2": goal}}
-    assert outcome(buried) == "barred"
 
 
 def test_a_collision_under_the_filter_is_not_sound() -> None:

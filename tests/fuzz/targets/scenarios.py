@@ -7,7 +7,6 @@ from random import Random
 from typing import Any
 
 from deploy.library.load import read
-from deploy.studies.faults.scenario import fault_scenario
 from protocol.errors import ScenarioError
 from protocol.scenario.file import (
     apply_settings,
@@ -18,6 +17,7 @@ from protocol.scenario.file import (
     write_toml,
 )
 from protocol.scenario.model import Scenario
+from tests.campaigns.faults import fault_scenario
 from tests.fuzz.mutation import WRITTEN, damaged_bytes, damaged_text, damaged_tree, deep
 from tests.fuzz.target import Target
 from tests.fuzz.targets.kept import folder

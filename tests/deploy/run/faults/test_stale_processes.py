@@ -11,7 +11,6 @@ import pytest
 
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
-from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.bus.events import Presence
 from protocol.keys import robot_key
 from protocol.requests.joining import Admission, Finished, Reply, Wait
@@ -30,6 +29,7 @@ from tests.deploy.run.faults.stale import (
 )
 from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP
 from tests.deploy.run.orders.turnover import asked
+from tests.skipped_waits import skipped_waits
 from world.judge import trajectory
 
 

@@ -9,9 +9,9 @@ import pytest
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.studies.falsify.runs.skipped_waits import skipped_waits
 from protocol.scenario.model import Order, ProcessFault
 from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP
+from tests.skipped_waits import skipped_waits
 
 
 @pytest.mark.parametrize("again", [False, True], ids=["leaves with the run", "comes in each"])

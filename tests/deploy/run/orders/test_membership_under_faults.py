@@ -8,8 +8,8 @@ import pytest
 
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from deploy.studies.falsify.runs.observe import observe
 from protocol.scenario.file import parse_toml
+from tests.campaigns.observe import observe
 from tests.deploy.run.orders.guests import GUEST, SWAP, step, to_be
 from tests.deploy.run.orders.turnover import Turnover, asked
 from world.shell.persistence.journal import Journal

@@ -12,8 +12,8 @@ from deploy.library.load import resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
-from deploy.studies.falsify.runs.observe import observe
 from protocol.scenario.model import Journey, Order, ProcessFault, RobotSpec, Scenario, Thing, Time
+from tests.campaigns.observe import observe
 
 GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
 EVERYTHING = resolved(

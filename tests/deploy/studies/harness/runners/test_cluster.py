@@ -19,9 +19,6 @@ pytest.importorskip("distributed")
 from distributed import Client, LocalCluster
 
 from deploy.software import scheduler as reached
-from deploy.studies.falsify import campaign
-from deploy.studies.falsify.campaign import Campaign, Plan
-from deploy.studies.falsify.trial import perform as falsify
 from deploy.studies.harness.adjusted import adjusted
 from deploy.studies.harness.runners import cluster as module
 from deploy.studies.harness.runners.cluster import Cluster
@@ -30,7 +27,6 @@ from deploy.studies.harness.runners.runner import execute
 from deploy.studies.harness.study import Study
 from deploy.studies.paper.experiments import tightness
 from protocol.errors import ProcessError, UsageError
-from tests.deploy.studies.falsify.planted import Here
 from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
@@ -148,14 +144,3 @@ def test_a_study_of_speeds_stays_on_one_machine() -> None:
     done = subprocess.run(call, capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == 2
     assert "how fast one machine is" in done.stderr
-
-
-def test_a_search_in_generations_finds_the_same(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(campaign, "GENERATION", 8)
-    plan = Plan(3, 12, "local")
-    there, here = Campaign(plan, RunLog(None)), Campaign(plan, RunLog(None))
-    with Cluster(scheduler, falsify) as workers:
-        there.execute(workers)
-    here.execute(Here())
-    scores = {key: result["score"] for key, result in here.results.items()}
-    assert {key: result["score"] for key, result in there.results.items()} == scores

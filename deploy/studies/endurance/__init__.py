@@ -1,1 +1,0 @@
-"""Fleets under strain: hours without a leak, and floods of garbage."""

@@ -1,1 +1,0 @@
-"""From a scenario that shows something to the smallest that still does."""

@@ -1,1 +1,0 @@
-"""A fleet under a flood of garbage: what it costs, and what comes of it."""

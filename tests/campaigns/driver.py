@@ -1,0 +1,196 @@
+"""Runs campaigns: in parallel, within a time; keeps and shrinks every input that shows a violation."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import islice
+from math import inf
+from pathlib import Path
+
+from tests.campaigns.campaign import Campaign, Outcome
+from tests.campaigns.catalogue import find
+from tests.campaigns.dice import Dice
+from tests.campaigns.shrinking import Shrinker
+
+TRIES = 600  # runs of one shrinking
+_BATCH = 64  # runs, at most, that a worker is given at a time
+_SAVED = 50  # inputs; more would show nothing new
+_DYING = 60.0  # s beyond its time after which a worker is taken for dead
+
+
+@dataclass
+class Tally:
+    """What came of all runs so far.
+
+    Attributes:
+        said: how often what came of it.
+        figures: of each the least, the sum and the most.
+        violations: by seed.
+    """
+
+    runs: int = 0
+    said: Counter[str] = field(default_factory=Counter)
+    figures: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    violations: dict[int, Outcome] = field(default_factory=dict)
+
+    def add(self, seed: int, outcome: Outcome) -> None:
+        """Count a run."""
+        self.runs += 1
+        self.said[outcome.said] += 1
+        if outcome.violation:
+            self.violations[seed] = outcome
+        for name, value in outcome.figures.items():
+            least, total, most = self.figures.get(name, (inf, 0.0, -inf))
+            self.figures[name] = (min(least, value), total + value, max(most, value))
+
+    def __str__(self) -> str:
+        lines = [f"{self.runs} runs, {len(self.violations)} with a violation"]
+        lines += [f"  {said}: {number}" for said, number in sorted(self.said.items())]
+        for name, (least, total, most) in sorted(self.figures.items()):
+            lines.append(f"  {name}: {least:.4g} to {most:.4g}, {total / self.runs:.4g} a run")
+        return "\n".join(lines)
+
+
+def execute(
+    name: str,
+    runs: int,
+    seed: int,
+    *,
+    jobs: int,
+    minutes: float = inf,
+    folder: Path,
+    tell: Callable[[str], None],
+) -> Tally:
+    """Run a campaign; after Ctrl-C, what came of it so far.
+
+    Args:
+        runs, seed: from which seed on, and how many.
+        minutes: after which no run begins, and no input is shrunk.
+        folder: for inputs that show a violation; the first of each kind is shrunk.
+        tell: is told each violation.
+    """
+    tally, until = Tally(), time.monotonic() + 60.0 * minutes
+    try:
+        batch = max(1, min(_BATCH, runs // (8 * jobs)))
+        for number, outcome in outcomes(name, range(seed, seed + runs), jobs, batch, until):
+            tally.add(number, outcome)
+            if outcome.violation:
+                tell(f"seed {number}: {outcome.said}: {outcome.violation}")
+                if len(tally.violations) <= _SAVED:
+                    save(folder / f"{name}-{number}.txt", outcome)
+        for number, outcome in {each.said: (n, each) for n, each in tally.violations.items()}.values():
+            if time.monotonic() < until and outcome.shows:
+                smallest = shrink(find(name), Dice(number), TRIES)
+                if smallest.shows != outcome.shows:
+                    tell(f"smallest: {save(folder / f'{name}-{number}-smallest.txt', smallest)}")
+    except KeyboardInterrupt:
+        tell("stopped")
+    return tally
+
+
+def outcomes(
+    name: str, seeds: Iterable[int], jobs: int, batch: int = 1, until: float = inf
+) -> Iterator[tuple[int, Outcome]]:
+    """Seeds and what came of their runs, in any order, until a moment of the monotonic clock (s)."""
+    campaign, numbers = find(name), iter(seeds)
+    if jobs == 1 or campaign.alone:
+        for seed in numbers:
+            yield seed, attempt(campaign, Dice(seed))
+            if time.monotonic() > until:
+                return
+        return
+    batches = iter(lambda: list(islice(numbers, batch)), [])
+    with _pool(jobs) as pool:
+        results = pool.imap_unordered(partial(_batch, name), batches)
+        while time.monotonic() < until:
+            try:
+                yield from results.next(batch * campaign.patience + _DYING)
+            except StopIteration:
+                return
+
+
+def attempt(campaign: Campaign, dice: Dice) -> Outcome:
+    """One run. An exception, or that it takes too long, is a violation."""
+    try:
+        with _within(campaign.patience):
+            return campaign.run(dice)
+    except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
+        place = traceback.extract_tb(error.__traceback__)[-1].name
+        text = traceback.format_exc(limit=-12)
+        return Outcome(f"{type(error).__name__} in {place}", str(error), text)
+
+
+def shrink(campaign: Campaign, dice: Dice, tries: int) -> Outcome:
+    """What is left of a violation when all choices are gone that it does not need."""
+    smallest = attempt(campaign, dice)
+
+    def shows(choices: Sequence[int]) -> list[int] | None:
+        nonlocal smallest
+        again = Dice(dice.seed, choices)
+        outcome = attempt(campaign, again)
+        if not outcome.violation or outcome.said != smallest.said:
+            return None
+        if (len(again.choices), again.choices) < (len(best.best), best.best):
+            smallest = outcome
+        return again.choices
+
+    best = Shrinker(dice.choices, shows, tries)
+    best.exhaust()
+    return smallest
+
+
+def hunted(name: str, jobs: int) -> Iterator[tuple[str, int, str]]:
+    """Rule, how many runs it took to find the product without it, and the violation, "" if none was found."""
+    places = range(len(find(name).mutants()))
+    if jobs == 1:
+        yield from map(partial(_hunt, name), places)
+        return
+    with _pool(jobs) as pool:
+        yield from pool.imap(partial(_hunt, name), places)
+
+
+def save(path: Path, outcome: Outcome) -> Path:
+    """Write what shows a violation, below what it shows."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    says = "".join(f"# {line}\n" for line in f"{outcome.said}: {outcome.violation}".splitlines())
+    path.write_text(f"{says}\n{outcome.shows}", encoding="utf-8", errors="backslashreplace")
+    return path
+
+
+def _pool(jobs: int) -> multiprocessing.pool.Pool:
+    """Leaving it ends the workers, in the middle of a run, too; Ctrl-C is the parent's."""
+    return multiprocessing.get_context("spawn").Pool(jobs, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+
+
+def _batch(name: str, seeds: Sequence[int]) -> list[tuple[int, Outcome]]:
+    campaign = find(name)
+    return [(seed, attempt(campaign, Dice(seed))) for seed in seeds]
+
+
+def _hunt(name: str, place: int) -> tuple[str, int, str]:
+    mutant = find(name).mutants()[place]
+    return mutant.rule, *mutant.hunt()
+
+
+@contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """Raises TimeoutError inside after a while; in the main thread only."""
+
+    def late(*_: object) -> None:
+        raise TimeoutError(f"more than {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

@@ -1,0 +1,129 @@
+"""Fleets that never rest: what their processes hold on to, and whether the fleet survives their deaths.
+
+One run is 16 robots on real processes at 20 Hz, who change places over and over for ten minutes. In every
+other run a process is killed each half minute, by lot a robot, the router or the world. Judged: nothing
+touches; without kills no command is missed; with them every process is started again, and no robot is down at
+the end; memory that no file backs, file handles and threads of a process that lives for long do not grow.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from random import Random
+from statistics import linear_regression
+from typing import NamedTuple
+
+import psutil
+
+from deploy.library.load import resolved
+from deploy.library.swaps import swap
+from deploy.run.fleet import ENOUGH, Fleet
+from deploy.run.options import RunOptions
+from protocol.scenario.model import Journey, Order, Scenario
+from tests.campaigns.campaign import Campaign, Outcome
+from tests.campaigns.dice import Dice
+
+ROBOTS, SECONDS, KILL_EVERY = 16, 600.0, 30.0
+RISE = 0.5  # MB (2^20 bytes) in the second half of a life
+FEWEST = 60  # samples of a life that is judged
+_PERIOD = 2.0  # s between samples
+_LAUNCHER = "launcher"
+
+
+class Sample(NamedTuple):
+    """What a process holds on to."""
+
+    time: float  # s
+    memory: float  # MB, resident and not backed by a file
+    handles: int
+    threads: int
+
+
+def patrol(robots: int) -> Scenario:
+    """A swap on a circle, and back, without end."""
+    base = resolved(swap(robots))
+    there_and_back = (Journey(each.id, (each.goal, each.start), patrol=True) for each in base.robots)
+    return replace(
+        base,
+        control=replace(base.control, speed=0.05),
+        time=replace(base.time, limit=86_400.0, deadlock=3600.0),
+        orders=tuple(Order(0.0, goal=journey) for journey in there_and_back),
+    )
+
+
+def run(
+    dice: Dice, robots: int = ROBOTS, seconds: float = SECONDS, kill_every: float = KILL_EVERY
+) -> Outcome:
+    """One run; the violation is the first thing that does not hold."""
+    kills = dice.seed % 2 == 1
+    lives: defaultdict[tuple[str, int], list[Sample]] = defaultdict(list)
+    killed: list[str] = []
+    with Fleet([patrol(robots)], RunOptions(mode="realtime", restarts=9999)) as fleet:
+        began, random = time.monotonic(), Random(dice.seed)
+
+        def enough() -> bool:
+            now = time.monotonic() - began
+            pids = {**fleet.pids(), _LAUNCHER: os.getpid()}
+            if now >= _PERIOD * sum(len(life) for (name, _), life in lives.items() if name == _LAUNCHER):
+                for name, pid in pids.items():
+                    lives[name, pid] += _sampled(pid, now)
+            if kills and now >= kill_every * (len(killed) + 1) and now < seconds - kill_every:
+                killed.append(random.choice(sorted(pids.keys() - {_LAUNCHER})))
+                fleet.signal(killed[-1], signal.SIGKILL)
+            return now >= seconds
+
+        (report,) = fleet.execute(enough)
+        restarts = sum(usage["restarts"] for usage in fleet.processes())
+    faults = (
+        (report["collisions"] > 0, f"{report['collisions']} collisions"),
+        (report["reason"] != ENOUGH, f"ended early: {report['verdict']}, {report['reason']}"),
+        (not kills and report["missed_commands"] > 0, f"{report['missed_commands']} missed commands"),
+        (restarts < len(killed), f"{restarts} restarts after {len(killed)} kills"),
+        (bool(report["down"]), f"robots {report['down']} are down at the end"),
+        *((True, f"{name}: {growth}") for (name, _), life in lives.items() if (growth := grown(life))),
+    )
+    figures = {"ticks": report["ticks"], "kills": len(killed), "memory, MB": _total(lives.values())}
+    said = "killed" if kills else "undisturbed"
+    return Outcome(said, next((text for fault, text in faults if fault), ""), figures=figures)
+
+
+def grown(life: Sequence[Sample]) -> str:
+    """What grows in a long life; "" if nothing, or the life is short.
+
+    A straight line through the memory of its second half may rise by `RISE`; handles and threads may not be
+    more in all samples of the last quarter than in any of the second, for some come and go.
+    """
+    if len(life) < FEWEST:
+        return ""
+    half, quarter = life[len(life) // 2 :], len(life) // 4
+    line = linear_regression([each.time for each in half], [each.memory for each in half])
+    rise = line.slope * (half[-1].time - half[0].time)
+    if rise > RISE:
+        return f"memory rises by {rise:.2f} MB"
+    for what in ("handles", "threads"):
+        counts = [getattr(each, what) for each in life]
+        if min(counts[-quarter:]) > max(counts[quarter : 2 * quarter]):
+            return f"{what} from {max(counts[quarter : 2 * quarter])} to {min(counts[-quarter:])}"
+    return ""
+
+
+def _sampled(pid: int, now: float) -> list[Sample]:
+    """One sample; none of a process that has just ended."""
+    try:
+        process = psutil.Process(pid)
+        memory = process.memory_info()
+        return [Sample(now, (memory.rss - memory.shared) / 2**20, process.num_fds(), process.num_threads())]
+    except psutil.Error:
+        return []
+
+
+def _total(lives: Iterable[Sequence[Sample]]) -> float:
+    return sum(life[-1].memory for life in lives if life)
+
+
+ENDURANCE = Campaign(run, 6, patience=2.0 * SECONDS, alone=True)

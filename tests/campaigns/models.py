@@ -1,0 +1,78 @@
+"""Campaigns over models of single parts of the product; the models are beside the tests of those parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache, partial
+from types import ModuleType
+
+from tests.agents.bodies import mutants as bodies
+from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
+from tests.agents.bodies.ride import Product as RideProduct
+from tests.agents.lines.models import walk
+from tests.agents.lines.models.mutants import mutant as lines
+from tests.agents.lines.models.mutants.catalogue import MUTANTS
+from tests.agents.lines.models.product import Product
+from tests.agents.lines.models.skirmishes import aftermath, skirmish
+from tests.agents.lines.models.small_model import Bounds, search
+from tests.campaigns.campaign import Campaign, Mutant, Outcome
+from tests.campaigns.dice import Dice
+from tests.world.plants.fleet import drive, varied
+
+_product, _ride_product = cache(Product), cache(RideProduct)
+
+
+def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
+    violation = model.violation_of(dice.seed, _product())
+    return Outcome("violated" if violation else "held", violation)
+
+
+def _line_mutants(model: str) -> Sequence[Mutant]:
+    return [Mutant(each.rule, partial(lines.hunt, each)) for each in MUTANTS if each.model == model]
+
+
+def _exhaustive(_: Dice) -> Outcome:
+    states, violation = search(Bounds(), _product())
+    return Outcome("violated" if violation else "held", violation, figures={"states": float(states)})
+
+
+def _ride(dice: Dice) -> Outcome:
+    """One ride of one of the bodies, which take turns."""
+    seed = dice.seed
+    kind = KINDS[seed % len(KINDS)]
+    excess = excess_of(seed // len(KINDS), kind, _ride_product())
+    violation = f"{kind}: beyond by {excess:.3g} m" if excess > ROUNDING else ""
+    return Outcome(kind, violation, figures={"excess, m": excess})
+
+
+def _ride_mutant(mutant: bodies.Mutant) -> tuple[int, str]:
+    rides, excess = bodies.hunt(mutant)
+    return rides, f"{mutant.kind}: {excess:.3g} m" if excess > ROUNDING else ""
+
+
+def _ride_mutants() -> Sequence[Mutant]:
+    return [Mutant(each.rule, partial(_ride_mutant, each)) for each in bodies.MUTANTS]
+
+
+def _drive(dice: Dice, naive: bool = False) -> Outcome:
+    """A fleet on wheels that swaps places; `naive`: robots that take their bodies for points."""
+    setting = varied(dice.seed)
+    report = drive(setting, naive)
+    violation = f"contact: {setting}" if report["verdict"] == "collision" else ""
+    figures = {"arrived": float(len(report["arrived"])), "smallest gap, m": report["min_clearance"]}
+    return Outcome(report["verdict"], violation, figures=figures)
+
+
+def _naive() -> tuple[int, str]:
+    for seed in range(10):
+        if violation := _drive(Dice(seed), naive=True).violation:
+            return seed + 1, violation
+    return 10, ""
+
+
+PAIR = Campaign(_exhaustive, 1, partial(_line_mutants, "pair"), patience=3600.0)
+WALK = Campaign(partial(_of_lines, walk), 100_000, partial(_line_mutants, "walk"))
+SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, "skirmish"))
+AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))
+BODIES = Campaign(_ride, 30_000, _ride_mutants)
+PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])

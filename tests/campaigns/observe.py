@@ -1,0 +1,157 @@
+"""One run within this process, watched, and what no run may show."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+from typing import Any, NamedTuple
+
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Event, Sample
+from protocol.keys import every_robot, world_key
+from protocol.messages import Clock, Command, State
+from protocol.scenario.model import Scenario
+from protocol.wire.codec import decode
+from tests.skipped_waits import skipped_waits
+
+PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner
+_CUT = "interrupted"  # verdict of a run that exceeds it
+_HOLDUP, _HOLDUPS = 0.7, 80  # s after which a tick is told again; most of them in a run
+_OFTEN = 0.05  # of the messages after which the machine is busy
+_GRACE = 0.01  # s after the verdict for the robots' reports
+_EXPECTED = "down for good"  # the one reason for which the judge aborts
+_CONTACTS = {1: "contact", 0: "wall", -1: "obstacle"}
+
+
+class Violation(NamedTuple):
+    """What no run may show, whatever its scenario.
+
+    kind: contact, wall, obstacle (a robot overlaps a robot, the boundary, an obstacle); aborted (the world
+    gives up although every robot may come back); endless; order (the trajectory depends on the order in
+    which robots join); bus (the trajectory on real processes differs).
+    """
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What came of a run."""
+
+    report: dict[str, Any]
+
+    @property
+    def trajectory(self) -> str:
+        """Digest of the trajectory."""
+        return str(self.report["trajectory_sha256"])
+
+    @property
+    def violations(self) -> list[Violation]:
+        """What is wrong with the run."""
+        return violations(self.report)
+
+
+def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: int = 0) -> Observation:
+    """Run a scenario (k a number).
+
+    Args:
+        joining: the order in which robots join; by id unless given.
+        busy: seeds the moments at which the machine is so busy that the world has the open tick said again,
+            and the order in which messages arrive; 0: never, and as they were published.
+    """
+    watch = Watch(busy)
+    with skipped_waits():
+        fleet = LocalFleet([scenario], joining=joining, order=Random(busy) if busy else None)
+        watch.begin(fleet)
+        fleet.network.run(lambda: fleet.world.finished or watch.enough())
+        fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
+        watch.drain()
+    (report,) = fleet.reports
+    return Observation(report)
+
+
+def violations(report: Mapping[str, Any]) -> list[Violation]:
+    """What is wrong with a run, by its report (in plain types, as the world writes it)."""
+    assert math.isfinite(report["min_clearance"])
+    found = [
+        _deepest(kind, contacts)
+        for sign, kind in _CONTACTS.items()
+        if (contacts := [each for each in report["contacts"] if _sign(each["pair"][0]) == sign])
+    ]
+    if report["verdict"] == "aborted" and _EXPECTED not in report["reason"]:
+        found.append(Violation("aborted", report["reason"]))
+    if report["verdict"] == _CUT:
+        found.append(Violation("endless", report["reason"]))
+    return found
+
+
+def _sign(number: int) -> int:
+    return (number > 0) - (number < 0)
+
+
+def _deepest(kind: str, contacts: Sequence[Mapping[str, Any]]) -> Violation:
+    worst = min(contacts, key=lambda contact: float(contact["deepest"]))
+    pair = " and ".join(map(str, worst["pair"]))
+    when = f"{worst['from']:.6g} to {worst['until']:.6g} s"
+    return Violation(kind, f"{pair} overlap by {-worst['deepest']:.3g} m, {when}")
+
+
+class Watch:
+    """Ends a run once it is judged, and at times has the machine be busy.
+
+    A world waits some seconds for the last reports of robots that the scenario has stopped; they are not
+    needed here.
+
+    Args:
+        busy: see `observe`.
+    """
+
+    def __init__(self, busy: int = 0) -> None:
+        self.finished = False
+        self.deadline = math.inf
+        self._judged = False
+        self._moments = Random(busy) if busy else None
+        self._holdups, self._held_up = _HOLDUPS, -1
+
+    def begin(self, fleet: LocalFleet) -> None:
+        """The run of this fleet begins now."""
+        self._fleet = fleet
+        bus = self._bus = fleet.network.connect()
+        bus.subscribe(world_key(fleet.run, "clock"))
+        if self._moments is not None:
+            bus.subscribe(every_robot(fleet.run, "state"), every_robot(fleet.run, "command"))
+        bus.node = self
+        self.deadline = time.monotonic() + PATIENCE
+
+    def handle(self, event: Event) -> None:
+        if not isinstance(event, Sample):
+            return
+        message = decode(event.key, event.payload)
+        if isinstance(message, Clock) and message.verdict and not self._judged:
+            self._judged, self.deadline = True, time.monotonic() + _GRACE
+        if self._moments is not None and isinstance(message, State | Command):
+            self._hold_up(self._moments)
+
+    def _hold_up(self, moments: Random) -> None:
+        """Let time pass in the middle of a tick; once in a tick, so that no robot is given up."""
+        tick = self._fleet.world.world.tick  # the message may be of an earlier one
+        if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
+            self._held_up, self._holdups = tick, self._holdups - 1
+            time.sleep(_HOLDUP)
+            self._fleet.world.wake(time.monotonic())
+
+    def wake(self, now: float) -> None:
+        self.deadline = math.inf
+        self.finished = True
+
+    def drain(self) -> None:
+        """Take in the last messages."""
+        self._bus.drain()
+
+    def enough(self) -> bool:
+        """Whether the run can be ended."""
+        return self.finished or time.monotonic() > self.deadline

@@ -1,0 +1,172 @@
+"""Fleets with a planted fault: some modules as their sources say, with one thing wrong in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from protocol.scenario.model import Sensing
+from tests.campaigns import observe
+from tests.interpreted import interpreted
+
+Modules = dict[str, ModuleType]
+Fault = Callable[[Modules, pytest.MonkeyPatch], None]
+
+# in the order of their imports, up to those that a fleet is made of
+_CHAIN = (
+    *("agents.lines.boundary", "agents.lines.safe_velocity"),
+    *("agents.bodies.point", "agents.bodies.inertial", "agents.bodies.choice"),
+    *("agents.lines.ends", "agents.lines.robot_pair"),
+    *("agents.lines.negotiation.entries", "agents.lines.negotiation.near", "agents.lines.negotiation.far"),
+    "agents.lines.separating_lines",
+    *(
+        "agents.peers.roster",
+        "agents.peers.link",
+        "agents.safety_filter",
+        "agents.hearing",
+        "agents.robot",
+        "agents.shell.node",
+        "deploy.run.local",
+    ),
+)
+
+
+@contextmanager
+def plant(fault: Fault) -> Iterator[None]:
+    """Inside, `observe` runs fleets with this fault."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        modules = dict(zip(_CHAIN, interpreted(*_CHAIN), strict=True))
+        fault(modules, monkeypatch)
+        monkeypatch.setattr(observe, "LocalFleet", modules["deploy.run.local"].LocalFleet)
+        yield
+
+
+# -- faults
+
+
+def half_the_error(_: Modules, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robots take measurements for twice as good as they are."""
+    whole = Sensing.bound.fget
+    monkeypatch.setattr(Sensing, "bound", property(lambda self: 0.5 * whole(self)))  # type: ignore[misc]
+
+
+def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """The wall is kept for the estimate, as if that were exact."""
+    boundary = modules["agents.lines.boundary"].RoundBoundary
+
+    def cut(
+        self: Any, x: float, y: float, _: Any, dx: float, dy: float, *, noise: float = 0.0, **more: Any
+    ) -> Any:
+        extra = noise * float(np.hypot(dx, dy))
+        return self._cut_of_point(x, y, dx, dy, extra, more.get("tolerance", 0.0))
+
+    boundary.cut = cut
+
+
+def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A follower adopts whatever it is offered, though its own disk is on the wrong side."""
+    follower = modules["agents.lines.ends"].Follower
+    before = follower.on_proposal
+    follower.on_proposal = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
+        self, peer_life, life, number, line, lambda _: True
+    )
+
+
+def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """Every life takes itself for one that was there at the start."""
+    modules["agents.peers.roster"].KnownRoster.founding = True
+
+
+def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """An owner drops all lines towards a follower that lives anew."""
+    owner = modules["agents.lines.ends"].Owner
+    before = owner._begin
+
+    def begin(self: Any, peer_life: int) -> None:
+        before(self, peer_life)
+        self._inherited = ()
+
+    owner._begin = begin
+
+
+def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot takes itself for the larger disk that a part needs, wherever it is."""
+    modules["agents.safety_filter"].SafetyFilter.has_room = lambda *_: True
+
+
+def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot moves before everybody is behind something."""
+    modules["agents.lines.separating_lines"].SeparatingLines.ready = True
+
+
+def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """What the link does depends on the order in which messages come."""
+    draws = np.random.default_rng(0)
+    link = modules["agents.peers.link"].Link
+    before = link._delayed
+    link._delayed = lambda self, tick, delay, jitter: before(self, tick, float(draws.random()), jitter)  # noqa: ARG005
+
+
+def hearing_all_that_is_said_again(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A State that the world has said again counts as another one."""
+    modules["agents.peers.link"].Link.is_news = lambda *_: True
+
+
+def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A peer is the disk of the roster that is known as its State arrives."""
+    hearing = modules["agents.hearing"].Hearing
+    before = hearing.on_state
+
+    def on_state(self: Any, state: Any) -> None:
+        state.size(self.neighbours.radii[state.robot])
+        before(self, state)
+
+    def learn(self: Any, lines: Any, state: Any) -> None:
+        if self._attention.counts(state.robot, state.tick):
+            self.neighbours.on_state(state)
+            lines.on_state(state)
+
+    hearing.on_state, hearing._learn = on_state, learn
+
+
+def hearing_what_nobody_waited_for(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot hears what was said before its life, or while it was paused, if it still arrives."""
+    hearing = modules["agents.hearing"].Hearing
+    before = hearing._attend
+
+    def attend(self: Any, tick: Any) -> None:
+        before(self, tick)
+        self._attention._absent = -1
+
+    hearing._attend = attend
+
+
+def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """A robot's step fails where a peer is exactly at its own place's distance: an undeclared error."""
+    robot = modules["agents.robot"].Robot
+    before = robot.command
+
+    def command(self: Any) -> Any:
+        if self.incarnation > 2 and self.tick > 3:
+            raise ZeroDivisionError("planted")
+        return before(self)
+
+    robot.command = command
+
+
+FAULTS: dict[Fault, int] = {  # those that random scenarios show, and a seed that does
+    half_the_error: 4,
+    trusting_the_estimate: 4,
+    adopting_blindly: 40,
+    trusting_initial_lines: 2,
+    forgetting_the_dead: 28,
+    growing_blindly: 0,
+    not_waiting: 0,
+    drawing_as_it_comes: 0,
+    failing: 0,
+}

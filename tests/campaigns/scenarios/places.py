@@ -1,0 +1,303 @@
+"""Where disks stand: anywhere, up to densities of 0.4, and closer together than chance would put them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from protocol.geometry import Disk, Shape
+from protocol.scenario.model import Carrying, Part, Point, RobotSpec, Scenario, Thing, Workspace
+from tests.campaigns.dice import Dice
+
+_DARTS = 40  # attempts per disk
+_SWEEPS = 200  # of pushing disks apart that darts did not place
+_ATTEMPTS = 20
+_GAPS = (0.0, 0.0, 1e-9, 1e-6, 1e-3, 0.03)  # in radii; 0: the next number of the computer
+_WHISKER = 1e-15  # by which an exact touch is left, at first
+
+
+def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Point] | None:
+    """Centres of disks in a workspace of this radius, all lengths in m; None if they found no room."""
+    for _ in range(_ATTEMPTS):
+        points = [anywhere(dice, workspace - radius) for radius in radii]
+        for i in sorted(range(len(radii)), key=lambda i: -radii[i]):
+            for _ in range(_DARTS):
+                if fits(i, points, radii, workspace):
+                    break
+                points[i] = anywhere(dice, workspace - radii[i])
+        if _pushed_apart(points, radii, workspace):
+            return points
+    return None
+
+
+def fits(i: int, points: Sequence[Point], radii: Sequence[float], workspace: float) -> bool:
+    """Whether disk i touches neither boundary nor another disk, computed as the scenario's checks do."""
+    x, y = points[i]
+    return math.hypot(x, y) + radii[i] < workspace and all(
+        math.hypot(x - points[j][0], y - points[j][1]) > radii[i] + radii[j]
+        for j in range(len(radii))
+        if j != i
+    )
+
+
+def drawn_together(
+    dice: Dice, points: Sequence[Point], radii: Sequence[float], workspace: float, times: int
+) -> list[Point]:
+    """The same disks with some of them, `times` at most, moved against another one or the boundary."""
+    points = list(points)
+    for _ in range(times):
+        i, j = dice.whole(0, len(points) - 1), dice.whole(0, len(points) - 1)
+        gap = dice.pick(_GAPS) * radii[i]
+        moved = (
+            at_the_wall(points[i], radii[i], workspace, gap)
+            if i == j
+            else beside(points[j], radii[j], points[i], radii[i], gap)
+        )
+        before, points[i] = points[i], moved
+        if not fits(i, points, radii, workspace):
+            points[i] = before
+    return points
+
+
+def at_the_wall(point: Point, radius: float, workspace: float, gap: float) -> Point:
+    """The point in the same direction at which a disk has this gap to the boundary, and surely some."""
+    length, angle = workspace - radius - gap, math.atan2(point[1], point[0])
+    whisker = _WHISKER
+    while True:
+        at = (length * (1.0 - whisker) * math.cos(angle), length * (1.0 - whisker) * math.sin(angle))
+        if math.hypot(*at) + radius < workspace:
+            return at
+        whisker *= 2.0
+
+
+def beside(other: Point, other_radius: float, point: Point, radius: float, gap: float) -> Point:
+    """The point in the same direction from `other` at which two disks have this gap, and surely some."""
+    apart, angle = other_radius + radius, math.atan2(point[1] - other[1], point[0] - other[0])
+    whisker = _WHISKER
+    while True:
+        length = (apart + gap) * (1.0 + whisker)
+        at = (other[0] + length * math.cos(angle), other[1] + length * math.sin(angle))
+        if math.hypot(at[0] - other[0], at[1] - other[1]) > apart:
+            return at
+        whisker *= 2.0
+
+
+def anywhere(dice: Dice, reach: float) -> Point:
+    """Uniform in a disk around the origin."""
+    length, angle = reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi)
+    return length * math.cos(angle), length * math.sin(angle)
+
+
+def _pushed_apart(points: list[Point], radii: Sequence[float], workspace: float) -> bool:
+    """Move overlapping disks apart, in place, and whether none overlap at last."""
+    for _ in range(_SWEEPS):
+        stuck = [i for i in range(len(radii)) if not fits(i, points, radii, workspace)]
+        if not stuck:
+            return True
+        for i in stuck:
+            for j in range(len(radii)):
+                if j != i:
+                    points[i], points[j] = _parted(points[i], points[j], radii[i] + radii[j])
+            for j in range(len(radii)):
+                if math.hypot(*points[j]) + radii[j] >= workspace:
+                    points[j] = at_the_wall(points[j], radii[j], workspace, 1e-6 * radii[j])
+    return False
+
+
+def _parted(one: Point, other: Point, apart: float) -> tuple[Point, Point]:
+    """Two points moved away from each other, each as far, until they are this far apart."""
+    dx, dy = other[0] - one[0], other[1] - one[1]
+    distance = math.hypot(dx, dy)
+    if distance > apart:
+        return one, other
+    if distance == 0.0:
+        dx, distance = apart, apart
+    push = 0.5 * (apart * (1.0 + 1e-4) - distance) / distance
+    return (one[0] - push * dx, one[1] - push * dy), (other[0] + push * dx, other[1] + push * dy)
+
+
+_TRIES = 30
+_GAPS = (1e-6, 1e-3, 0.3)  # of the radius, between a robot and what it begins beside
+_WALL_GAPS = (1e-9, 1e-6, 1e-3, 0.1)  # of the workspace's radius, between robots and straight walls
+
+
+def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Workspace:
+    """The same round workspace, or a polygon: around it, or as close around all robots as walls can stand."""
+    if dice.chance(0.65):
+        return workspace
+    if dice.chance(0.3):
+        return Workspace(points=_regular(dice, workspace.disk_radius))
+    walls = _walls(dice)
+    gap = workspace.disk_radius * dice.pick(_WALL_GAPS)
+    sides = [
+        (
+            nx,
+            ny,
+            max(nx * x + ny * y + robot.radius for robot in robots for x, y in (robot.start, robot.goal)),
+        )
+        for nx, ny in walls
+    ]
+    corners = _enclosed([(nx, ny, offset + gap) for nx, ny, offset in sides], 4.0 * workspace.disk_radius)
+    return Workspace(points=corners) if len(corners) >= 3 else workspace
+
+
+def _regular(dice: Dice, radius: float) -> tuple[Point, ...]:
+    """Corners of a regular polygon around the workspace."""
+    sides, turn = dice.whole(3, 8), dice.uniform(0.0, math.tau)
+    reach = radius / math.cos(math.pi / sides)
+    angles = [turn + math.tau * side / sides for side in range(sides)]
+    return tuple((reach * math.cos(angle), reach * math.sin(angle)) for angle in angles)
+
+
+def _walls(dice: Dice) -> list[Point]:
+    """Outward normals of three to seven walls; some rooms have acute corners, some are narrow."""
+    turn = dice.uniform(0.0, math.tau)
+    angles = [math.tau * dice.uniform(0.0, 1.0) for _ in range(dice.whole(0, 4))]
+    angles += [turn, turn + dice.uniform(1.6, 3.1), turn + dice.uniform(3.2, 4.6)]
+    return [(math.cos(angle), math.sin(angle)) for angle in angles]
+
+
+def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[Point, ...]:
+    """Corners of what all half-planes n.x <= offset leave of a large square, counterclockwise."""
+    corners: list[Point] = [(-far, -far), (far, -far), (far, far), (-far, far)]
+    for nx, ny, offset in sides:
+        left: list[Point] = []
+        for place, (x, y) in enumerate(corners):
+            px, py = corners[place - 1]
+            room, before = offset - nx * x - ny * y, offset - nx * px - ny * py
+            if (room < 0.0) != (before < 0.0):
+                part = before / (before - room)
+                left.append((px + part * (x - px), py + part * (y - py)))
+            if room >= 0.0:
+                left.append((x, y))
+        corners = left
+    return tuple(corners)
+
+
+def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Thing, ...]:
+    """None in most scenarios; else a few disks and polygons on which nobody begins or is to be.
+
+    Half of them stand right beside a robot. `workspace` is its radius, m.
+    """
+    if not dice.chance(0.35):
+        return ()
+    drawn = [one_thing(dice, robots, workspace, (0.0, 0.0)) for _ in range(_TRIES)]
+    clear = [
+        thing
+        for thing in drawn
+        if room.distance(thing.shape.around.x, thing.shape.around.y) < 0.0
+        and all(
+            thing.shape.distance(*point) > robot.radius
+            for robot in robots
+            for point in (robot.start, robot.goal)
+        )
+    ]
+    return tuple(clear[: dice.whole(1, 5)])
+
+
+def one_thing(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Thing:
+    """A disk or a polygon, half of the time right beside where a robot begins.
+
+    Args:
+        workspace, centre: of a disk in which the middle is, m.
+    """
+    size = workspace * dice.log_uniform(0.005, 0.3)
+    angle, turn = dice.uniform(0.0, math.tau), dice.uniform(0.0, math.tau)
+    if dice.chance(0.5):
+        robot = dice.pick(robots)
+        x, y = robot.start
+        far = size + robot.radius * (1.0 + dice.pick(_GAPS))
+    else:
+        (x, y), far = centre, workspace * math.sqrt(dice.uniform(0.0, 1.0))
+    middle = (x + far * math.cos(angle), y + far * math.sin(angle))
+    if dice.chance(0.4):
+        return Thing(center=middle, radius=size)
+    return Thing(points=_polygon(dice, middle, size, turn))
+
+
+def _polygon(dice: Dice, centre: Point, size: float, turn: float) -> tuple[Point, ...]:
+    """Corners on an ellipse, one of which is `turn` away from its long axis."""
+    corners, flat = dice.pick((3, 4, 4, 5, 8)), dice.pick((1.0, dice.log_uniform(0.02, 1.0)))
+    cos, sin = math.cos(turn), math.sin(turn)
+    points = []
+    for corner in range(corners):
+        u = size * math.cos(math.tau * corner / corners)
+        v = size * flat * math.sin(math.tau * corner / corners)
+        points.append((centre[0] + cos * u - sin * v, centre[1] + sin * u + cos * v))
+    return tuple(points)
+
+
+_TRIES = 12
+_MOST = 3
+_SMALLEST = 0.16  # of the room, the smallest robot among which parts are drawn: ways are planned on a grid
+_GAPS = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and what it stands beside
+
+
+def loads(
+    dice: Dice,
+    robots: Sequence[RobotSpec],
+    standing: Iterable[Thing],
+    room: Shape,
+    some: float = 0.4,
+) -> tuple[tuple[Part, ...], Carrying]:
+    """None in most scenarios; else a few, many of them larger than robots, and how far these reach.
+
+    Args:
+        some: probability of any.
+    """
+    smallest = min(robot.radius for robot in robots)
+    if not dice.chance(some) or smallest < _SMALLEST * room.around.radius:
+        return (), Carrying()
+    carrying = Carrying(smallest * dice.pick((0.1, 0.3, dice.log_uniform(0.03, 2.0))))
+    things = [thing.shape for thing in standing]
+    starts: list[Shape] = [*things, *(Disk(*robot.start, robot.radius) for robot in robots)]
+    goals: list[Shape] = [*things, *(Disk(*robot.goal, robot.radius) for robot in robots)]
+    alike, found = dice.chance(0.5), list[Part]()
+    for _ in range(_TRIES):
+        radius = found[0].radius if alike and found else smallest * dice.log_uniform(0.7, 2.5)
+        start = _start(dice, robots, found, radius, carrying.reach, room)
+        goal = _goal(dice, start, radius, smallest, room)
+        if _is_free(start, radius, starts, room) and _is_free(goal, radius, goals, room):
+            found.append(Part(radius, start, goal))
+            starts.append(Disk(*start, radius))
+            goals.append(Disk(*goal, radius))
+    return tuple(found[: dice.whole(1, _MOST)]), carrying
+
+
+def by_points(scenario: Scenario) -> Scenario:
+    """Where there are parts, robots that are points and hear everybody: others cannot carry them."""
+    if not scenario.parts:
+        return scenario
+    robots = tuple(replace(robot, body=None) for robot in scenario.robots)
+    return replace(scenario, robots=robots, body="point", network=replace(scenario.network, interest="all"))
+
+
+def _start(
+    dice: Dice, robots: Sequence[RobotSpec], parts: Sequence[Part], radius: float, reach: float, room: Shape
+) -> Point:
+    """Beside a robot or another part, or anywhere."""
+    point = _somewhere(dice, room)
+    if dice.chance(0.2):
+        return point
+    others: list[RobotSpec | Part] = [*robots, *parts]
+    other = dice.pick(others)
+    return beside(other.start, other.radius, point, radius, reach * dice.pick(_GAPS))
+
+
+def _goal(dice: Dice, start: Point, radius: float, unit: float, room: Shape) -> Point:
+    """Not far off, or anywhere."""
+    if dice.chance(0.3):
+        return _somewhere(dice, room)
+    angle, away = dice.uniform(0.0, math.tau), radius + unit * dice.uniform(0.0, 4.0)
+    return start[0] + away * math.cos(angle), start[1] + away * math.sin(angle)
+
+
+def _somewhere(dice: Dice, room: Shape) -> Point:
+    x, y = anywhere(dice, room.around.radius)
+    return room.around.x + x, room.around.y + y
+
+
+def _is_free(point: Point, radius: float, others: Iterable[Shape], room: Shape) -> bool:
+    inside = room.distance(*point) + radius < 0.0
+    return inside and all(shape.distance(*point) > radius for shape in others)

@@ -1,0 +1,118 @@
+"""The driver: the same for any number of jobs; what is found is kept and shrunk; Ctrl-C loses nothing."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns import catalogue, driver
+from tests.campaigns.__main__ import main
+from tests.campaigns.campaign import Campaign, Mutant, Outcome
+from tests.campaigns.catalogue import CAMPAIGNS, find
+from tests.campaigns.dice import Dice
+from tests.campaigns.driver import attempt, execute, outcomes, shrink
+from tests.campaigns.shrinking import Shrinker
+
+
+def _sum(dice: Dice) -> Outcome:
+    """Violated by numbers that add up to more than 100; one run in a few."""
+    numbers = [dice.whole(0, 40) for _ in range(dice.whole(0, 6))]
+    total = sum(numbers)
+    return Outcome("large" if total > 100 else "small", f"{total}" if total > 100 else "", f"{numbers}")
+
+
+def _fails(_: Dice) -> Outcome:
+    raise ZeroDivisionError("planted")
+
+
+def _sleeps(_: Dice) -> Outcome:
+    time.sleep(10.0)
+    return Outcome("slept")
+
+
+def _mutants() -> list[Mutant]:
+    return [Mutant("found", lambda: (3, "violated")), Mutant("missed", lambda: (9, ""))]
+
+
+SUM = Campaign(_sum, 40, _mutants)
+
+
+@pytest.fixture(autouse=True)
+def _own_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(
+        catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "campaigns.test_driver:SUM")
+    )
+
+
+def test_every_campaign_of_the_catalogue_is_one() -> None:
+    assert all(find(name).runs > 0 for name in CAMPAIGNS if name != "sum")
+
+
+def test_all_that_is_found_is_kept_and_the_first_is_shrunk(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sum", "--jobs", "1", "--save", str(tmp_path)]) == 1
+    kept = sorted(path.name for path in tmp_path.iterdir())
+    violated = [seed for seed in range(40) if _sum(Dice(seed)).violation]
+    assert len(violated) > 3
+    assert len(kept) == len(violated) + 1
+    (smallest,) = tmp_path.glob("*-smallest.txt")
+    numbers = smallest.read_text().splitlines()[-1]
+    assert len(numbers.split()) == 3
+    assert "large: 101" in smallest.read_text()
+    assert f"{len(violated)} with a violation" in capsys.readouterr().out
+    assert (
+        main(["sum", "--runs", "1", "--seed", str(violated[0]), "--jobs", "1", "--save", str(tmp_path)]) == 1
+    )
+
+
+def test_shrinking_needs_no_more_runs_than_it_may_take() -> None:
+    runs = 0
+
+    def shows(choices: list[int]) -> list[int] | None:  # type: ignore[type-arg]
+        nonlocal runs
+        runs += 1
+        return list(choices) if sum(choices) > 100 else None
+
+    assert sum(Shrinker([37] * 200, shows, 25).exhaust()) > 100  # type: ignore[arg-type]
+    assert runs == 25
+    smallest = Shrinker([37] * 200, shows, 10_000).exhaust()  # type: ignore[arg-type]
+    assert (len(smallest), sum(smallest)) == (3, 101)
+
+
+def test_an_exception_and_a_run_that_takes_too_long_are_violations() -> None:
+    failed = attempt(Campaign(_fails, 1), Dice(0))
+    assert (failed.said, failed.violation) == ("ZeroDivisionError in _fails", "planted")
+    assert "planted" in failed.shows
+    assert attempt(Campaign(_sleeps, 1, patience=0.05), Dice(0)).said.startswith("TimeoutError")
+    assert shrink(Campaign(_fails, 1), Dice(0), 10).said == failed.said
+
+
+def test_a_stopped_campaign_says_what_came_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*_: object) -> None:
+        yield 0, Outcome("small")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(driver, "outcomes", stopped)
+    said: list[str] = []
+    tally = execute("sum", 9, 0, jobs=1, folder=tmp_path, tell=said.append)
+    assert (tally.runs, said) == (1, ["stopped"])
+
+
+def test_no_run_begins_after_its_time() -> None:
+    assert len(list(outcomes("sum", range(9), 1, until=0.0))) == 1
+
+
+def test_mutants_that_are_missed_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sum", "--mutants", "--jobs", "1"]) == 1
+    found, missed = capsys.readouterr().out.splitlines()
+    assert found.split() == ["found", "3", "violated"]
+    assert missed.endswith("NOT FOUND")
+
+
+@pytest.mark.slow
+def test_the_same_whatever_the_number_of_jobs() -> None:
+    alone = dict(outcomes("walk", range(20), 1))
+    assert dict(outcomes("walk", range(20), 2, batch=3)) == alone

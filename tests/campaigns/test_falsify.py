@@ -1,0 +1,148 @@
+"""The falsifier: a few runs find each planted fault; nothing depends on how busy the machine is."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from deploy.library.load import load, resolved
+from deploy.library.movers import parts
+from deploy.run.local import LocalFleet
+from protocol.bus.events import Sample
+from protocol.keys import robot_key
+from protocol.messages import State
+from protocol.scenario.file import parse_toml
+from protocol.scenario.model import ProcessFault, Scenario
+from protocol.wire.codec import encode
+from tests.campaigns import planted
+from tests.campaigns.dice import Dice
+from tests.campaigns.driver import attempt, shrink
+from tests.campaigns.falsify import LOCAL, hunt, on_processes
+from tests.campaigns.observe import Watch, observe, violations
+from tests.campaigns.scenarios.draw import drawn
+from tests.skipped_waits import skipped_waits
+
+RUNS = 8  # from a seed that shows it on
+KINDS = {
+    planted.half_the_error: {"contact", "wall"},
+    planted.trusting_the_estimate: {"wall"},
+    planted.adopting_blindly: {"contact", "wall"},
+    planted.trusting_initial_lines: {"contact"},
+    planted.forgetting_the_dead: {"contact"},
+    planted.growing_blindly: {"contact"},
+    planted.not_waiting: {"contact"},
+    planted.drawing_as_it_comes: {"order"},
+    planted.failing: {"ZeroDivisionError in command"},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", planted.FAULTS, ids=lambda fault: fault.__name__)
+def test_every_planted_fault_is_found(fault: planted.Fault) -> None:
+    _, violation = hunt(fault, planted.FAULTS[fault], RUNS)
+    assert violation.partition(":")[0] in KINDS[fault]
+
+
+@pytest.mark.slow
+def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it() -> None:
+    with planted.plant(planted.not_waiting):
+        found = next(
+            outcome
+            for seed in range(RUNS)
+            if (dice := Dice(seed)) and (outcome := attempt(LOCAL, dice)).violation
+        )
+        smallest = shrink(LOCAL, Dice(dice.seed), 30)
+        scenario = resolved(parse_toml(smallest.shows))
+        assert found.said in {violation.kind for violation in observe(scenario).violations}
+    assert smallest.said == found.said
+    assert len(scenario.robots) <= 3
+    assert len(smallest.shows) < len(found.shows)
+    assert not observe(scenario).violations
+
+
+def _report(**changes: object) -> dict[str, Any]:
+    return {"contacts": [], "verdict": "timeout", "reason": "", "min_clearance": 0.1, **changes}
+
+
+def test_what_is_a_violation() -> None:
+    touch = {"pair": [1, 2], "from": 0.5, "until": 1.0, "deepest": -0.01}
+    wall = {"pair": [0, 2], "from": 0.5, "until": 1.0, "deepest": -0.02}
+    assert violations(_report()) == []
+    assert violations(_report(verdict="aborted", reason="robot 3 is down for good")) == []
+    assert [each.kind for each in violations(_report(contacts=[touch, wall, touch]))] == ["contact", "wall"]
+    assert "1 and 2 overlap by 0.01 m" in violations(_report(contacts=[touch]))[0].text
+    (gave_up,) = violations(_report(verdict="aborted", reason="no sign of robot 1 within 20 s"))
+    assert gave_up.kind == "aborted"
+    assert violations(_report(verdict="interrupted"))[0].kind == "endless"
+
+
+@pytest.mark.process
+@pytest.mark.timeout(90)
+def test_real_processes_drive_the_same_trajectory() -> None:
+    drawings = (drawn(Dice(seed)) for seed in range(99))
+    scenario = next(s for s in drawings if s and len(s.robots) == 3 and len(s.process) == 2)
+    trajectory = observe(scenario).trajectory
+    assert list(on_processes(scenario, "mesh", trajectory)) == []
+    (other,) = on_processes(scenario, "routed", "0" * 64)
+    assert other.kind == "bus"
+
+
+def test_nothing_follows_from_what_a_busy_machine_has_said_again() -> None:
+    scenario = load("swap-4", ["link.loss=0.9", "time.limit=10"], 18)
+    calm = observe(scenario).trajectory
+    assert {observe(scenario, busy=seed).trajectory for seed in (1, 2, 9)} == {calm}
+    with planted.plant(planted.hearing_all_that_is_said_again):
+        assert any(observe(scenario, busy=seed).trajectory != calm for seed in range(9, 18))
+
+
+def _fenced() -> Scenario:
+    scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3"], 1)
+    faults = (ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume"))
+    return replace(scenario, process=faults)
+
+
+def _paused() -> Scenario:
+    """For a tick, in which the other one of a pair says for the first time where it is."""
+    text = """
+        time = { step = 0.05, limit = 0.15 }
+        robots = [{ id = 1, radius = 0.09, start = [0.0, -0.1], goal = [0.0, -0.2] }]
+        process = [{ robot = 1, at = 0.05, event = "pause" }, { robot = 1, at = 0.1, event = "resume" }]
+        [[orders]]
+        at = 0.0
+        add = { id = 2, radius = 0.04, start = [0.0, 0.1], goal = [0.0, 0.0] }
+    """
+    return resolved(parse_toml(text))
+
+
+def test_however_much_a_busy_machine_has_to_catch_up_nobody_is_given_up() -> None:
+    with skipped_waits():
+        watch = Watch(busy=1)
+        with LocalFleet([load("swap-4", ["time.limit=1"], 1)]) as fleet:
+            watch.begin(fleet)
+            fleet.network.run(lambda: fleet.world.world.tick == 3)
+            began = time.monotonic()
+            for tick in range(1000):  # heard late
+                state = State(1, 1, tick, None, 0.0, 0.0, 0.0, (0.0, 0.0))
+                watch.handle(Sample(robot_key(fleet.run, 1, "state"), encode(state)))
+            assert 0.0 < time.monotonic() - began < 1.0
+
+
+@pytest.mark.parametrize(
+    ("scenario", "fault"),
+    [
+        (_fenced(), planted.hearing_what_nobody_waited_for),
+        (_paused(), planted.hearing_what_nobody_waited_for),
+        pytest.param(
+            resolved(parts(2, 3, robots=5, density=0.33)), planted.sizing_as_it_comes, marks=pytest.mark.slow
+        ),
+    ],
+    ids=["fenced", "paused", "parts"],
+)
+def test_nothing_follows_from_what_is_heard_first(scenario: Scenario, fault: planted.Fault) -> None:
+    calm = observe(scenario).trajectory
+    assert {observe(scenario, busy=seed).trajectory for seed in range(1, 6)} == {calm}
+    with planted.plant(fault):
+        assert any(observe(scenario, busy=seed).trajectory != calm for seed in range(1, 40))
