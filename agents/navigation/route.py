@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.navigation.passages import OUTSIDE, gaps
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 
@@ -23,6 +24,9 @@ Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 
 MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of things; their corners by twice that
+NARROW: Final = 1e-4  # the same where nothing wider leads to the goal
+_DOOR: Final = 2.5  # radii, the width below which ways lead through the middle of a gap
+_ASIDE: Final = 0.6  # distances of contact before and after a gap, where corners around the two are in sight
 _ARC: Final = math.pi / 3.0  # of a rounded corner that one point stands for, at most
 _DISK: Final = 12  # points around a disk
 _NEARER: Final = 0.98  # of its clearance, that a robot beside a thing may lose on its way
@@ -37,12 +41,16 @@ class WayPoints:
         lengths: of the straight ways between them, (n, n) m, infinite where something is in between.
     """
 
-    def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float) -> None:
-        self._shapes, self._clear = list(shapes), radius * (1.0 + MARGIN)
+    def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float, narrow: bool = False) -> None:
+        margin = NARROW if narrow else MARGIN
+        self._shapes, self._clear = list(shapes), radius * (1.0 + margin)
         self._segments = [_segments(shape) for shape in self._shapes]
         self._centres = np.array([complex(shape.around.x, shape.around.y) for shape in self._shapes])
         self._sizes = np.array([shape.around.radius for shape in self._shapes])
-        points, before, after = _joined([_ring(each, radius * (1.0 + 2.0 * MARGIN)) for each in self._shapes])
+        rings = [_ring(each, radius * (1.0 + 2.0 * margin)) for each in self._shapes]
+        if narrow:
+            rings += [[point] for point in _through(room, shapes, radius)]
+        points, before, after = _joined(rings)
         free = self._free(room, points)
         self.points = points[free]
         self.lengths = self._graph(before[free], after[free])
@@ -97,9 +105,9 @@ class WayPoints:
 
 
 @lru_cache(maxsize=16)
-def way_points(room: Shape, shapes: tuple[Shape, ...], radius: float) -> WayPoints:
+def way_points(room: Shape, shapes: tuple[Shape, ...], radius: float, narrow: bool = False) -> WayPoints:
     """The way points of disks of `radius` (m); robots of one size in one process share them."""
-    return WayPoints(room, shapes, radius)
+    return WayPoints(room, shapes, radius, narrow)
 
 
 class Route:
@@ -143,6 +151,27 @@ class Route:
             open_[index] = False
             rest = np.minimum(rest, rest[index] + lengths[index])
         return rest
+
+
+def _through(room: Shape, shapes: Sequence[Shape], radius: float) -> list[complex]:
+    """Points before and after narrow gaps, on the middle line: that keeps half the width from both sides."""
+    points = []
+    for gap in gaps(room, shapes, _DOOR * radius):
+        if gap.width < 2.0 * radius:
+            continue
+        begin, end = complex(*gap.begin), complex(*gap.end)
+        ahead = 1j * (end - begin) / gap.width
+        sizes = {_radius(shapes, index) for index in (gap.one, gap.other)}
+        for size in sizes:
+            way = _ASIDE * (size + radius) * ahead
+            points += [0.5 * (begin + end) - way, 0.5 * (begin + end) + way]
+    return points
+
+
+def _radius(shapes: Sequence[Shape], index: int) -> float:
+    """Of a round obstacle, m; of others and the outside 0."""
+    shape = shapes[index] if index != OUTSIDE else None
+    return shape.radius if isinstance(shape, Disk) else 0.0
 
 
 def _segments(shape: Shape) -> tuple[Plane, Plane]:

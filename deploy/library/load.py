@@ -9,7 +9,7 @@ from pathlib import Path
 from agents.laws import require as require_law
 from deploy.library.names import build
 from deploy.library.trial import try_out
-from deploy.theory.gain.tuning import automatic_k, crowd
+from deploy.theory.gain.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
@@ -56,7 +56,7 @@ def resolved(scenario: Scenario) -> Scenario:
         )
     if scenario.control.k != "auto":
         return scenario
-    return replace(scenario, control=replace(scenario.control, k=automatic_k(*crowd(scenario))))
+    return replace(scenario, control=replace(scenario.control, k=gain_for(scenario)))
 
 
 def _certified(name: str, scenario: Scenario) -> Scenario:

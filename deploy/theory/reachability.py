@@ -1,12 +1,45 @@
-"""Goals that no controller can reach: free space falls apart when three disks cannot stand in a line."""
+"""Goals that no controller can reach: three disks cannot change their order, or obstacles bar every way."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
+from agents.navigation.passages import gaps, separating
 from deploy.theory.function import Array, Problem
+from protocol.messages import Vector
+from protocol.scenario.model import Scenario
+
+
+class Barrier(NamedTuple):
+    """Obstacles that separate a robot's goal from its start, other robots and all parts away.
+
+    Of all ways there the widest is `width` (m) wide where it is narrowest, at (x, y), m.
+    """
+
+    robot: int
+    width: float
+    x: float
+    y: float
+
+
+def barriers(scenario: Scenario) -> list[Barrier]:
+    """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
+    room, obstacles = scenario.workspace.shape, [thing.shape for thing in scenario.things]
+    found = []
+    near = gaps(room, obstacles, 2.0 * max(spec.radius for spec in scenario.robots))
+    for spec in scenario.robots:
+        closed = [gap for gap in near if gap.width < 2.0 * spec.radius]
+        gap = separating(obstacles, closed, spec.start, spec.goal)
+        if gap is not None:
+            found.append(Barrier(spec.id, gap.width, *_middle(gap.begin, gap.end)))
+    return found
+
+
+def _middle(a: Vector, b: Vector) -> Vector:
+    return 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
 
 
 def _orientation(b: Array, triple: tuple[int, int, int]) -> float:

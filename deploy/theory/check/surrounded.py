@@ -12,10 +12,12 @@ from rich.text import Text
 
 from agents.movers.places import Floor
 from agents.movers.plan import Planner
-from agents.navigation.route import Route, way_points
+from agents.navigation.attraction import Attraction
 from deploy.theory.check.report import finite
 from deploy.theory.check.scope import Theorem, theorem_for
-from deploy.theory.gain.tuning import automatic_k, crowd
+from deploy.theory.gain.doors import Door, doors
+from deploy.theory.gain.tuning import crowd, gain_for
+from deploy.theory.reachability import Barrier, barriers
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
 from world.judge.goals import Goals
@@ -45,7 +47,9 @@ class Surrounded:
     theorem: which one speaks of this world; `reasons`, why not where there is none.
     density: area of robots and things over that of the workspace.
     start, goal: the smallest clearance there.
-    unreachable: robots for which no way was found among the things, all other robots away.
+    unreachable: robots that no controller brings to their goals, all other robots away.
+    no_way: robots whose goals can be reached, but for which the law finds no way.
+    doors: passages before which the k in use is too small for a robot.
     order: whether one part after another finds its way to its goal; None without parts.
     """
 
@@ -60,7 +64,9 @@ class Surrounded:
     goal: float
     theorem: Theorem | None
     reasons: tuple[str, ...]
-    unreachable: tuple[int, ...]
+    unreachable: tuple[Barrier, ...]
+    no_way: tuple[int, ...]
+    doors: tuple[Door, ...]
     parts: int = 0
     order: bool | None = None
 
@@ -83,7 +89,12 @@ class Surrounded:
             _SAYS[self.theorem],
             _LAW[self.theorem is not None] if self.order is None else _ORDER[self.order],
             "That nothing touches does not depend on any of this (docs/safety.md).",
-            *(f"UNREACHABLE: no way was found for robot {robot}." for robot in self.unreachable),
+            *(_barred(each) for each in self.unreachable),
+            *(
+                f"NO WAY FOUND for robot {robot}, although there is one: it is pulled straight to its goal."
+                for robot in self.no_way
+            ),
+            *(_held(each, self.k, self.automatic_k) for each in self.doors),
         ]
         return Group(table, Text(), *(Text(line) for line in says))
 
@@ -92,6 +103,7 @@ def surrounded(scenario: Scenario) -> Surrounded:
     """The report on a valid scenario whose k is a number."""
     theorem, reasons = theorem_for(scenario)
     radii, workspace = crowd(scenario)
+    unreachable = barriers(scenario)
     return Surrounded(
         scenario=scenario.name,
         robots=len(scenario.robots),
@@ -99,12 +111,14 @@ def surrounded(scenario: Scenario) -> Surrounded:
         density=float((radii**2).sum() / workspace**2),
         tight=tight(Disks(scenario), Goals(scenario)),
         k=scenario.k,
-        automatic_k=automatic_k(radii, workspace),
+        automatic_k=gain_for(scenario),
         start=_clearance(scenario, "start"),
         goal=_clearance(scenario, "goal"),
         theorem=theorem,
         reasons=reasons,
-        unreachable=tuple(_unreachable(scenario)),
+        unreachable=tuple(unreachable),
+        no_way=tuple(_without_way(scenario, {each.robot for each in unreachable})),
+        doors=tuple(doors(scenario, scenario.k)),
         parts=len(scenario.parts),
         order=_has_order(scenario) if scenario.parts else None,
     )
@@ -126,8 +140,25 @@ def _has_order(scenario: Scenario) -> bool:
     return any(Planner(scenario, radius).orders.exists(floor, starts) for radius in radii)
 
 
-def _unreachable(scenario: Scenario) -> list[int]:
-    room, shapes = scenario.workspace.shape, tuple(scenario.shapes.values())
-    routes = {spec.radius: Route(way_points(room, shapes, spec.radius)) for spec in scenario.robots}
-    specs = [scenario.spec(robot) for robot in scenario.ids]
-    return [spec.id for spec in specs if routes[spec.radius].ahead(spec.start, spec.goal) is None]
+def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:
+    """Robots that the law pulls straight at what is in between."""
+    room, shapes = scenario.workspace.shape, list(scenario.shapes.values())
+    specs = [scenario.spec(robot) for robot in scenario.ids if robot not in unreachable]
+    pulls = {spec.radius: Attraction(room, spec.radius, alone=len(scenario.robots) == 1) for spec in specs}
+    return [spec.id for spec in specs if not pulls[spec.radius].leads(spec.start, spec.goal, shapes)]
+
+
+def _barred(found: Barrier) -> str:
+    return (
+        f"UNREACHABLE: obstacles bar every way of robot {found.robot}; the widest one is {found.width:.4g} m "
+        f"wide at ({found.x:.4g}, {found.y:.4g})."
+    )
+
+
+def _held(door: Door, k: float, automatic: float) -> str:
+    gap = door.gap
+    x, y = 0.5 * (gap.begin[0] + gap.end[0]), 0.5 * (gap.begin[1] + gap.end[1])
+    return (
+        f"TOO NARROW FOR k = {k:.4g}: robot {door.robot} may stop before the passage of {gap.width:.4g} m "
+        f"at ({x:.4g}, {y:.4g}); it needs k > {door.gain:.4g} (auto gives {automatic:.4g})."
+    )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from deploy.theory.function import Array
+from deploy.theory.gain.doors import RESERVE, doors
 from protocol.geometry import Disk, Shape
 from protocol.scenario.model import Scenario
 
@@ -18,6 +19,12 @@ SPARSE = 0.15  # density up to which the number of robots alone decides
 def density(radii: Array, workspace: float) -> float:
     """Area of the disks over area of the workspace."""
     return float((np.asarray(radii) ** 2).sum() / workspace**2)
+
+
+def gain_for(scenario: Scenario) -> float:
+    """The k that "auto" stands for: that of the crowd, or what the narrowest doors on the ways need."""
+    k = automatic_k(*crowd(scenario))
+    return max([k, *(RESERVE * door.gain for door in doors(scenario, k / RESERVE))])
 
 
 def crowd(scenario: Scenario) -> tuple[Array, float]:

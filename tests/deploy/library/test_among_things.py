@@ -12,7 +12,7 @@ from deploy.run.local import LocalFleet
 from deploy.theory.check.scope import theorem_for
 from deploy.theory.check.surrounded import surrounded
 from protocol.scenario.file import parse_toml, validated, write_toml
-from protocol.scenario.model import RobotSpec
+from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
 
 pytestmark = pytest.mark.slow
 
@@ -75,4 +75,33 @@ def test_check_names_a_goal_that_cannot_be_reached() -> None:
         load("forest-10").things[0], points=((-0.001, -1.0), (0.001, -1.0), (0.001, 1.0), (-0.001, 1.0))
     )
     robot = RobotSpec(1, 0.02, (-0.1, 0.0), (0.1, 0.0))
-    assert surrounded(validated(replace(base, robots=(robot,), things=(wall,)))).unreachable == (1,)
+    found = surrounded(validated(replace(base, robots=(robot,), things=(wall,))))
+    assert [each.robot for each in found.unreachable] == [1]
+    assert (found.no_way, found.doors) == ((), ())
+
+
+def doorway(slack: float, k: float = 60.0) -> Scenario:
+    """A robot of 0.8 m and a wall with a door that is `slack` wider than the robot."""
+    walls = ((0.0, 1.6 - 0.5 * slack), (2.4 + 0.5 * slack, 4.0))
+    return validated(
+        Scenario(
+            (RobotSpec(1, 0.4, (1.0, 1.0), (3.0, 3.0)),),
+            workspace=Workspace(points=((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))),
+            time=Time(0.1, 60.0, 0.05),
+            control=Control(speed=0.5, k=k),
+            things=tuple(Thing(points=((1.9, a), (2.1, a), (2.1, b), (1.9, b))) for a, b in walls),
+        )
+    )
+
+
+def test_check_says_of_a_door_what_a_run_shows() -> None:
+    """Barred; open, but not for so small a gain; open."""
+    barred, held, open_ = (
+        surrounded(each) for each in (doorway(-0.001), doorway(0.001, 50.0), doorway(0.02))
+    )
+    assert [each.width for each in barred.unreachable] == pytest.approx([0.799])
+    assert (held.unreachable, len(held.doors)) == ((), 1)
+    assert held.automatic_k > held.doors[0].gain > 50.0
+    assert (open_.unreachable, open_.no_way, open_.doors) == ((), (), ())
+    reports = LocalFleet([doorway(0.001, 50.0)]).execute() + LocalFleet([doorway(0.02)]).execute()
+    assert [each["verdict"] for each in reports] == ["deadlock", "arrived"]

@@ -1,0 +1,162 @@
+"""Gaps between obstacles: which places they separate, and how much they hold back a robot that passes.
+
+Seen by the centre of a disk, obstacles are inflated by its radius. Start and goal lie in different parts of
+free space exactly if a closed chain of overlapping inflated obstacles, the outside of the workspace among
+them, runs between the two: the inflated obstacles are convex, so chains through their overlaps represent
+every closed curve in their union, and a plane set separates two points exactly if a closed curve in it does
+(Alexander duality). A chain separates them if it crosses the straight way from one to the other an odd number
+of times.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import combinations, pairwise
+from typing import Final, NamedTuple
+
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.messages import Vector
+
+OUTSIDE: Final = -1  # stands for the outside of the workspace among indices of obstacles
+
+
+class Gap(NamedTuple):
+    """The shortest way between two obstacles, or from one out of the workspace."""
+
+    one: int  # index of the obstacle
+    other: int  # index of the other one, or OUTSIDE
+    begin: Vector  # point of the one, m
+    end: Vector  # point of the other one, m
+    width: float  # m; 0 where they overlap
+
+
+def gaps(room: Shape, obstacles: Sequence[Shape], below: float = math.inf) -> list[Gap]:
+    """All gaps narrower than `below` (m), narrowest first.
+
+    To the outside an obstacle has a gap at each corner where a disk may be stuck between the two.
+    """
+    found = [
+        Gap(one, other, *ends, math.dist(*ends))
+        for (one, a), (other, b) in combinations(enumerate(obstacles), 2)
+        if math.hypot(a.around.x - b.around.x, a.around.y - b.around.y) - a.around.radius - b.around.radius
+        < below
+        for ends in [_nearest(a, b)]
+    ]
+    for one, shape in enumerate(obstacles):
+        found += [Gap(one, OUTSIDE, *ends, math.dist(*ends)) for ends in _exits(room, shape)]
+    return sorted((gap for gap in found if gap.width < below), key=lambda gap: gap.width)
+
+
+def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector, goal: Vector) -> Gap | None:
+    """The gap that, after those before it, closes the last way from start to goal; None if there is a way.
+
+    Args:
+        obstacles: as the gaps index them.
+        closed: gaps that are too narrow, in the order in which they close.
+        start: a place that keeps clear of all obstacles, m.
+        goal: another, m.
+    """
+    chains = _Chains(len(obstacles) + 1)
+    centres = [_inside(shape) for shape in obstacles]
+    for gap in closed:
+        chain = [centres[gap.one], gap.begin, gap.end]
+        chain += [centres[gap.other]] if gap.other != OUTSIDE else []
+        crossed = sum(crosses(a, b, start, goal) for a, b in pairwise(chain)) % 2
+        if chains.join(gap.one, gap.other, crossed):
+            return gap
+    return None
+
+
+def crosses(a: Vector, b: Vector, start: Vector, goal: Vector) -> bool:
+    """Whether the straight ways from a to b and from start to goal cross; an end counts as on one side."""
+    return (_left(start, goal, a) > 0.0) != (_left(start, goal, b) > 0.0) and (
+        (_left(a, b, start) > 0.0) != (_left(a, b, goal) > 0.0)
+    )
+
+
+class _Chains:
+    """Obstacles that hang together; the parity with which the chain to its root crosses the straight way."""
+
+    def __init__(self, count: int) -> None:
+        self._root = list(range(count))
+        self._odd = [0] * count
+
+    def join(self, one: int, other: int, odd: int) -> bool:
+        """Whether a closed chain arises that crosses the straight way an odd number of times."""
+        (a, odd_a), (b, odd_b) = self._to_root(one), self._to_root(other)
+        if a == b:
+            return (odd_a + odd_b + odd) % 2 == 1
+        self._root[a], self._odd[a] = b, (odd_a + odd_b + odd) % 2
+        return False
+
+    def _to_root(self, index: int) -> tuple[int, int]:
+        index %= len(self._root)
+        odd = 0
+        while self._root[index] != index:
+            odd = (odd + self._odd[index]) % 2
+            index = self._root[index]
+        return index, odd
+
+
+def _left(a: Vector, b: Vector, point: Vector) -> float:
+    """Positive if a point is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
+
+
+def _inside(shape: Shape) -> Vector:
+    """A point of an obstacle, m."""
+    if isinstance(shape, Disk):
+        return shape.x, shape.y
+    count = len(shape.points)
+    return math.fsum(x for x, _ in shape.points) / count, math.fsum(y for _, y in shape.points) / count
+
+
+def _nearest(a: Shape, b: Shape) -> tuple[Vector, Vector]:
+    """The nearest points of two obstacles; twice the same one of both where they overlap, m."""
+    if isinstance(a, Disk) and isinstance(b, ConvexPolygon):
+        end, begin = _nearest(b, a)
+        return begin, end
+    if isinstance(a, ConvexPolygon) and isinstance(b, ConvexPolygon):
+        common = next(_common(a, b), None)
+        if common is not None:
+            return common, common
+        pairs = [(p, b.nearest(*p)) for p in a.points] + [(a.nearest(*p), p) for p in b.points]
+        return min(pairs, key=lambda pair: math.dist(*pair))
+    begin = a.nearest(b.around.x, b.around.y)
+    end = b.nearest(*begin)
+    return begin, end
+
+
+def _common(a: ConvexPolygon, b: ConvexPolygon) -> Iterator[Vector]:
+    """Points of two polygons that overlap."""
+    for one, other in ((a, b), (b, a)):
+        yield from (point for point in one.points if other.distance(*point) <= 0.0)
+    for p, q in zip(a.points, (*a.points[1:], a.points[0]), strict=True):
+        for r, s in zip(b.points, (*b.points[1:], b.points[0]), strict=True):
+            if crosses(p, q, r, s):
+                before, after = _left(r, s, p), _left(r, s, q)
+                part = before / (before - after)
+                yield p[0] + part * (q[0] - p[0]), p[1] + part * (q[1] - p[1])
+
+
+def _exits(room: Shape, shape: Shape) -> Iterator[tuple[Vector, Vector]]:
+    """From an obstacle straight out of the workspace: at each side, and of a round one at each corner."""
+    corners = [(shape.x, shape.y)] if isinstance(shape, Disk) else list(shape.points)
+    inner = shape.radius if isinstance(shape, Disk) else 0.0
+    if isinstance(room, Disk):
+        for x, y in corners:
+            dx, dy = x - room.x, y - room.y
+            away = math.hypot(dx, dy)
+            nx, ny = (dx / away, dy / away) if away > 0.0 else (1.0, 0.0)
+            yield _out((x, y), nx, ny, inner, room.radius - away)
+        return
+    for nx, ny, offset in room.sides:
+        x, y = max(corners, key=lambda point: nx * point[0] + ny * point[1])
+        yield _out((x, y), nx, ny, inner, offset - nx * x - ny * y)
+
+
+def _out(corner: Vector, nx: float, ny: float, inner: float, left: float) -> tuple[Vector, Vector]:
+    begin = corner[0] + inner * nx, corner[1] + inner * ny
+    room = max(0.0, left - inner)
+    return begin, (begin[0] + room * nx, begin[1] + room * ny)
