@@ -22,7 +22,7 @@ define install
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile site demo test fast check collect golden bench fuzz figures diagrams engines clean
+.PHONY: help setup compile site demo test fast check collect golden bench fuzz proof figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -87,6 +87,9 @@ bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measur
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.campaigns fuzz
+
+proof: $(READY)  ## prove the pair protocol with two solvers; some minutes
+	$(BIN)/python -m tests.proof --cvc5
 
 figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; half an hour, goes on after Ctrl-C
 	@mkdir -p out
