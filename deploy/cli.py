@@ -32,14 +32,12 @@ def main() -> None:
                 compiled.check()
             from deploy.commands.application import app
         app()
-    except _INVALID as error:
-        _fail(error, EXIT_INVALID)
-    except DisknavError as error:
-        _fail(error, EXIT_FAULT)
     except ModuleNotFoundError as error:
         if (said := explained(error)) is None:
             raise
-        _fail(said, EXIT_INVALID)
+        _fail(said)
+    except DisknavError as error:
+        _fail(error)
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
     finally:
@@ -47,9 +45,9 @@ def main() -> None:
             signal.signal(number, signal.SIG_IGN)
 
 
-def _fail(error: DisknavError, status: int) -> None:
+def _fail(error: DisknavError) -> None:
     LOG.error(error)
-    sys.exit(status)
+    sys.exit(EXIT_INVALID if isinstance(error, _INVALID) else EXIT_FAULT)
 
 
 if __name__ == "__main__":

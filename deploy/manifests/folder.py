@@ -8,7 +8,7 @@ from shutil import rmtree
 from tempfile import mkdtemp
 from typing import Literal
 
-from deploy.manifests import compose, kubernetes, systemd
+from deploy.manifests import render
 from deploy.manifests.plan import KEYS, Plan
 from protocol.errors import UsageError
 
@@ -28,10 +28,10 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
     try:
-        create(fresh / KEYS, plan.roster, hosts=_hosts(orchestrator, plan), days=days)
+        create(fresh / KEYS, plan.roster, hosts=(render.router_host(orchestrator, plan),), days=days)
         for name, text in _files(orchestrator, plan, fresh / KEYS).items():
             path = fresh / name
-            path.touch(mode=0o600 if name == kubernetes.SECRET else 0o644)
+            path.touch(mode=0o600 if name == render.SECRET else 0o644)
             path.write_text(text, encoding="utf-8")
         fresh.rename(folder)
     except BaseException:
@@ -41,16 +41,7 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
 
 def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:
     if orchestrator == "compose":
-        return compose.compose(plan)
+        return render.compose(plan)
     if orchestrator == "kubernetes":
-        return kubernetes.kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
-    return systemd.systemd(plan)
-
-
-def _hosts(orchestrator: Orchestrator, plan: Plan) -> tuple[str, ...]:
-    """By which names and addresses the router will be called."""
-    if orchestrator == "compose":
-        return compose.HOSTS
-    if orchestrator == "kubernetes":
-        return kubernetes.hosts(plan)
-    return (plan.router.partition("/")[2].rpartition(":")[0].strip("[]"),)
+        return render.kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
+    return render.systemd(plan)

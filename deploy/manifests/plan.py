@@ -54,6 +54,11 @@ def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[s
     return ["world", scenario, "--mode", plan.mode, *connection]
 
 
+def listen(endpoint: str, keys: str) -> list[str]:
+    """The command line, after `disknav`, of the router."""
+    return ["router", "--listen", endpoint, "--secure", keys]
+
+
 def installation() -> tuple[str, ...]:
     """Folders of this host without which this software does not run: environment, interpreter, sources."""
     folders = (sys.prefix, sys.base_prefix, *(str(Path(each).parent) for each in deploy.__path__))

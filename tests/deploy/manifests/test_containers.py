@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -16,7 +15,7 @@ import pytest
 import yaml
 
 from deploy.library.load import load
-from deploy.manifests import compose, container
+from deploy.manifests import render
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.processes.probe import probed_key
@@ -42,18 +41,16 @@ def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
 
 
 def documents(path: Path) -> list[dict[str, Any]]:
-    """The objects of a file, as readers of YAML and of JSON find them alike."""
-    text = path.read_text()
-    document = yaml.safe_load(text)
-    assert document == json.loads("".join(line for line in text.splitlines() if not line.startswith("#")))
-    return document["items"] if document.get("kind") == "List" else [document]
+    """The objects of a file."""
+    return list(yaml.safe_load_all(path.read_text()))
 
 
 def test_compose_follows_its_specification(tmp_path: Path, plan: Plan) -> None:
     import compose_spec
 
     folder = written(tmp_path, "compose", plan)
-    project = compose_spec.PyCompose.from_yaml((folder / "compose.yaml").read_text())
+    (document,) = documents(folder / "compose.yaml")  # with its anchors followed
+    project = compose_spec.PyCompose.from_yaml(yaml.safe_dump(document))
     project.validate()
     assert set(project.service_names()) == {"router", "world", "robot-1", "robot-2", "robot-5"}
 
@@ -89,8 +86,8 @@ def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan, version: str
 
 GUEST = RobotSpec(3, 0.02, (0.0, 0.2), (0.0, 0.25))
 THIRD = {
-    "compose": ("compose.yaml", '"robot-3": {'),
-    "kubernetes": ("fleet.yaml", '"value": "1 2 3"'),
+    "compose": ("compose.yaml", "  robot-3:"),
+    "kubernetes": ("fleet.yaml", 'value: "1 2 3"'),
     "systemd": ("disknav-yard.target", "disknav-yard-robot@3.service"),
 }
 
@@ -181,7 +178,7 @@ def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path,
 
 def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Path) -> None:
     alive = tmp_path / "alive"
-    command = container.PROBE.replace("/tmp/alive", str(alive))
+    command = render.PROBE.replace("/tmp/alive", str(alive))
 
     def well() -> bool:
         return subprocess.run(["/bin/sh", "-c", command], capture_output=True, check=False).returncode == 0
@@ -191,7 +188,7 @@ def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Pa
     beat = Heartbeat(alive)
     beat(0.0)
     assert well()
-    os.utime(alive, (time.time() - container.STALE,) * 2)
+    os.utime(alive, (time.time() - render.STALE,) * 2)
     assert not well()
     beat(0.5)  # too soon to be told again
     assert not well()
@@ -202,7 +199,7 @@ def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Pa
 def test_an_error_leaves_no_half_written_folder(
     tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compose, "json_text", lambda *_: 1 / 0)
+    monkeypatch.setattr(render, "compose", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         written(tmp_path, "compose", plan)
     assert list(tmp_path.iterdir()) == []

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
-from deploy.manifests import container
+from deploy.manifests import render
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.security.roster import Roster
@@ -87,7 +88,7 @@ def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
         up("router", "world")
         names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
         world = next(name for name in names if "world" in name)
-        probe = ["exec", world, "/bin/sh", "-c", container.PROBE]
+        probe = ["exec", world, "/bin/sh", "-c", render.PROBE]
         until(lambda: podman(*probe, check=False).returncode == 0)  # it waits for its robots
         up(*it.robots)
         status = podman("wait", world, timeout=PATIENCE).stdout.strip()
@@ -179,11 +180,11 @@ def test_the_pods_of_kubernetes_are_a_fleet_that_arrives(tmp_path: Path) -> None
 
 
 def _pods(folder: Path) -> Iterator[dict[str, Any]]:
-    secret, fleet = (_read(folder / "fleet" / name) for name in ("secret.yaml", "fleet.yaml"))
-    for each in fleet["items"]:
+    (secret,), fleet = (_read(folder / "fleet" / name) for name in ("secret.yaml", "fleet.yaml"))
+    for each in fleet:
         if each["kind"] == "ConfigMap":
             yield each
-        elif "template" in each["spec"]:
+        elif "template" in each.get("spec", {}):
             template, name = each["spec"]["template"], each["metadata"]["name"]
             for index in range(each["spec"].get("completions", 1)):
                 own = f"{name}-{index}" if name.endswith("robots") else name
@@ -215,8 +216,5 @@ def _pod(
     return {"apiVersion": "v1", "kind": "Pod", **template, "metadata": {**template["metadata"], "name": name}}
 
 
-def _read(path: Path) -> dict[str, Any]:
-    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-    found = json.loads("".join(lines))
-    assert isinstance(found, dict)
-    return found
+def _read(path: Path) -> list[dict[str, Any]]:
+    return list(yaml.safe_load_all(path.read_text()))

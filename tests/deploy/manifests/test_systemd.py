@@ -16,7 +16,7 @@ import pytest
 
 from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
-from deploy.manifests.systemd import ETC
+from deploy.manifests.render import ETC
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
 from protocol.bus.events import Sample
