@@ -12,7 +12,7 @@ from typing import Final
 
 from agents.bodies.choice import body_of
 from agents.hearing import Hearing
-from agents.laws import Law, View, choose
+from agents.laws import GuardedLaw, View
 from agents.laws.turns import turn_of
 from agents.localisation.estimate import Estimate
 from agents.localisation.reckoning import Reckoning
@@ -70,7 +70,7 @@ class Robot:
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
         self.hearing = Hearing(scenario, robot, lockstep=lockstep)
-        self._law, self._turn = choose(scenario, robot), turn_of(scenario, robot)
+        self._law, self._turn = GuardedLaw(scenario, robot), turn_of(scenario, robot)
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known
         self._reports = scenario.is_external
@@ -279,17 +279,17 @@ class Robot:
         if not (is_kept or told >= wanted or filter_.has_room(wanted, held, self._estimate)):
             wanted, held = max(told, self._spec.radius), 0
         filter_.lines.wanted = mover.radius
-        if wanted != filter_.radius:
+        if wanted != filter_.radius and not self._law.failure:
             self._law = self._law_of_disk(wanted)
         filter_.resize(wanted, held)
         return mover.handles if filter_.radius >= mover.radius else None
 
-    def _law_of_disk(self, radius: float) -> Law:
+    def _law_of_disk(self, radius: float) -> GuardedLaw:
         """The law of this robot, were it a disk of another radius, m."""
         sized = [
             replace(spec, radius=radius) if spec.id == self.robot else spec for spec in self._scenario.robots
         ]
-        return choose(replace(self._scenario, robots=tuple(sized)), self.robot)
+        return GuardedLaw(replace(self._scenario, robots=tuple(sized)), self.robot)
 
     # -- about itself
 
@@ -311,10 +311,16 @@ class Robot:
     @property
     def note(self) -> str:
         """What a person should know of this robot; "" if nothing."""
-        if not self._estimate.contradiction:
-            return ""
-        does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
-        return f"{self._estimate.contradiction}; {does}"
+        return "; ".join(self.troubles)
+
+    @property
+    def troubles(self) -> list[str]:
+        """The same one by one: a law that failed, measurements that contradict each other."""
+        found = [f"{self._law.failure}; it stands from here on"] if self._law.failure else []
+        if self._estimate.contradiction:
+            does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
+            found.append(f"{self._estimate.contradiction}; {does}")
+        return found
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""

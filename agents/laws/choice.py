@@ -6,6 +6,9 @@ from importlib.util import find_spec
 
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
+from agents.laws.view import View
+from protocol.errors import LawError
+from protocol.messages import Vector
 from protocol.process.installation import missing_library
 from protocol.scenario.model import Scenario
 
@@ -38,6 +41,47 @@ def choose(scenario: Scenario, robot: int) -> Law:
 
         return OwnLaw(scenario, robot)
     return GradientLaw(scenario, robot)
+
+
+class GuardedLaw(Law):
+    """The law that a scenario asks for, and none from its first failure on: then the robot stands.
+
+    Args:
+        scenario: the run.
+        robot: id of the robot to control.
+
+    Attributes:
+        failure: what failed; "" if nothing did.
+
+    Raises:
+        UsageError: there is no such law, or its library is not installed.
+    """
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        self.failure = ""
+        self._law: Law | None = None
+        try:
+            self._law = choose(scenario, robot)
+        except LawError as error:
+            self.failure = str(error)
+
+    def velocity(self, view: View) -> Vector:
+        """See `agents.laws.law.Law`."""
+        if self._law is not None:
+            try:
+                return self._law.velocity(view)
+            except LawError as error:
+                self._law, self.failure = None, str(error)
+        return 0.0, 0.0
+
+    def slice_norm(self, position: Vector, goal: Vector) -> float:
+        """See `agents.laws.law.Law`."""
+        if self._law is not None:
+            try:
+                return self._law.slice_norm(position, goal)
+            except LawError as error:
+                self._law, self.failure = None, str(error)
+        return super().slice_norm(position, goal)
 
 
 def require(law: str) -> None:

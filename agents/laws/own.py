@@ -53,7 +53,13 @@ class OwnLaw(Law):
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """See `agents.laws.law.Law`."""
-        return max(0.0, float(self._slice_norm(position, goal)))
+        try:
+            norm = float(self._slice_norm(position, goal))
+        except Exception as error:
+            raise LawError(f"{self._name}: no slice_norm at {position}: {error!r}") from error
+        if not math.isfinite(norm):
+            raise LawError(f"{self._name}: slice_norm {norm} at {position}: return a finite number")
+        return max(0.0, norm)
 
 
 def found(name: str) -> Callable[[Scenario, int], Any]:

@@ -79,7 +79,8 @@ class RobotNode:
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
         self._run_number = 0  # of the run that it was admitted to
-        self._declared = self._announced = self._noted = False
+        self._declared = self._announced = False
+        self._noted = 0  # troubles of the robot that were said
         self._ended = self._over = False  # this life; the run
         self._commanded = True
         self._rejected: Counter[str] = Counter()
@@ -130,7 +131,8 @@ class RobotNode:
         self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
-        self._ended = self._over = self._noted = False
+        self._ended = self._over = False
+        self._noted = 0
         self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self._due = time.monotonic() + REPORT_PERIOD
         self._world.admitted(admission.away)
@@ -241,8 +243,8 @@ class RobotNode:
             self._peers.attend(tick.near)
         sense = None if self._base is None else self._base.begin(core, tick, self._world.heard)
         self._said_state = encode(core.begin(tick, sense))
-        if core.note and not self._noted:
-            self._noted = True
+        if len(core.troubles) > self._noted:
+            self._noted = len(core.troubles)
             self._say(core.note)
         self._tell_state(self._said_state)
         self._published += 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -125,7 +125,8 @@ class LocalFleet:
     def start(self, robot: int) -> Node:
         """Start a robot's node."""
         bus = self.robots[robot] = self.network.connect()
-        node: Node = RobotNode(bus, self.run, robot, read=self._read)
+        say = partial(_warn, robot)
+        node: Node = RobotNode(bus, self.run, robot, say=say, read=self._read)
         bus.node = node
         return node
 
@@ -260,3 +261,8 @@ class FaultInjector:
         elif fault.event == "resume" and robot in self._paused:
             bus.node = self._paused.pop(robot)
             fleet.network.notify(bus)
+
+
+def _warn(robot: int, text: str) -> None:
+    """What a robot's process would say on standard error."""
+    LOG.warning(f"robot-{robot}: {text}")

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
+import os
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
-from agents.laws import View, choose
+from agents.laws import GuardedLaw, View, choose
 from agents.peers.neighbours import Neighbours
 from deploy.library.load import load
 from deploy.library.trial import try_out
+from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from disknav import Simulation
 from protocol.errors import LawError, UsageError
 from protocol.scenario.model import Control, Link, ProcessFault, Scenario
 
@@ -110,3 +116,78 @@ def test_what_is_too_fast_is_slowed_down_and_the_attraction_is_told(write: Write
     assert law.velocity(a_view()) == pytest.approx((0.06, 0.08))
     assert law.slice_norm((0.0, 0.0), (3.0, 4.0)) == pytest.approx(10.0)
     assert math.hypot(*law.velocity(a_view())) <= 0.1 + 1e-12
+
+
+@pytest.fixture
+def failing(write: Write) -> Scenario:
+    """Robot 2 of 3 has a law that fails in tick 21."""
+    aside = "0.3 * (view.goal[1] - view.position[1])"
+    law = write(
+        f"return 0.3 * (view.goal[0] - view.position[0]) / (self.robot != 2 or view.tick < 21), {aside}"
+    )
+    scenario = under(law, "swap-3")
+    return replace(scenario, time=replace(scenario.time, limit=4.0))
+
+
+def test_a_robot_whose_law_fails_stands_and_the_others_go_on(
+    failing: Scenario, caplog: pytest.LogCaptureFixture
+) -> None:
+    simulation = Simulation(failing)
+    places = [positions.copy() for positions in simulation]
+    assert simulation.verdict == "timeout"
+    assert (places[25][1] == places[-1][1]).all()
+    assert (places[-1] != places[25]).any(axis=1).tolist() == [True, False, True]
+    (said,) = [record.message for record in caplog.records if record.levelname == "WARNING"]
+    assert said.startswith("robot-2: ")
+    assert "tick 21" in said
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_equal_runs_with_a_law_that_fails_are_equal_as_fleets(failing: Scenario) -> None:
+    """Twenty in real processes, and one in this one."""
+    hashes = {LocalFleet([failing]).execute()[0]["trajectory_sha256"]}
+    for number in range(20):
+        with Fleet([failing], RunOptions(run=f"law-fails-{os.getpid()}-{number}")) as fleet:
+            (report,) = fleet.execute()
+            assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
+            rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
+        assert set(rows.values()) == {0}, rows
+        hashes.add(report["trajectory_sha256"])
+    assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("broken", ["__init__", "velocity", "slice_norm"])
+def test_whatever_fails_of_a_law_is_not_called_again(monkeypatch: pytest.MonkeyPatch, broken: str) -> None:
+    module = ModuleType("broken_law")
+
+    class Broken:
+        calls = 0
+
+        def __init__(self, scenario: Scenario, robot: int) -> None:
+            self.fail("__init__")
+
+        def fail(self, where: str) -> None:
+            if where == broken:
+                Broken.calls += 1
+                raise ValueError("sensor gone")
+
+        def velocity(self, view: View) -> tuple[float, float]:
+            self.fail("velocity")
+            return 0.01, 0.0
+
+        def slice_norm(self, position: tuple[float, float], goal: tuple[float, float]) -> float:
+            self.fail("slice_norm")
+            return 7.0
+
+    module.Broken = Broken  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "broken_law", module)
+    scenario = replace(load("head-on"), control=Control(law="broken_law:Broken", k=60.0))
+    law = GuardedLaw(scenario, 1)
+    for _ in range(3):
+        law.slice_norm((0.0, 0.0), (3.0, 4.0))
+        law.velocity(a_view())
+    assert law.velocity(a_view()) == (0.0, 0.0)
+    assert law.slice_norm((0.0, 0.0), (3.0, 4.0)) == pytest.approx(10.0)
+    assert "sensor gone" in law.failure
+    assert Broken.calls == 1
