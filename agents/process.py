@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from agents.shell.contact import PATIENCE
 from agents.shell.node import RobotNode
+from agents.shell.world_session import PATIENCE
 from protocol.bus.connection import Connection
 from protocol.bus.credentials import credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal

@@ -52,16 +52,19 @@ class Robot:
         robot: own id.
         incarnation: this incarnation, as handed out by the world.
         lockstep: whether the world waits for it.
+        epoch: of the coordinator that admitted it.
 
     Attributes:
         goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
         hearing: takes what peers say.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, incarnation: int, *, lockstep: bool = True) -> None:
+    def __init__(
+        self, scenario: Scenario, robot: int, incarnation: int, *, lockstep: bool = True, epoch: int = 0
+    ) -> None:
         spec = scenario.spec(robot)
         self.tick = -1
-        self.robot, self.incarnation = robot, incarnation
+        self.robot, self.incarnation, self.epoch = robot, incarnation, epoch
         self.goal = self._first_goal = spec.goal
         self._ordered: Vector | None = None  # where to go instead, as last told
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
@@ -174,6 +177,7 @@ class Robot:
             gamma,
             slice_norm,
             self._desired,
+            self.epoch,
             proposals,
             answers,
             None if self._mover is None else self._mover.claim,
@@ -203,13 +207,23 @@ class Robot:
             self._reckoning.commanded(self.tick, velocity)
         report, norm = self._report() if self._reports else None, self._summed_up()
         return Command(
-            self.robot, self.incarnation, self.tick, velocity, self._kept, (), report, letter, handles, norm
+            self.robot,
+            self.incarnation,
+            self.tick,
+            velocity,
+            self.epoch,
+            self._kept,
+            (),
+            report,
+            letter,
+            handles,
+            norm,
         )
 
     def complaint(self) -> Command:
         """In place of a Command that cannot be given: whose States are missing."""
         lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(self.robot, self.incarnation, self.tick, STILL, self._kept, lacking)
+        return Command(self.robot, self.incarnation, self.tick, STILL, self.epoch, self._kept, lacking)
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law asks for; of a mover, straight to where it aims."""

@@ -63,6 +63,10 @@ class EndpointTakenError(BusError):
     """Another process listens on the endpoint that was asked for."""
 
 
+class RunTakenError(DisknavError):
+    """Another world of the same run is on the network."""
+
+
 class LawError(DisknavError):
     """A control law of the user's fails, or does not return a velocity."""
 

@@ -2,46 +2,57 @@
 
 Grammar::
 
-    key    = "disknav/" run "/robot/" id "/" robot-stream
-           | "disknav/" run "/world/" world-stream
+    key    = "disknav/" run "/robot/" id "/" (robot-stream | token)
+           | "disknav/" run "/world/" (world-stream | token)
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer from 1 to 999999999, no leading zero
-    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join" | "alive"
+    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join"
     world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "halt"
-                   | "fleet" | "things" | "alive"
+                   | "fleet" | "things"
+    token   = "alive/" session
+    session = 1 to 64 of A-Z a-z 0-9 _ -              one process; of a world, its epoch in hexadecimal digits
 
-`alive` keys are liveliness tokens, `goal`, `join`, `scenario`, `steering`, `halt`, `fleet` and `things` are
-queryables,
-all others are published streams (declared with types and rates in `protocol.streams`).
+Tokens are liveliness tokens. `goal`, `join`, `scenario`, `steering`, `halt`, `fleet` and `things` are
+queryables; all other streams are published (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations
 
 import re
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from protocol.errors import KeyGrammarError
 
-ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join", "alive")
+ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join")
 WORLD_STREAMS = (
     *("clock", "truth", "summary", "result"),
-    *("scenario", "steering", "halt", "fleet", "things", "alive"),
+    *("scenario", "steering", "halt", "fleet", "things"),
 )
+TOKEN: Final = "alive"
+SESSION: Final = "[A-Za-z0-9_-]{1,64}"  # grammar of a session
 
 LARGEST_ID = 999_999_999
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(
-    r"disknav/(?P<run>[A-Za-z0-9_-]+)/(?:robot/(?P<robot>[1-9][0-9]{0,8})/(?P<rs>[a-z]+)|world/(?P<ws>[a-z]+))"
+    r"disknav/(?P<run>[A-Za-z0-9_-]+)/(?:robot/(?P<robot>[1-9][0-9]{0,8})|world)"
+    rf"/(?:(?P<stream>[a-z]+)|{TOKEN}/(?P<session>{SESSION}))"
 )
 
 
 class Address(NamedTuple):
-    """A parsed key. `robot` is None for the world's streams."""
+    """A parsed key.
+
+    Attributes:
+        robot: None for the world's.
+        stream: `TOKEN` for a liveliness token.
+        session: of the process that a token stands for, else empty.
+    """
 
     run: str
     robot: int | None
     stream: str
+    session: str = ""
 
 
 def checked_run(run: str) -> str:
@@ -74,6 +85,31 @@ def every_robot(run: str, stream: str) -> str:
     return f"disknav/{run}/robot/*/{stream}"
 
 
+def robot_token(run: str, robot: int, session: str) -> str:
+    """Key of the liveliness token of one process of a robot, e.g. `disknav/demo/robot/3/alive/5c1f`."""
+    return f"disknav/{run}/robot/{robot}/{TOKEN}/{session}"
+
+
+def world_token(run: str, session: str) -> str:
+    """Key of the liveliness token of a world."""
+    return f"disknav/{run}/world/{TOKEN}/{session}"
+
+
+def session_of(epoch: int) -> str:
+    """The session that the token of a world names."""
+    return f"{epoch:08x}"
+
+
+def robot_tokens(run: str, robot: int | None = None) -> str:
+    """Key expression that matches the tokens of all processes of a robot, or of all robots."""
+    return robot_token(run, robot, "*") if robot is not None else f"disknav/{run}/robot/*/{TOKEN}/*"
+
+
+def world_tokens(run: str) -> str:
+    """Key expression that matches the tokens of all worlds of a run."""
+    return world_token(run, "*")
+
+
 def everything(run: str) -> str:
     """Key expression that matches every key of a run."""
     return f"disknav/{run}/**"
@@ -84,9 +120,10 @@ def parse(key: str) -> Address:
     """Take a key apart; raises KeyGrammarError on anything that the grammar does not allow."""
     found = _KEY.fullmatch(key)
     if found is not None:
-        run, robot, rs, ws = found.group("run", "robot", "rs", "ws")
-        if rs in ROBOT_STREAMS:
-            return Address(run, int(robot), rs)
-        if ws in WORLD_STREAMS:
-            return Address(run, None, ws)
+        run, robot, stream, session = found.group("run", "robot", "stream", "session")
+        speaker = None if robot is None else int(robot)
+        if session is not None:
+            return Address(run, speaker, TOKEN, session)
+        if stream in (WORLD_STREAMS if speaker is None else ROBOT_STREAMS):
+            return Address(run, speaker, stream)
     raise KeyGrammarError(f"{key!r} is not a key of this protocol")

@@ -3,6 +3,7 @@ that names type and version (`"state/3"`), then the fields in the order in which
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
 `incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
+`epoch` names the coordinator of a run, and is drawn at random: messages of any other do not count.
 The comment beside a field begins with its unit, if it has one; `docs/streams.md` is generated from them.
 """
 
@@ -16,11 +17,12 @@ from msgspec import Meta
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
 
-VERSION = 4
+VERSION = 5
 HIGHEST_ID: Final = 999_999_999
 
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
+Epoch = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Vector = tuple[float, float]
 Size = Annotated[float, Meta(ge=0)]
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
@@ -153,6 +155,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
     active: tuple[Id, ...] | None  # who take part, and whose State is to be awaited; None: all who are near
+    epoch: Epoch = 0  # of the coordinator
     sense: Sense | None = None  # None: `as_commanded`, or its base speaks for itself
     as_commanded: bool = False  # in place of a sense, large fleets: it went exactly as it commanded
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
@@ -190,6 +193,7 @@ class State(Message, frozen=True, array_like=True, gc=False):
     gamma: Size  # m^2, squared distance to the own goal, gamma_i
     slice: Size  # m, norm of the own gradient slice D_i, for the common pace
     desired: Vector  # m/s, velocity that the law asks for, before the filter
+    epoch: Epoch = 0  # of the coordinator that admitted this life
     proposals: tuple[Proposal, ...] = ()  # unanswered, on lines that it owns; of each peer the newest
     answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
     claim: Claim | None = None  # what it fetches or carries
@@ -210,6 +214,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # its life
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
+    epoch: Epoch = 0  # of the coordinator that admitted this life
     roster: Count = 0  # newest version of the roster that this life keeps to from this command on
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
@@ -249,6 +254,7 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
     slices: bytes  # m, norms of their slices as last commanded, one 32-bit float each, little-endian
     run_number: Count = 0  # as in Clock: ticks are counted anew in each run
+    epoch: Epoch = 0  # of the coordinator
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):

@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 
 from protocol.errors import UsageError
-from protocol.messages import Report, Sense, Vector
+from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from world.sensing.position import Sensor
 
+STILL: Vector = (0.0, 0.0)
 _HURRIED = 1  # ticks by which the clock of real time catches up with one that was late
 
 
@@ -37,6 +38,8 @@ class External:
         )
         self._tick = 0
         self._heard: dict[int, int] = {}  # tick in which the newest Command came, by robot
+        self._stopped = 0  # first tick in which robots are told of the emergency stop
+        self._still: dict[int, int] = {}  # since when each commands no motion because of it, ticks
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
         self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
         self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
@@ -61,9 +64,12 @@ class External:
         self._tick = tick
         return {}
 
-    def hear(self, robot: int, tick: int, report: Report | None) -> None:
+    def hear(self, command: Command) -> None:
         """A robot commands itself in a tick, and says where it was as that began, if it knows."""
+        robot, tick, report = command.robot, command.tick, command.report
         self._heard[robot] = max(tick, self._tick)  # sent by then, however late the tick that it is of
+        if tick >= self._stopped and command.velocity == STILL:  # it takes in no earlier Tick any more
+            self._still.setdefault(robot, self._heard[robot])
         if report is not None:
             self._reports[robot] = tick, report
             self.largest_bound = max(self.largest_bound or 0.0, report.bound)
@@ -87,6 +93,21 @@ class External:
                 self.bounds[robot] = report.bound + self._farthest(robot, moved)
                 resting[robot] = report.position
         return resting
+
+    def stop(self, tick: int) -> None:
+        """An emergency stop is in force, of which robots are told from `tick` on."""
+        self._stopped, self._still = tick, {}
+
+    def moving(self) -> frozenset[int]:
+        """Robots that may not stand yet: those that have not obeyed the emergency stop for as long as their
+        bases need to brake, and are not silent for so long that they surely stand."""
+        silent = self.resting().keys() | (set(self.plant.ids) - self._heard.keys())
+        still = {
+            robot
+            for robot, tick in self._still.items()
+            if (self._tick - tick - _HURRIED) * self._step >= self._stops[robot]
+        }
+        return frozenset(self.plant.ids) - silent - still
 
     def _farthest(self, robot: int, seconds: float) -> float:
         """How far a robot goes at most in a time, m."""

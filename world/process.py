@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from protocol.bus.bus import Bus
 from protocol.bus.connection import Connection
 from protocol.bus.drive import Stop, drive, stop_on_signal, uninterrupted
 from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import DisknavError
-from protocol.keys import checked_run
+from protocol.errors import BusError, DisknavError, RunTakenError
+from protocol.keys import checked_run, session_of, world_key, world_token, world_tokens
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING, returning
@@ -21,7 +24,9 @@ from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume
 
-SUCCESS, FAULT = 0, 3
+SUCCESS, REFUSED, FAULT = 0, 2, 3
+_LOOK = 0.1  # s between looks at the tokens of other worlds
+_GONE = 4.0  # s after which a token is there for good: that of a world that died goes within its lease
 
 
 def main(
@@ -44,11 +49,12 @@ def main(
     died, and a report may be told again; the file is removed once all is over.
 
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
+    2: there is another world of this run.
     3: the network is gone, or the journal is not what it should be.
     """
     past = None
     try:
-        with stop_on_signal():
+        with stop_on_signal(), ExitStack() as stack:
             if journal is not None:
                 past = resume(
                     Journal(journal, checked_run(run), scenarios, LOG.warning),
@@ -56,7 +62,8 @@ def main(
                     returning(gathering, restarts, lockstep=lockstep),
                 )
                 _say_where(past)
-            bus = ZenohBus(connection)
+            bus = stack.enter_context(closing(ZenohBus(connection)))
+            _look_for_others(bus, run, None if past is None else past.journal.head.epoch)
             node = WorldNode(
                 bus,
                 checked_run(run),
@@ -72,14 +79,41 @@ def main(
             )
             last_words = partial(node.interrupt, "interrupted", "the world was asked to stop")
             drive(node, bus, on_stop=last_words, beat=beat)
+            if node.refused:
+                raise _taken(run)
     except Stop:
         pass
+    except RunTakenError as error:
+        LOG.error(error)
+        return REFUSED
     except DisknavError as error:
         LOG.error(error)
         return FAULT
     if past is not None:
         past.journal.remove()
     return SUCCESS
+
+
+def _look_for_others(bus: Bus, run: str, epoch: int | None) -> None:
+    """See that there is no other world of this run than the one that is gone on from, of `epoch`.
+
+    Raises:
+        RunTakenError: there is one.
+    """
+    own = set() if epoch is None else {world_token(run, session_of(epoch))}
+    deadline = time.monotonic() + _GONE
+    while set(bus.tokens(world_tokens(run))) - own:
+        with suppress(BusError):
+            bus.ask(world_key(run, "scenario"), b"", _LOOK)
+            raise _taken(run)
+        if time.monotonic() >= deadline:
+            raise _taken(run)
+
+
+def _taken(run: str) -> RunTakenError:
+    return RunTakenError(
+        f"another world of run {run!r} is on this network: end that one first, or choose another run name"
+    )
 
 
 def supervised(*arguments: Any) -> int:

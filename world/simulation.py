@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from mypy_extensions import mypyc_attr
 
-from protocol.messages import Report, Sense, Vector
+from protocol.messages import Command, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
@@ -63,7 +63,7 @@ class Simulation:
             sensed[robot] = Sense(position, stamp, sensor.bound or 0, moved, bound or 0, motion)
         return sensed
 
-    def hear(self, robot: int, tick: int, report: Report | None) -> None:
+    def hear(self, command: Command) -> None:
         """Robots that are simulated have nothing to report."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
@@ -83,6 +83,13 @@ class Simulation:
             for index, (robot, position) in enumerate(zip(plant.ids, plant.positions, strict=True))
             if plant.stands(index)
         }
+
+    def stop(self, tick: int) -> None:
+        """An emergency stop is in force: `brake` is called from now on."""
+
+    def moving(self) -> frozenset[int]:
+        """Robots that do not stand."""
+        return frozenset(self.plant.ids) - self.resting().keys()
 
     def recast(self, scenario: Scenario) -> None:
         """Robots came and went: a new one is at its start."""

@@ -20,6 +20,7 @@ from world.coordinator.coordinator import Coordinator
 from world.coordinator.inputs import (
     Added,
     Closed,
+    Contested,
     Ended,
     Halted,
     Opened,
@@ -125,7 +126,7 @@ class World:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self.coordinator.accept(command)
         if taken:
-            self.simulation.hear(command.robot, command.tick, command.report)
+            self.simulation.hear(command)
         return taken
 
     def close_tick(self) -> None:
@@ -294,9 +295,29 @@ class World:
 
     def halt(self, halted: bool) -> None:
         """Have everybody stand, from the open tick on, or release them."""
-        if halted != self.coordinator.halted:
-            self.coordinator.halted = halted
+        if halted != self.coordinator.stopped:
+            before, self.coordinator.stopped = self.coordinator.halted, halted
+            self._stop(before)
             self.coordinator.noted(Halted(halted))
+
+    def contest(self, contested: bool) -> None:
+        """Another coordinator of this run is there, or has left: everybody stands meanwhile, whatever is
+        released."""
+        if contested != self.coordinator.contested:
+            before, self.coordinator.contested = self.coordinator.halted, contested
+            self._stop(before)
+            self.coordinator.noted(Contested(contested))
+
+    def _stop(self, before: bool) -> None:
+        if self.coordinator.halted and not before:
+            self.simulation.stop(self.tick + self.is_open)
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Robots that an emergency stop has not brought to a stand yet; none once the run is over."""
+        if not self.coordinator.halted or self.verdict:
+            return ()
+        return tuple(sorted(self.simulation.moving()))
 
     def report(self) -> dict[str, Any]:
         """All that the world knows of the result, in plain types that JSON knows."""

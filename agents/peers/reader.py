@@ -12,6 +12,7 @@ from typing import Final, final
 import msgspec
 
 from agents.peers.state import PeerState, addressed_to
+from protocol.errors import MessageError
 from protocol.messages import HIGHEST_ID, Answer, Proposal, State
 from protocol.streams import STREAMS
 from protocol.wire.codec import LARGEST, check_finite
@@ -31,15 +32,16 @@ class PeerReader:
         robot: own id.
         peer: the speaker's.
         oldest: its first incarnation in this run.
+        epoch: of the own coordinator.
 
     Attributes:
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_others", "_peer", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_epoch", "_others", "_peer", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, oldest: int = 0) -> None:
-        self._robot, self._peer = robot, peer
+    def __init__(self, robot: int, peer: int, oldest: int = 0, epoch: int = 0) -> None:
+        self._robot, self._peer, self._epoch = robot, peer, epoch
         self.oldest = oldest
         self._reader = Reader("state", peer)
         self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
@@ -72,6 +74,8 @@ class PeerReader:
         bound, gamma, slice_norm = cursor.number(), cursor.number(), cursor.number()
         cursor.enter(2)
         vx, vy = cursor.number(), cursor.number()
+        if cursor.count() != self._epoch:
+            return None
         self._others = 0.0
         proposals, answers = self._proposals(cursor), self._answers(cursor)
         if not cursor.none():
@@ -123,6 +127,8 @@ class PeerReader:
     def _any(self, payload: bytes) -> PeerState:
         message = self._reader.read(payload)
         assert isinstance(message, State)
+        if message.epoch != self._epoch:
+            raise MessageError("epoch", f"state: of epoch {message.epoch}, this robot is of {self._epoch}")
         check_finite("state", message)
         return addressed_to(self._robot, message)
 

@@ -20,12 +20,12 @@ from agents.bases.choice import base_of
 from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
-from agents.shell.contact import PATIENCE, RETRY, Contact
 from agents.shell.subscriptions import Subscriptions
+from agents.shell.world_session import PATIENCE, RETRY, WorldSession
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
-from protocol.errors import BusError, MessageError
-from protocol.keys import robot_key, world_key
+from protocol.errors import BusError, KeyGrammarError, MessageError
+from protocol.keys import parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Summary, Tick
 from protocol.requests import joining
 from protocol.streams import STREAMS
@@ -72,7 +72,7 @@ class RobotNode:
         self._bus, self._run, self._robot = bus, run, robot
         self._patience, self._say, self._note = patience, say, note
         self._namespace = namespace
-        self._world = Contact(bus, run, robot, patience, wait, say, read)
+        self._world = WorldSession(bus, run, robot, patience, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
         self._summary, self._health_key = world_key(run, "summary"), robot_key(run, robot, "health")
         self._base: AttachedBase | None = None
@@ -122,10 +122,16 @@ class RobotNode:
         core = self.core
         if core is None or self._ended or not isinstance(reply, joining.Admission):
             return False
-        return reply.incarnation == core.incarnation
+        return (reply.epoch, reply.incarnation) == (core.epoch, core.incarnation)
 
     def _begin(self, admission: joining.Admission) -> None:
-        self.core = Robot(admission.scenario, self._robot, admission.incarnation, lockstep=admission.lockstep)
+        self.core = Robot(
+            admission.scenario,
+            self._robot,
+            admission.incarnation,
+            lockstep=admission.lockstep,
+            epoch=admission.epoch,
+        )
         self._lockstep, self._founded = admission.lockstep, admission.founded
         self._run_number = admission.run_number
         self._published = self._received = 0
@@ -135,7 +141,7 @@ class RobotNode:
         self._noted = 0
         self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self._due = time.monotonic() + REPORT_PERIOD
-        self._world.admitted(admission.away)
+        self._world.admitted(admission)
         self._peers.begin(admission)
         if not self._declared:
             self._declare(self.core)
@@ -143,7 +149,7 @@ class RobotNode:
     def _declare(self, core: Robot) -> None:
         """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
         bus, run, robot = self._bus, self._run, self._robot
-        bus.watch(world_key(run, "alive"))
+        bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
         bus.subscribe(self._summary)
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
@@ -157,7 +163,7 @@ class RobotNode:
         self._declared = True
 
     def _announce(self) -> None:
-        self._bus.announce(robot_key(self._run, self._robot, "alive"))
+        self._bus.announce(robot_token(self._run, self._robot, self._world.session))
         self._announced = True
 
     # -- events
@@ -166,15 +172,21 @@ class RobotNode:
         if isinstance(event, Sample):
             self._on_sample(event.key, event.payload)
         elif isinstance(event, Presence):
-            self._on_presence(event.alive)
+            self._on_presence(event)
 
-    def _on_presence(self, alive: bool) -> None:
-        """The world's token came or went."""
-        if not alive and self._over and not self._world.may_return:
+    def _on_presence(self, event: Presence) -> None:
+        """A world's token came or went."""
+        try:
+            session = parse(event.key).session
+        except KeyGrammarError:
+            self._rejected["key"] += 1
+            return
+        alive, world = event.alive, self._world
+        if not alive and self._over and world.is_own(session) and not world.may_return:
             self.finished = True
             return
-        self._world.on_token(alive)
-        if alive and self._world.back:
+        world.on_token(session, alive)
+        if alive and world.back:
             self._due = time.monotonic()
 
     def _on_sample(self, key: str, payload: bytes) -> None:
@@ -204,7 +216,9 @@ class RobotNode:
 
     def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
         """Anything but the State of a peer that is heard."""
-        if isinstance(message, Tick):
+        if isinstance(message, Tick | Summary) and message.epoch != core.epoch:
+            self._rejected["epoch"] += 1
+        elif isinstance(message, Tick):
             self._on_tick(core, message)
         elif isinstance(message, Summary):
             if message.run_number == self._run_number:  # else it is of an earlier run, and late

@@ -32,6 +32,7 @@ class Subscriptions:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
         self._fleet: frozenset[int] = frozenset()  # everybody
+        self._epoch = 0  # of the coordinator
         self._oldest: Mapping[int, int] = {}  # first incarnations in this run
         self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
         self._before = self._near  # who was named before them
@@ -43,7 +44,7 @@ class Subscriptions:
         """An incarnation begins: hear everybody, unless the world will say who is near."""
         scenario = admission.scenario
         self._fleet = fleet_of(scenario.robots).ids
-        self._oldest, self._near = admission.oldest, frozenset()
+        self._oldest, self._epoch, self._near = admission.oldest, admission.epoch, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}
         for peer in () if scenario.hears_near else sorted(self._fleet - {self._robot}):
@@ -97,7 +98,7 @@ class Subscriptions:
     def _know(self, peer: int) -> str:
         """Be ready to read the States of a peer; their key."""
         key = self._key(peer)
-        self.readers[key] = PeerReader(self._robot, peer, self._oldest.get(peer, 0))
+        self.readers[key] = PeerReader(self._robot, peer, self._oldest.get(peer, 0), self._epoch)
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -16,6 +16,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, MessageError
 from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member, Thing
+from protocol.process.log import LOG
 from protocol.requests.fleet import FleetReply
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -29,10 +30,16 @@ _LOOK = 0.05  # s between looks at the roster
 
 
 class Operator:
-    """Speaks to the world of one run over a bus of its own."""
+    """Speaks to the world of one run over a bus of its own.
 
-    def __init__(self, bus: Bus, run: str) -> None:
-        self._bus, self._run = bus, checked_run(run)
+    Args:
+        bus: the process's own connection.
+        run: name of the run.
+        warn: is told if several worlds answer.
+    """
+
+    def __init__(self, bus: Bus, run: str, warn: Callable[[str], None] = LOG.warning) -> None:
+        self._bus, self._run, self._warn, self._warned = bus, checked_run(run), warn, False
 
     def order(self, robot: int, order: GoalOrder) -> GoalReply:
         """Send a robot elsewhere.
@@ -112,10 +119,37 @@ class Operator:
             self._answer(world_key(self._run, "fleet"), msgspec.msgpack.encode(change)), FleetReply, "fleet"
         )
 
+    def stop(self, within: float) -> Halted:
+        """Have all robots stand: asks again until every world that answers says that they do.
+
+        Returns the last answer; `moving` names the robots that do not stand `within` s later.
+
+        Raises:
+            BusError: no world of this run answers.
+            MessageError: what answers is of another version.
+        """
+        deadline = time.monotonic() + within
+        while True:
+            told = self.halt(True)
+            if (told.halted and not told.moving) or time.monotonic() >= deadline:
+                return told
+            self._bus.receive(_LOOK)
+
     def halt(self, halt: bool | None = None) -> Halted:
-        """Have everybody stand, release them, or (None) ask whether they stand; raises as `order` does."""
+        """Have all robots stand, release them, or (None) ask for the state; raises as `stop` does.
+
+        Of several worlds: whether all are halted, the newest tick, and the robots that move in any.
+        """
         request = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
-        return read_reply(self._answer(world_key(self._run, "halt"), request), Halted, "halt")
+        replies = self._answers(world_key(self._run, "halt"), request)
+        told = [read_reply(reply, Halted, "halt") for reply in replies]
+        moving = {robot for each in told for robot in each.moving}
+        return Halted(
+            all(each.halted for each in told),
+            max(each.tick for each in told),
+            tuple(sorted(moving)),
+            next((each.text for each in told if each.text), ""),
+        )
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """What came of an order: waits until it is arrived, cancelled, given up, or followed by another.
@@ -142,10 +176,17 @@ class Operator:
         return read_reply(self._answer(robot_key(self._run, robot, "goal"), payload), GoalReply, "goal")
 
     def _answer(self, key: str, request: bytes) -> bytes:
+        return self._answers(key, request)[0]
+
+    def _answers(self, key: str, request: bytes) -> list[bytes]:
         try:
-            return self._bus.ask(key, request, ANSWER)
+            replies = self._bus.ask(key, request, ANSWER)
         except BusError as error:
             raise BusError(f"no world of run {self._run!r} answers: {error}") from error
+        if len(replies) > 1 and not self._warned:
+            self._warned = True
+            self._warn(f"{len(replies)} worlds of run {self._run!r} were asked, and answer: end all but one")
+        return replies
 
 
 @contextmanager

@@ -14,7 +14,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from deploy.security.roster import MONITOR, OPERATOR, WORLD, Roster, robot_role, router_role
-from protocol.keys import ROBOT_STREAMS, every_robot, everything, robot_key, world_key
+from protocol.keys import (
+    ROBOT_STREAMS,
+    every_robot,
+    everything,
+    robot_key,
+    robot_tokens,
+    world_key,
+    world_tokens,
+)
 from protocol.streams import QUESTIONS, STREAMS
 
 Rule = dict[str, Any]
@@ -27,7 +35,6 @@ _ANNOUNCE = ("liveliness_token",)
 _WATCH = ("declare_liveliness_subscriber", "liveliness_query")
 _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
 
-_ALIVE = "alive"
 _ADMIN = "@/*/router/**"  # what a router tells of itself, where it does
 
 
@@ -85,8 +92,8 @@ def _robot(run: str, robot: int) -> Iterator[Rule]:
     yield _rule(role, "publish", _PUBLISH, [_key(run, name, robot) for name in _published_by("robot")])
     yield _rule(role, "subscribe", _SUBSCRIBE, [*own, *everybodys])
     yield _rule(role, "ask", _ASK, [_key(run, name, robot) for name in _questions("itself")])
-    yield _rule(role, "announce", _ANNOUNCE, [robot_key(run, robot, _ALIVE)])
-    yield _rule(role, "watch", _WATCH, [world_key(run, _ALIVE)])
+    yield _rule(role, "announce", _ANNOUNCE, [robot_tokens(run, robot)])
+    yield _rule(role, "watch", _WATCH, [world_tokens(run)])
 
 
 def _world(run: str) -> Iterator[Rule]:
@@ -94,8 +101,9 @@ def _world(run: str) -> Iterator[Rule]:
     yield _rule(WORLD, "publish", _PUBLISH, [_key(run, name) for name in _published_by("world")])
     yield _rule(WORLD, "subscribe", _SUBSCRIBE, [_key(run, name) for name in _heard_by("world")])
     yield _rule(WORLD, "serve", _SERVE, [_key(run, question.name) for question in QUESTIONS])
-    yield _rule(WORLD, "announce", _ANNOUNCE, [world_key(run, _ALIVE)])
-    yield _rule(WORLD, "watch", _WATCH, [every_robot(run, _ALIVE)])
+    yield _rule(WORLD, "ask", _ASK, [world_key(run, "scenario")])  # whether there is another world
+    yield _rule(WORLD, "announce", _ANNOUNCE, [world_tokens(run)])
+    yield _rule(WORLD, "watch", _WATCH, [robot_tokens(run), world_tokens(run)])
 
 
 def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:

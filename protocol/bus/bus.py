@@ -46,8 +46,12 @@ class Bus(Protocol):
     def announce(self, key: str) -> None:
         """Declare a liveliness token: it lasts until `close`, or until this process dies."""
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
-        """Request and wait for the reply; raises BusError after `timeout` seconds without one."""
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+        """Request, and wait for the replies of all that serve `key`; raises BusError after `timeout` seconds
+        without one."""
+
+    def tokens(self, key_expression: str) -> list[str]:
+        """Keys of the liveliness tokens that are there now, those of this participant included."""
 
     def receive(self, timeout: float) -> Event | None:
         """The next event, or None after `timeout` seconds (0: only what is there already)."""

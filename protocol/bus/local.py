@@ -83,7 +83,7 @@ class LocalNetwork:
 
     def tokens(self) -> list[str]:
         """Keys of all liveliness tokens."""
-        return [key for bus in self._buses for key in bus.tokens]
+        return [key for bus in self._buses for key in bus.announced]
 
     def tell_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
         """A token came or went."""
@@ -91,9 +91,9 @@ class LocalNetwork:
             if bus is not sender and bus.watches(key):
                 bus.put(Presence(key, alive))
 
-    def server(self, key: str) -> LocalBus | None:
+    def servers(self, key: str) -> list[LocalBus]:
         """Who answers requests under `key`."""
-        return next((bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)), None)
+        return [bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)]
 
     def leave(self, bus: LocalBus) -> None:
         """`bus` is closed: its tokens go, its subscriptions end."""
@@ -104,7 +104,7 @@ class LocalNetwork:
                 self.generation += 1
             for key in bus.keys:
                 self.routes[key].remove(bus)
-            for key in bus.tokens:
+            for key in bus.announced:
                 self.tell_presence(key, False, bus)
 
 
@@ -113,7 +113,7 @@ class LocalBus:
 
     def __init__(self, network: LocalNetwork) -> None:
         self.node: Node | None = None
-        self.tokens: list[str] = []
+        self.announced: list[str] = []
         self.served: list[re.Pattern[str]] = []
         self._network = network
         self._inbox: deque[Event] = deque()
@@ -166,29 +166,30 @@ class LocalBus:
         pass
 
     def watch(self, key_expression: str) -> None:
-        pattern = _pattern(key_expression)
-        self._watches.append(pattern)
-        for key in self._network.tokens():
-            if pattern.fullmatch(key):
-                self.put(Presence(key, True))
+        self._watches.append(_pattern(key_expression))
+        for key in self.tokens(key_expression):
+            self.put(Presence(key, True))
 
     def serve(self, key: str) -> None:
         self.served.append(_pattern(key))
 
     def announce(self, key: str) -> None:
-        self.tokens.append(key)
+        self.announced.append(key)
         self._network.tell_presence(key, True, self)
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:  # noqa: ARG002
-        """In one thread nobody else can act while this waits: the answer comes at once or never."""
-        server = self._network.server(key)
-        if server is None or server.node is None:
-            raise BusError(f"nobody answers under {key}")
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
+        """In one thread nobody else can act while this waits: answers come at once or never."""
         replies: list[bytes] = []
-        server.node.handle(Request(key, payload, replies.append))
+        for server in self._network.servers(key):
+            if server.node is not None:
+                server.node.handle(Request(key, payload, replies.append))
         if not replies:
-            raise BusError(f"no reply under {key}")
-        return replies[0]
+            raise BusError(f"nobody answers under {key}")
+        return replies
+
+    def tokens(self, key_expression: str) -> list[str]:
+        pattern = _pattern(key_expression)
+        return [key for key in self._network.tokens() if pattern.fullmatch(key)]
 
     def receive(self, timeout: float) -> Event | None:  # noqa: ARG002
         return self._inbox.popleft() if self._inbox else None

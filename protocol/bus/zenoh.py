@@ -14,7 +14,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Final
@@ -35,6 +35,8 @@ from protocol.streams import Stream
 
 _ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so the first attempts are short
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
+_OTHERS = 0.5  # s that further answers are waited for
+_TOKENS = 2.0  # s that routers may take to name the tokens that they know of
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s a peer waits for its links before it announces itself
 # With one thread to receive, a router whose link to another is cut may cease to relay for good.
@@ -145,19 +147,39 @@ class ZenohBus:
             self._await_links()
         self._declared.append(self._session.liveliness().declare_token(key))
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         deadline = time.monotonic() + timeout
         while (remaining := deadline - time.monotonic()) > 0.0:
-            for reply in self._session.get(
-                key, payload=payload, timeout=remaining, consolidation=zenoh.ConsolidationMode.NONE
-            ):
-                if reply.ok is not None:
-                    return reply.ok.payload.to_bytes()
+            if replies := self._replies(key, payload, remaining):
+                return replies
             time.sleep(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
         raise BusError(
             f"nobody answered under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
         )
+
+    def _replies(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+        """Those of all that serve `key`. One that serves it and does not answer, as a frozen process, is not
+        waited for once another has answered."""
+        arrived: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
+        self._session.get(
+            key,
+            zenoh.handlers.Callback(arrived.put, partial(arrived.put, None), indirect=False),
+            payload=payload,
+            timeout=timeout,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        replies: list[bytes] = []
+        with suppress(Empty):
+            while (reply := arrived.get(True, _OTHERS if replies else timeout + _OTHERS)) is not None:
+                if reply.ok is not None:
+                    replies.append(reply.ok.payload.to_bytes())
+        return replies
+
+    def tokens(self, key_expression: str) -> list[str]:
+        replies = self._session.liveliness().get(key_expression, timeout=_TOKENS)
+        return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
     def receive(self, timeout: float) -> Event | None:
         if not self._there:

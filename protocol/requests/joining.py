@@ -4,13 +4,15 @@ Both are msgpack maps: the request `{"session": text, "health": Health or nil}`,
 apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
 file), `oldest` (by robot, the incarnation below which a State is of an earlier run), `away` (s that the world
 may be gone and still come back), `founded` (whether the run has begun) and `run_number` (a Summary with any
-other is of another run); `"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
+other is of another run) and `epoch` (of the coordinator: Ticks and States of any other do not count);
+`"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
 `verdict`. Which robot asks is said by the key alone, so that a router's rules decide who may. Who only
 watches asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
 `GoalStatus` of every robot that was ordered elsewhere.
 
-`session` is a text of the process's own choosing, not empty, and the same for all its requests. Who
-asks again is admitted as the same life, for a reply may be lost, until `health` says that this life is over.
+`session` is the process's own choice (see `protocol.keys`), the same for all its requests and for its
+liveliness token. A process that asks again is admitted as the same life, for a reply may be lost, until
+`health` says that this life is over.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ import msgspec
 from msgspec import Meta
 
 from protocol.errors import MessageError
-from protocol.messages import Count, GoalStatus, Health, Id
+from protocol.keys import SESSION
+from protocol.messages import Count, Epoch, GoalStatus, Health, Id
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -31,7 +34,7 @@ from protocol.wire.reader import DAMAGED
 class Request(msgspec.Struct, frozen=True):
     """What a robot says under its `join` key. `session` tells two processes with one id apart."""
 
-    session: Annotated[str, Meta(min_length=1)]
+    session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
     health: Health | None = None  # of the run that this process has just ended
 
 
@@ -53,6 +56,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
     founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
     run_number: Count = 0  # a Summary with any other is of another run
+    epoch: Epoch = 0  # of the coordinator: what another one says does not count
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):

@@ -29,7 +29,7 @@ from protocol.messages import (
 from protocol.wire.reader import reader
 
 LARGEST: Final = 1e100  # a number whose square is one, too; nothing in a run comes near it
-REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity")
+REASONS = ("key", "oversize", "version", "type", "shape", "not-finite", "identity", "epoch")
 
 _pack = msgspec.msgpack.encode
 

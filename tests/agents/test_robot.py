@@ -115,7 +115,7 @@ def test_who_no_longer_takes_part_is_not_awaited() -> None:
     for peer in OTHERS[1:]:
         robot.hearing.on_state(heard(states[peer]))
     assert not robot.hearing.complete
-    robot.hearing.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), opened.sense))
+    robot.hearing.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), sense=opened.sense))
     assert robot.hearing.complete
 
 
@@ -162,7 +162,7 @@ def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     robot.begin(replace(tick, tick=1, roster=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
     (line,) = held
     offer = Proposal(robot.robot, robot.incarnation, 1, line.nx, line.ny, line.offset)
-    state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), (offer,))
+    state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(offer,))
     robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
     assert (end.seen, end.held_number, end.obeyed) == (1, 0, held)

@@ -7,16 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from agents.shell.contact import PATIENCE
 from agents.shell.node import RobotNode
+from agents.shell.world_session import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Presence, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
-from protocol.keys import robot_key, world_key
+from protocol.keys import robot_key
 from protocol.messages import Tick
 from protocol.wire.codec import encode
+from tests.world.driving import token
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 
@@ -76,7 +77,7 @@ class Unanswered:
     def __getattr__(self, name: str) -> object:
         return getattr(self._bus, name)
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         if not self.mute:
             return self._bus.ask(key, payload, timeout)
         self.waited += timeout
@@ -95,11 +96,18 @@ def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
         bus.node = nodes[robot]
     network.run(lambda: world.world.tick > 10)
     links[1].mute = True
-    nodes[1].handle(Sample(robot_key("yard", 1, "tick"), encode(Tick(1, 1, world.world.tick, (), over=True))))
+    core = nodes[1].core
+    assert core is not None
+    nodes[1].handle(
+        Sample(
+            robot_key("yard", 1, "tick"),
+            encode(Tick(1, 1, world.world.tick, (), epoch=core.epoch, over=True)),
+        )
+    )
     nodes[1].wake(time.monotonic())
     assert 0.0 < links[1].waited < 0.5, "the launcher tells to end whoever has not left after 2 s"
     assert not nodes[1].finished, "the world may be busy"
-    nodes[1].handle(Presence(world_key("yard", "alive"), False))
+    nodes[1].handle(Presence(token(network), False))
     assert nodes[1].finished
 
 
@@ -110,7 +118,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     bus = network.connect()
     first = bus.node = RobotNode(bus, "yard", 1)
     network.run(lambda: world.world.coordinator.lives.awaited == {2})
-    tokens = robot_key("yard", 1, "alive"), world_key("yard", "alive")
+    tokens = token(network, 1), token(network)
     for there in (False, True):  # its link was out for longer than the world's patience
         world.handle(Presence(tokens[0], there))
         first.handle(Presence(tokens[1], there))
@@ -133,7 +141,7 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
     network.run(lambda: world.world.tick > 10)
     for there in (False, True):  # the router was gone for a moment
         for robot in robots:
-            robot.handle(Presence(world_key("yard", "alive"), there))
+            robot.handle(Presence(token(network), there))
     network.run(lambda: world.finished)
     assert world.report is not None
     assert world.report["trajectory_sha256"] == LocalFleet([SCENARIO]).execute()[0]["trajectory_sha256"]

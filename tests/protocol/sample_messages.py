@@ -34,6 +34,7 @@ numbers = st.floats(-1e100, 1e100)
 sizes = st.floats(0, 1e100)
 ids = st.integers(1, 999_999_999)
 counts = st.integers(0, 2**53)
+epochs = st.integers(0, 2**32 - 1)
 vectors = st.tuples(numbers, numbers)
 positions = st.none() | vectors
 
@@ -62,7 +63,7 @@ motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
 claims = st.none() | st.builds(Claim, ids, sizes, sizes)
 states = st.builds(
-    State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, proposals, answers, claims
+    State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, epochs, proposals, answers, claims
 )
 letters = st.builds(Letter, ids, counts, counts, proposals, answers)
 handlings = st.none() | st.builds(Handling, ids, sizes, positions)
@@ -73,6 +74,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         counts,
         counts,
         st.none() | several(ids),
+        epochs,
         senses,
         st.booleans(),
         rosters,
@@ -90,6 +92,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         counts,
         counts,
         vectors,
+        epochs,
         counts,
         several(ids),
         report=st.none() | st.builds(Report, vectors, sizes),
@@ -142,7 +145,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
 _DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
 ONE: dict[str, Message] = {
-    "tick": Tick(1, 2, 3, (1, 3), Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER),
+    "tick": Tick(1, 2, 3, (1, 3), sense=Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER),
     "state": State(
         1,
         2,
@@ -152,10 +155,10 @@ ONE: dict[str, Message] = {
         0.2,
         0.3,
         (0.1, 0.2),
-        (Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
-        (Answer(3, 1, 4, 5),),
+        proposals=(Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
+        answers=(Answer(3, 1, 4, 5),),
     ),
-    "command": Command(1, 2, 3, (0.1, 0.2), 4),
+    "command": Command(1, 2, 3, (0.1, 0.2), roster=4),
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0, 0.01, 0.5, "why", True),
     "summary": Summary(3, bytes((1, 0, 0, 0, 1, 0, 0, 0)), bytes(8), bytes(4), bytes(4)),
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),

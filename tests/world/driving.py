@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
+from protocol.bus.local import LocalNetwork
+from protocol.keys import parse
 from protocol.messages import Command, Vector
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from world.world import World
@@ -42,7 +44,7 @@ def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> Non
         velocity = (velocities or {}).get(robot, (0.0, 0.0))
         roster = told[robot].roster
         kept = 0 if roster is None else roster.version
-        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity, kept))
+        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity, roster=kept))
     assert not world.coordinator.waiting
     world.close_tick()
 
@@ -63,3 +65,8 @@ def play(setting: Scenario, most: int = 1000) -> World:
         assert world.tick < most
         advance(world, toward(world, setting))
     return world
+
+
+def token(network: LocalNetwork, robot: int | None = None) -> str:
+    """Key of the liveliness token of a robot's newest process, or of the world."""
+    return [key for key in network.tokens() if parse(key).robot == robot][-1]

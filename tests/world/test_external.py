@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from protocol.messages import Report
+from protocol.messages import Command, Report
 from protocol.scenario.body import Body
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from protocol.scenario.model import World as Plant
@@ -22,7 +22,7 @@ SETTING = Scenario(
 
 def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
     outside, body = External(SETTING), SETTING.body_of(1)
-    outside.hear(1, 4, Report((0.05, 0.0), 2e-3))
+    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
     last = 5 + int(leased / 0.1)
     for tick in range(last):
@@ -38,7 +38,7 @@ def test_a_command_that_comes_late_was_sent_late() -> None:
     """Its lease runs from when it was sent, which may be a moment ago."""
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(20)
-    outside.hear(1, 4, Report((0.05, 0.0), 2e-3))
+    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     last = 21 + int((0.5 + body.hold + 0.2 / 0.5) / 0.1)
     for tick in range(21, last):
         outside.sense(tick)
@@ -46,3 +46,22 @@ def test_a_command_that_comes_late_was_sent_late() -> None:
     outside.sense(last + 1)
     assert outside.resting() == {1: (0.05, 0.0)}
     assert outside.bounds[1] > 0.2 * (20 - 4) * 0.1  # it may have moved ever since it was where it says
+
+
+def test_an_emergency_stop_has_succeeded_once_every_base_had_the_time_to_brake() -> None:
+    outside, body = External(SETTING), SETTING.body_of(1)
+    outside.sense(4)
+    assert outside.moving() == frozenset(), "no base has ever been told to move"
+    outside.hear(Command(1, 1, 4, (0.0, 0.0), report=Report((0.05, 0.0), 2e-3)))
+    outside.stop(5)
+    outside.sense(5)
+    assert outside.moving() == {1}, "it may be told to move in the tick that was open"
+    outside.hear(Command(1, 1, 4, (0.0, 0.0)))
+    outside.sense(6)
+    outside.hear(Command(1, 1, 5, (0.0, 0.0), report=Report((0.05, 0.0), 2e-3)))
+    braked = 7 + int((body.hold + 0.2 / 0.5) / 0.1)
+    for tick in range(6, braked):
+        outside.sense(tick)
+        assert outside.moving() == {1}
+    outside.sense(braked + 1)
+    assert outside.moving() == frozenset()

@@ -86,7 +86,7 @@ def cut_off(place: int) -> SeparatingLines:
 def test_a_state_fits_after_any_partition(place: int) -> None:
     ledger = cut_off(place)
     proposals, answers = ledger.entries(POINT)
-    state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals, answers)
+    state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals=proposals, answers=answers)
     assert_fits(state, robot_key("r", IDS[place], "state"))
     assert len(answers) == place
     said = [(offer.peer, offer.number) for offer in proposals]
@@ -126,9 +126,9 @@ def test_the_newest_proposal_alone_settles_a_pair() -> None:
         pair.end.propose(Line(1.0, 0.0, 0.1 + 0.001 * number))
     pair.renew()
     newest = owner.entries((0.0, 0.0))[0][-1]
-    tell(follower, 2, State(1, 1, 1, (-0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (newest,)))
+    tell(follower, 2, State(1, 1, 1, (-0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(newest,)))
     _, answers = follower.entries((0.0, 0.0))
-    tell(owner, 1, State(2, 1, 1, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), (), answers))
+    tell(owner, 1, State(2, 1, 1, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(), answers=answers))
     assert [line.offset for line in pair.end.obeyed] == [newest.offset]
     assert pair.settled
     assert follower.ready

@@ -47,7 +47,8 @@ class Coordinator:
     Attributes:
         tick: the tick that is open, or that is to be opened next.
         active: ids that take part in the tick opened last.
-        halted: whether an emergency stop is in force.
+        stopped: whether an emergency stop was asked for.
+        contested: whether another coordinator of this run is there.
         told: what each robot that may listen is to be told of the open tick; None while none is open.
         note: is told every input that the run has taken, in order, before the call that gave it returns.
             The same inputs given to another world of the same scenario make it the same
@@ -59,7 +60,7 @@ class Coordinator:
     ) -> None:
         self.tick = 0
         self.active: tuple[int, ...] = ()
-        self.halted = False
+        self.stopped = self.contested = False
         self.told: dict[int, Tick] | None = None
         self.note: Callable[[Input], None] | None = None
         self.lives = Lives(scenario, incarnations, version, returning)
@@ -76,6 +77,11 @@ class Coordinator:
         """An input was taken."""
         if self.note is not None:
             self.note(taken)
+
+    @property
+    def halted(self) -> bool:
+        """Whether all robots are to stand."""
+        return self.stopped or self.contested
 
     # -- who is there
 
@@ -287,11 +293,11 @@ class Coordinator:
                 life.incarnation,
                 self.tick,
                 active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
-                sensed.get(robot),
-                robot in omitted,
-                roster_for(robot),
-                goal(robot) if life.is_new or life.heard < since(robot) else None,
-                self.halted,
+                sense=sensed.get(robot),
+                as_commanded=robot in omitted,
+                roster=roster_for(robot),
+                goal=goal(robot) if life.is_new or life.heard < since(robot) else None,
+                halted=self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,
                 near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),
                 letters=letters.get(robot, ()),

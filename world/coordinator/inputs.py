@@ -85,6 +85,12 @@ class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt")
     halted: bool
 
 
+class Contested(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="contest"):
+    """See `World.contest`."""
+
+    contested: bool
+
+
 class Added(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="add"):
     """See `World.add`."""
 
@@ -100,7 +106,7 @@ class Removed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="remov
 _encode = msgspec.msgpack.encode
 
 Operated = Ordered | Placed | TakenAway | Added | Removed | Halted
-Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operated | Ended
+Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operated | Contested | Ended
 
 
 def checksum(positions: Sequence[Vector]) -> int:

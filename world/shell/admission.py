@@ -31,21 +31,15 @@ _SOON = 5 * _RETRY  # s until a process that waits for its disk has asked again,
 
 @dataclass
 class Slot:
-    """One robot id: the process (session) that was admitted, and whether its token is there."""
+    """One robot id, and the process that was admitted."""
 
     session: str = ""
-    present: bool = False
     since: float = 0.0  # s, by the clock: when it was admitted
-    missing: float = inf  # s, by the clock: since when the token of a process that may be alive is not there
+    missing: float = inf  # s, by the clock: since when its token is not there, though it may be alive
     granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
     notified: bool = False  # it knows that there is nothing more to do
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
-
-    @property
-    def occupied(self) -> bool:
-        """Whether there is a process, or may be."""
-        return self.present or self.missing < inf
 
 
 class Admissions:
@@ -54,7 +48,7 @@ class Admissions:
     Args:
         run: its name.
         ids: of the robots.
-        lockstep: what those who are admitted are told.
+        lockstep, epoch: what those who are admitted are told.
         clock: tells the time, s.
         journal: where the world notes who was admitted; robots wait for a world that has one to come back.
         processes: that an earlier world admitted.
@@ -70,29 +64,28 @@ class Admissions:
         ids: Iterable[int],
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
+        epoch: int = 0,
         journal: Journal | None = None,
         processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
-        self._left: dict[int, Slot] = {}  # of robots that the run does not have yet, whose tokens are there
+        self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
         self._former: set[int] = set()  # who was told to wait for its disk
         self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
-        self._name, self._lockstep, self._clock = run, lockstep, clock
+        self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
         self._journal = journal
         self.processes = Processes() if processes is None else processes
 
     def begin(self, ids: Iterable[int]) -> None:
         """A run of these robots begins; whose process was there in the one before has its slot."""
-        before = self._left | self.slots
+        before = self.slots
         self.slots = {robot: before.pop(robot, Slot()) for robot in ids}
-        self._left = {robot: slot for robot, slot in before.items() if slot.present}
         for slot in self.slots.values():
             slot.health = None
 
     def expect(self, robot: int) -> None:
         """The disk of a robot that was added is there; a process may join."""
-        if robot not in self.slots:
-            self.slots[robot] = self._left.pop(robot, Slot())
+        self.slots.setdefault(robot, Slot())
 
     # -- who asks
 
@@ -110,9 +103,9 @@ class Admissions:
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
         if slot is None or status == "gone":
             return self._nobody(join, run)
-        if slot.present and slot.session not in ("", join.session):
-            if self.processes.fate(robot, slot.session, run.world.coordinator.lives.of):
-                return joining.Wait(_RETRY, f"the process before this one of robot {robot} has not left yet")
+        lives = run.world.coordinator.lives.of
+        taken = self.is_present(robot) and not self.processes.fate(robot, slot.session, lives)
+        if taken and slot.session != join.session:
             return joining.Refusal(
                 f"robot {robot} is already running in run {self._name!r}; use another id or run"
             )
@@ -182,8 +175,9 @@ class Admissions:
             return f"the scenario has ended this process of robot {robot}"
         if life.paused:
             return f"robot {robot} is paused by the scenario"
-        taken = slot.session not in ("", join.session) and self._clock() < slot.since + RESERVATION
-        return f"another process is joining as robot {robot}" if taken else ""
+        other = slot.session not in ("", join.session) and not self.is_present(robot)
+        reserved = other and self._clock() < slot.since + RESERVATION
+        return f"another process is joining as robot {robot}" if reserved else ""
 
     def overview(self, run: Run) -> joining.Overview:
         """For those who only watch."""
@@ -195,15 +189,32 @@ class Admissions:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
         founded = run.world.coordinator.lives.founded
         return joining.Admission(
-            slot.granted, self._lockstep, run.scenario, run.oldest, away, founded, run.number
+            slot.granted, self._lockstep, run.scenario, run.oldest, away, founded, run.number, self._epoch
         )
 
     # -- who is there
 
-    def arrive(self, robot: int) -> None:
-        """The robot's liveliness token is there."""
-        slot = self.slots[robot]
-        slot.present, slot.missing = True, inf
+    def is_present(self, robot: int) -> bool:
+        """Whether the token of the robot's admitted process is there."""
+        return (robot, self.slots[robot].session) in self._tokens
+
+    def _may_be_there(self, robot: int) -> bool:
+        return self.is_present(robot) or self.slots[robot].missing < inf
+
+    def arrive(self, robot: int, session: str) -> bool:
+        """A token is there; whether it is the admitted process's."""
+        self._tokens.add((robot, session))
+        slot = self.slots.get(robot)
+        if slot is None or slot.session != session:
+            return False
+        slot.missing = inf
+        return True
+
+    def go(self, robot: int, session: str) -> bool:
+        """A token is gone: the process ended, hangs, or is cut off; whether it is the admitted one."""
+        self._tokens.discard((robot, session))
+        slot = self.slots.get(robot)
+        return slot is not None and slot.session == session
 
     def blame(self, robot: int) -> None:
         """The robot's process was given up although its token is there."""
@@ -211,18 +222,14 @@ class Admissions:
         slot.blamed[slot.session] += 1
 
     def miss(self, robot: int) -> None:
-        """The robot's liveliness token is gone: its process ended, hangs, or is cut off."""
+        """The token of the robot's process, which may be alive, is not there."""
         slot = self.slots[robot]
-        slot.present, slot.missing = False, min(slot.missing, self._clock())
-
-    def forget(self, robot: int) -> None:
-        """The token of a robot is gone that the run does not have."""
-        self._left.pop(robot, None)
+        slot.missing = min(slot.missing, self._clock())
 
     def leave(self, robot: int) -> None:
         """The robot's process is taken to be gone."""
         slot = self.slots[robot]
-        slot.present, slot.session, slot.missing = False, "", inf
+        slot.session, slot.missing = "", inf
 
     def end(self, ended: Iterable[int], following: Iterable[int]) -> None:
         """A run is over that has ended the processes of some robots, or stopped them, or will once their
@@ -249,17 +256,19 @@ class Admissions:
 
     def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""
-        return frozenset(r for r, slot in self.slots.items() if not (slot.present and slot.session))
+        return frozenset(robot for robot in self.slots if not self.is_present(robot))
 
     # -- the end
 
     def owing_health(self) -> list[int]:
         """Robots that have not reported at the end of the run, and can."""
-        return [robot for robot, slot in self.slots.items() if slot.occupied and slot.health is None]
+        slots = self.slots.items()
+        return [robot for robot, slot in slots if slot.health is None and self._may_be_there(robot)]
 
     def unnotified(self) -> list[int]:
         """Robots that do not know yet that it is over, and can be told."""
-        return [robot for robot, slot in self.slots.items() if slot.occupied and not slot.notified]
+        slots = self.slots.items()
+        return [robot for robot, slot in slots if not slot.notified and self._may_be_there(robot)]
 
     def is_asked_soon(self) -> bool:
         """Whether a process that waits for its disk will ask again, and can be told then that it is over."""

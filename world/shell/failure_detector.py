@@ -64,15 +64,18 @@ class FailureDetector:
 
     # -- tokens
 
-    def arrive(self, robot: int, run: Run) -> None:
+    def arrive(self, robot: int, session: str, run: Run) -> None:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
-        self._admissions.arrive(robot)
+        if not self._admissions.arrive(robot, session):
+            return
         if run.opened and self._pacing.lockstep and not self._admissions.missing():
             self._pacing.begin_again()
             self._tell(run.world.open_tick())
 
-    def miss(self, robot: int, run: Run) -> None:
+    def miss(self, robot: int, session: str, run: Run) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
+        if not self._admissions.go(robot, session):
+            return
         if self._grace and run.world.coordinator.lives.goes_on(robot, self._admissions.slots[robot].granted):
             self._admissions.miss(robot)
         else:

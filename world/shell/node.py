@@ -16,7 +16,17 @@ from typing import Any
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import Address, every_robot, parse, robot_key, world_key
+from protocol.keys import (
+    Address,
+    every_robot,
+    parse,
+    robot_key,
+    robot_tokens,
+    session_of,
+    world_key,
+    world_token,
+    world_tokens,
+)
 from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.requests.form import encode_reply
@@ -31,7 +41,7 @@ from world.shell.persistence.journal import Began
 from world.shell.persistence.replay import Resumed
 from world.shell.processes import Processes
 from world.shell.publishers import Publishers
-from world.shell.run import Phase, Run
+from world.shell.run import Phase, Run, drawn_epoch
 from world.shell.shutdown import Shutdown
 from world.world import World
 
@@ -57,6 +67,7 @@ class WorldNode:
 
     Attributes:
         report: of the scenario that ended last, as far as this process saw it.
+        refused: whether it has left the run to another world.
     """
 
     def __init__(
@@ -77,7 +88,7 @@ class WorldNode:
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.report: dict[str, Any] | None = None
-        self.finished = False
+        self.finished = self.refused = False
         lockstep = lockstep and not any(scenario.is_external for scenario in scenarios)
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
@@ -87,10 +98,12 @@ class WorldNode:
         current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
         lives = current.world.coordinator.lives
         processes = Processes() if past is None else past.processes
-        self._admissions = Admissions(run, lives.of, lockstep, clock, self._journal, processes)
+        epoch = drawn_epoch() if past is None else past.journal.head.epoch
+        self._epoch, self._session = epoch, session_of(epoch)
+        self._admissions = Admissions(run, lives.of, lockstep, clock, epoch, self._journal, processes)
         ids = {*scenarios[0].ids, *lives.of, *(each.robot for each in lives.roster.members)}
         ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
-        self._publishers = Publishers(bus, run, ids)
+        self._publishers = Publishers(bus, run, ids, epoch)
         self._operations = Operations(
             bus,
             run,
@@ -117,12 +130,13 @@ class WorldNode:
         if past is not None:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
-        bus.watch(every_robot(run, "alive"))
+        bus.watch(robot_tokens(run))
         for stream in ("steering", "scenario", "halt", "fleet", "things"):
             bus.serve(world_key(run, stream))
         for question in ("join", "goal"):
             bus.serve(every_robot(run, question))
-        bus.announce(world_key(run, "alive"))
+        bus.announce(world_token(run, self._session))
+        bus.watch(world_tokens(run))
         if current.world.verdict:
             self._end()
         elif past is not None:
@@ -138,6 +152,7 @@ class WorldNode:
         self._run = run
         self._admissions.begin(run.world.coordinator.lives.of)
         self._publishers.published = 0
+        self._operations.begin(run)
         self._pacing.wait()
 
     @property
@@ -168,35 +183,38 @@ class WorldNode:
         except MessageError as error:
             run.rejected[error.reason] += 1
             return
+        if not isinstance(message, Command) or message.epoch != self._epoch:
+            run.rejected["epoch"] += 1
+            return
         run.received += 1
-        if isinstance(message, Command) and run.world.accept(message) and not run.world.coordinator.waiting:
+        if run.world.accept(message) and not run.world.coordinator.waiting:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
-        robot = self._robot_of(event.key)
-        if robot is None:
-            return
-        if robot not in self._admissions.slots:
-            if not event.alive:
-                self._admissions.forget(robot)
-            return
-        if event.alive:
-            self._failures.arrive(robot, self._run)
-        else:
-            self._failures.miss(robot, self._run)
-        self._advance()
-
-    def _robot_of(self, key: str) -> int | None:
-        """Whose token this is; None, and counted, if no robot ever had it."""
         try:
-            robot = parse(key).robot
+            _, robot, _, session = parse(event.key)
         except KeyGrammarError:
             self._run.rejected["key"] += 1
-            return None
-        if robot not in self._publishers:
+            return
+        if robot is None:
+            if session != self._session:
+                self._on_world(session, event.alive)
+        elif robot not in self._publishers:
             self._run.rejected["identity"] += 1
-            return None
-        return robot
+            return
+        elif event.alive:
+            self._failures.arrive(robot, session, self._run)
+        else:
+            self._failures.miss(robot, session, self._run)
+        self._advance()
+
+    def _on_world(self, session: str, alive: bool) -> None:
+        """Another world came or went. Of two that have not begun, as of two that are started at the same
+        time, one leaves."""
+        self._operations.on_world(session, alive, self._run)
+        founded = self._run.world.coordinator.lives.founded
+        if alive and not founded and self._run.number == 0 and session < self._session:
+            self.refused = self.finished = True
 
     def _reply(self, request: Request) -> bytes:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys

@@ -21,9 +21,11 @@ from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.run import Phase, Run
 
+OTHER_WORLD = "another world of this run is on the network: all robots stand until one of the two has left"
+
 
 class Operations:
-    """Answers operators.
+    """Answers operators, and keeps the emergency stop.
 
     Args:
         bus: where another robot is heard.
@@ -49,6 +51,7 @@ class Operations:
         self._bus, self._name, self._several = bus, run, several
         self._admissions, self._publishers, self._pacing = admissions, publishers, pacing
         self._say, self._note = say, note
+        self._rivals: set[str] = set()  # sessions of other worlds of this run
         self._handlers = {
             "goal": self._order,
             "fleet": self._change,
@@ -134,11 +137,28 @@ class Operations:
         """The emergency stop, its release, or the question whether it is in force."""
         asked = decode_halt(payload)
         if asked is not None:
-            if asked.halt != run.world.coordinator.halted:
+            if asked.halt != run.world.coordinator.stopped:
                 self._say(f"tick {run.world.tick}: {'emergency stop' if asked.halt else 'released'}")
             run.world.halt(asked.halt)
             self._publishers.watched(run.clock(), run.world.news())
-        return encode_reply(Halted(run.world.coordinator.halted, run.world.tick), payload)
+        world, coordinator = run.world, run.world.coordinator
+        text = OTHER_WORLD if coordinator.contested and not coordinator.stopped else ""
+        return encode_reply(Halted(coordinator.halted, world.tick, world.moving, text), payload)
+
+    def on_world(self, session: str, alive: bool, run: Run) -> None:
+        """Another world of this run is on the network, or has left it."""
+        before = bool(self._rivals)
+        (self._rivals.add if alive else self._rivals.discard)(session)
+        if bool(self._rivals) != before:
+            self._say(
+                f"tick {run.world.tick}: {OTHER_WORLD if alive else 'the other world has left; goes on'}"
+            )
+        self.begin(run)
+        self._publishers.watched(run.clock(), run.world.news())
+
+    def begin(self, run: Run) -> None:
+        """Have the robots of a run stand if there is another world."""
+        run.world.contest(bool(self._rivals))
 
     def _steer(self, _: Address, payload: bytes, __: Run) -> bytes:
         """Slow motion, where ticks wait for the robots."""

@@ -25,8 +25,9 @@ class Publishers:
         published: Ticks sent in this run.
     """
 
-    def __init__(self, bus: Bus, run: str, robots: Iterable[int]) -> None:
+    def __init__(self, bus: Bus, run: str, robots: Iterable[int], epoch: int) -> None:
         self.published = 0
+        self._epoch = epoch
         self._told = -inf
         self._clock, self._truth, self._summary, self._result = (
             bus.publisher(STREAMS[name], world_key(run, name))
@@ -55,12 +56,12 @@ class Publishers:
 
     def summary(self, summary: Summary, run_number: int) -> None:
         """Tell all robots of a run where everybody is."""
-        self._summary(encode(msgspec.structs.replace(summary, run_number=run_number)))
+        self._summary(encode(msgspec.structs.replace(summary, run_number=run_number, epoch=self._epoch)))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
         """Tell each robot its own."""
         for robot, tick in told.items():
-            self._tick[robot](encode(tick))
+            self._tick[robot](encode(msgspec.structs.replace(tick, epoch=self._epoch)))
         self.published += len(told)
 
     @property

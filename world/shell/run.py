@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import time
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -12,6 +13,11 @@ from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
 from world.shell.traffic import traffic
 from world.world import World
+
+
+def drawn_epoch() -> int:
+    """A coordinator's number (`protocol.messages.Epoch`), which no other one has."""
+    return 1 + secrets.randbelow(2**32 - 1)
 
 
 class Phase(Enum):

@@ -48,7 +48,7 @@ class Attachment(Watcher):
     def _look_at_network(self, now: float) -> None:
         """See who is connected, if the admin space is on; where it is off, asking once was enough."""
         try:
-            found = router(self._bus.ask(ROUTERS, b"", _ADMIN_TIMEOUT))
+            found = router(self._bus.ask(ROUTERS, b"", _ADMIN_TIMEOUT)[0])
         except BusError:
             found = None
         self._look_at = now + _ADMIN_PERIOD if found is not None else inf

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
@@ -17,7 +17,7 @@ from deploy.telemetry.monitor.view.fleet import View
 from protocol.bus.bus import Bus
 from protocol.bus.events import Event, Presence, Sample
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.keys import every_robot, parse, robot_key, world_key
+from protocol.keys import every_robot, parse, robot_key, robot_tokens, world_key, world_tokens
 from protocol.messages import AnyMessage
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -56,6 +56,7 @@ class Watcher(Steerable):
         self.rejected: Counter[str] = Counter()
         self.deadline = time.monotonic()
         self._bus, self._run, self._listener = bus, run, listener
+        self._tokens: defaultdict[int | None, set[str]] = defaultdict(set)  # by robot; None for worlds
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # the world; the scenario it runs
         self._ask_at = self.deadline
@@ -63,8 +64,8 @@ class Watcher(Steerable):
             bus.subscribe(world_key(run, stream))
         for stream in ("health", "goalstatus"):
             bus.subscribe(every_robot(run, stream))
-        bus.watch(every_robot(run, "alive"))
-        bus.watch(world_key(run, "alive"))
+        bus.watch(robot_tokens(run))
+        bus.watch(world_tokens(run))
 
     def steer(self, steer: Steer) -> None:
         """Wait for the owning thread to pass it on; see `Steerable.steer`."""
@@ -117,11 +118,14 @@ class Watcher(Steerable):
         except KeyGrammarError:
             self.rejected["key"] += 1  # a stranger's token under our name says nothing about any robot
             return
-        self.change(lambda view, _: view.present(robot, event.alive))
+        tokens = self._tokens[robot]
+        (tokens.add if event.alive else tokens.discard)(event.key)
+        alive = bool(tokens)
+        self.change(lambda view, _: view.present(robot, alive))
         if robot is None:
-            if event.alive and not self._there:
+            if alive and not self._there:
                 self._known, self._ask_at = False, 0.0  # perhaps another world under this name
-            self._there = event.alive
+            self._there = alive
 
     def _on_sample(self, sample: Sample) -> None:
         try:
@@ -170,7 +174,7 @@ class Watcher(Steerable):
     def _present(self) -> Overview | None:
         """What the world says of its run; None if nobody answers."""
         try:
-            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0])
         except (BusError, MessageError):
             return None
         return reply if isinstance(reply, Overview) else None
@@ -186,7 +190,7 @@ class Watcher(Steerable):
     def _send(self, robot: int, order: GoalOrder) -> GoalReply:
         try:
             key, request = robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order)
-            reply = read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), GoalReply, "goal")
+            reply = read_reply(self._bus.ask(key, request, _ASK_TIMEOUT)[0], GoalReply, "goal")
         except (BusError, MessageError):
             return GoalReply(False, text=_UNANSWERED)
         status = reply.status
@@ -197,10 +201,11 @@ class Watcher(Steerable):
     def _hold_everybody(self, halt: bool) -> str:
         try:
             key, request = world_key(self._run, "halt"), msgspec.msgpack.encode(Halt(halt))
-            read_reply(self._bus.ask(key, request, _ASK_TIMEOUT), Halted, "halt")
+            replies = self._bus.ask(key, request, _ASK_TIMEOUT)
+            texts = {read_reply(reply, Halted, "halt").text for reply in replies}
         except (BusError, MessageError):
             return _UNANSWERED
-        return ""
+        return "; ".join(sorted(texts - {""}))
 
     def _ask_for(self, steer: Steer) -> None:
         request: dict[str, Any] = {
@@ -209,7 +214,7 @@ class Watcher(Steerable):
         try:
             reply = self._bus.ask(
                 world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
-            )
+            )[0]
             steering = msgspec.msgpack.decode(reply, type=Steering)
         except (BusError, *DAMAGED):
             return  # the world has gone, or is of another version: its controls stay as they are shown

@@ -16,7 +16,7 @@ from protocol.bus.bus import Bus
 from protocol.bus.drive import uninterrupted
 from protocol.bus.events import Event, Presence, Sample
 from protocol.errors import BusError, MessageError, RecordingError
-from protocol.keys import robot_key, world_key
+from protocol.keys import robot_key, world_key, world_tokens
 from protocol.messages import Result
 from protocol.requests import joining
 from protocol.scenario.model import Scenario
@@ -66,13 +66,14 @@ class Recorder:
         self._file, self._heard = file, heard
         self._aside: list[tuple[str, bytes]] = []
         self._result: str | None = None
+        self._worlds: set[str] = set()  # tokens
         self._world_is_there = False
         self._result_key = world_key(run, "result")
         self._result_due = inf
         self._written = self._flushed = time.monotonic()
         self._overdue = self.deadline = self._written + patience
         self._given_up = inf  # when who writes counts as gone for good
-        bus.watch(world_key(run, "alive"))
+        bus.watch(world_tokens(run))
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):
@@ -84,7 +85,8 @@ class Recorder:
             if len(self._aside) >= _BATCH and self._ready:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
-            self._on_world(event.alive)
+            (self._worlds.add if event.alive else self._worlds.discard)(event.key)
+            self._on_world(bool(self._worlds))
 
     def wake(self, now: float) -> None:
         if not self._ready:
@@ -147,7 +149,9 @@ class Recorder:
 
     def _scenario(self) -> Scenario | None:
         try:
-            reply = joining.decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT))
+            reply = joining.decode_reply(
+                self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
+            )
         except (BusError, MessageError):
             return None
         return reply.scenario if isinstance(reply, joining.Overview) else None

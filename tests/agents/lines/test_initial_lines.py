@@ -30,7 +30,9 @@ def tell(
     proposals: tuple[Proposal, ...] = (),
     answers: tuple[Answer, ...] = (),
 ) -> None:
-    state = State(speaker, 7, tick, STARTS[speaker], 0.0, 0.0, 0.0, DESIRED, proposals, answers)
+    state = State(
+        speaker, 7, tick, STARTS[speaker], 0.0, 0.0, 0.0, DESIRED, proposals=proposals, answers=answers
+    )
     listener.on_state(addressed_to(own, state, RADII[state.robot]))
 
 
@@ -77,8 +79,8 @@ def test_a_state_is_kept_without_what_it_says_to_others() -> None:
         1.0,
         2.0,
         DESIRED,
-        (Proposal(2, 7, 1, 1.0, 0.0, 0.0), Proposal(3, 7, 1, 0.0, 1.0, math.inf)),
-        (Answer(4, 7, 1, 1), Answer(2, 7, 0, 0)),
+        proposals=(Proposal(2, 7, 1, 1.0, 0.0, 0.0), Proposal(3, 7, 1, 0.0, 1.0, math.inf)),
+        answers=(Answer(4, 7, 1, 1), Answer(2, 7, 0, 0)),
     )
     heard = addressed_to(2, said, 0.1)
     assert heard.proposals == said.proposals[:1]

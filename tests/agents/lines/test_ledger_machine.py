@@ -91,8 +91,8 @@ class Fleet(RuleBasedStateMachine):
                 0.0,
                 0.0,
                 desired,
-                proposals,
-                answers,
+                proposals=proposals,
+                answers=answers,
             )
         )
 

@@ -22,7 +22,9 @@ def robot(identity: int) -> SeparatingLines:
 def said(
     identity: int, incarnation: int, tick: int, x: float, bound: float, *proposals: Proposal
 ) -> PeerState:
-    state = State(identity, incarnation, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals, ())
+    state = State(
+        identity, incarnation, tick, (x, 0.0), bound, 0.0, 0.0, STILL, proposals=proposals, answers=()
+    )
     return addressed_to(2, state, RADII[identity])
 
 

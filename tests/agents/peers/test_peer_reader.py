@@ -15,10 +15,11 @@ from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState, addressed_to
 from protocol.errors import MessageError
 from protocol.keys import robot_key
-from protocol.messages import Answer, Proposal, State
+from protocol.messages import VERSION, Answer, Proposal, State
 from protocol.streams import STREAMS
 from protocol.wire.codec import decode, encode
 
+EPOCH = 2**31 + 7
 ids = st.one_of(st.integers(1, 40), st.sampled_from((127, 128, 255, 256, 70_000, 999_999_999)))
 counts = st.one_of(
     st.integers(0, 300), st.sampled_from((2**15, 2**16 - 1, 2**16, 2**31, 2**32 - 1, 2**32, 2**53))
@@ -38,6 +39,7 @@ states = st.builds(
     sizes,
     sizes,
     vectors,
+    st.just(EPOCH),
     proposals.map(tuple),
     answers.map(tuple),
 )
@@ -70,7 +72,7 @@ def said(lines: Sequence[Proposal] = (), replies: Sequence[Answer] = (), **other
 @given(states, ids)
 def test_it_is_what_the_state_says_to_this_robot(state: State, robot: int) -> None:
     whole = addressed_to(robot, state)
-    assert fields(PeerReader(robot, state.robot).read(encode(state))) == fields(whole)
+    assert fields(PeerReader(robot, state.robot, epoch=EPOCH).read(encode(state))) == fields(whole)
 
 
 def outcome(read: Callable[[], PeerState]) -> str | dict[str, Any]:
@@ -93,9 +95,11 @@ def test_damage_is_seen_as_by_anybody_else(
     def whole() -> PeerState:
         message = decode(key, bytes(payload))
         assert isinstance(message, State)
+        if message.epoch != EPOCH:
+            raise MessageError("epoch", "it is of another coordinator")
         return addressed_to(robot, message)
 
-    found = outcome(lambda: PeerReader(robot, state.robot).read(bytes(payload)))
+    found = outcome(lambda: PeerReader(robot, state.robot, epoch=EPOCH).read(bytes(payload)))
     expected = outcome(whole)
     assert found == expected
 
@@ -123,17 +127,19 @@ def changed(place: int, value: Any) -> bytes:
         (encode(said()) + b"\x00", "shape"),
         (bytes(STREAMS["state"].limit + 1), "oversize"),
         (changed(0, "state/3"), "version"),
-        (changed(0, "command/4"), "type"),
+        (changed(9, 1), "epoch"),
+        (changed(9, 2**32), "shape"),
+        (changed(0, f"command/{VERSION}"), "type"),
         (changed(1, 9), "identity"),
         (changed(1, 0), "shape"),
         (changed(4, (0.0, math.inf)), "not-finite"),
         (changed(5, -1.0), "shape"),
         (changed(8, (math.nan, 0.0)), "not-finite"),
-        (changed(9, [[2, 1, 1, "n", 0.0, 0.0]]), "shape"),
-        (changed(9, [[3, 1, 1, "n", 0.0, 0.0]]), "shape"),
-        (changed(9, [[0, 1, 1, 1.0, 0.0, 0.0]]), "shape"),
-        (changed(10, [[3, 1, -1, 1]]), "shape"),
-        (changed(9, [[2, 1, 1, 1.0, 0.0, math.inf]]), "not-finite"),
+        (changed(10, [[2, 1, 1, "n", 0.0, 0.0]]), "shape"),
+        (changed(10, [[3, 1, 1, "n", 0.0, 0.0]]), "shape"),
+        (changed(10, [[0, 1, 1, 1.0, 0.0, 0.0]]), "shape"),
+        (changed(11, [[3, 1, -1, 1]]), "shape"),
+        (changed(10, [[2, 1, 1, 1.0, 0.0, math.inf]]), "not-finite"),
     ],
 )
 def test_damage_is_refused_for_its_reason(payload: bytes, reason: str) -> None:

@@ -75,7 +75,7 @@ class Fleet:
         def step() -> Command:
             ahead[0] += 1
             sense = Sense(mine.position, ahead[0], 0.0, (0.0, 0.0))
-            robot.begin(Tick(1, mine.incarnation, ahead[0], active, sense))
+            robot.begin(Tick(1, mine.incarnation, ahead[0], active, sense=sense))
             for state in peers:
                 robot.hearing.on_state(addressed_to(1, _at(state, ahead[0]), self.radii[state.robot]))
             return robot.command()

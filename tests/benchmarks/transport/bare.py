@@ -23,7 +23,7 @@ from deploy.processes.table import Process, router
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.events import Presence, Sample
 from protocol.bus.zenoh import ZenohBus
-from protocol.keys import every_robot, robot_key, world_key
+from protocol.keys import every_robot, robot_key, robot_token, robot_tokens, world_key
 from protocol.streams import STREAMS
 
 RUN = "bare"
@@ -110,7 +110,7 @@ def raw_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     states = session.declare_subscriber(every_robot(RUN, "state"), fifo)
     state = _publisher(session, robot_key(RUN, robot, "state"))
     command = _publisher(session, robot_key(RUN, robot, "command"))
-    token = session.liveliness().declare_token(robot_key(RUN, robot, "alive"))
+    token = session.liveliness().declare_token(robot_token(RUN, robot, "1"))
     while token is not None:
         measurements.recv().payload.to_bytes()
         state.put(say.state)
@@ -129,7 +129,7 @@ def raw_world(
         every_robot(RUN, "command"), zenoh.handlers.FifoChannel(4 * robots + 64)
     )
     measurements = [_publisher(session, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
-    tokens = session.liveliness().declare_subscriber(every_robot(RUN, "alive"), history=True)
+    tokens = session.liveliness().declare_subscriber(robot_tokens(RUN), history=True)
     for _ in range(robots):
         tokens.recv()
 
@@ -154,7 +154,7 @@ def bus_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
     bus.subscribe(*[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot])
     state = bus.publisher(STREAMS["state"], robot_key(RUN, robot, "state"))
     command = bus.publisher(STREAMS["command"], robot_key(RUN, robot, "command"))
-    bus.announce(robot_key(RUN, robot, "alive"))
+    bus.announce(robot_token(RUN, robot, "1"))
     heard = 0  # states of this tick; those of the fast come before the own measurement
     measured = False
     while True:
@@ -179,7 +179,7 @@ def bus_world(
     bus.subscribe(*[robot_key(RUN, i, "command") for i in range(1, robots + 1)])
     stream = STREAMS["tick"]
     measurements = [bus.publisher(stream, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
-    bus.watch(every_robot(RUN, "alive"))
+    bus.watch(robot_tokens(RUN))
 
     def hear(kind: type[Any]) -> None:
         for _ in range(robots):

@@ -20,7 +20,7 @@ from protocol.bus.events import Presence
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
 from protocol.errors import EndpointTakenError, ProcessError
-from protocol.keys import parse, robot_key
+from protocol.keys import TOKEN, parse
 from protocol.messages import Clock
 from protocol.streams import QUESTIONS, STREAMS
 from tests.deploy.processes import children
@@ -86,10 +86,8 @@ def test_the_admin_space_shows_the_streams_as_they_are_declared() -> None:
     assert {parse(key.replace("*", "1")).stream for key in kinds["queryable"]} == {
         each.name for each in QUESTIONS
     }
-    assert kinds["token"] == {
-        "disknav/shown/world/alive",
-        *(robot_key("shown", robot, "alive") for robot in (1, 2)),
-    }
+    tokens = [parse(key) for key in kinds["token"]]
+    assert sorted((each.robot or 0, each.stream) for each in tokens) == [(n, TOKEN) for n in range(3)]
     heard = {parse(key.replace("*", "1")).stream for key in kinds["subscriber"]}
     assert {"tick", "state", "command", "clock"} <= heard <= set(STREAMS)
 
@@ -116,10 +114,10 @@ def test_nobody_holds_a_free_port() -> None:
 def test_a_signal_ends_the_router_which_worked_till_then() -> None:
     def ready(endpoint: str) -> None:
         with closing(ZenohBus(Connection(connect=(endpoint,)))) as one:
-            one.announce("disknav/t/world/alive")
+            one.announce("disknav/t/world/alive/1")
             with closing(ZenohBus(Connection(connect=(endpoint,)))) as other:
-                other.watch("disknav/t/world/alive")
-                assert other.receive(10.0) == Presence("disknav/t/world/alive", True)
+                other.watch("disknav/t/world/alive/1")
+                assert other.receive(10.0) == Presence("disknav/t/world/alive/1", True)
         os.kill(os.getpid(), signal.SIGTERM)
 
     assert main(Connection("router"), ready=ready) == 0

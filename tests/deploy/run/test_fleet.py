@@ -144,7 +144,7 @@ def test_a_second_robot_with_the_same_id_is_refused() -> None:
         twin = table.Process("twin", "agents.process:main", (connection, run, 1))
         deadline = time.monotonic() + 30.0
         bus = ZenohBus(connection)
-        bus.watch(f"disknav/{run}/robot/1/alive")
+        bus.watch(f"disknav/{run}/robot/1/alive/*")
         while bus.receive(0.05) is None and time.monotonic() < deadline:
             supervisor.poll()
         bus.close()

@@ -14,7 +14,7 @@ from deploy.security.access import access_control
 from deploy.security.roster import Home, Roster
 from protocol.bus.connection import Connection
 from protocol.errors import CertificateError
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, world_key
+from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token
 from protocol.streams import STREAMS
 
 ROSTER = Roster("demo", (1, 2, 3))
@@ -36,7 +36,8 @@ def allowed(role: str, message: str, key: str, rules: dict[str, Any] = RULES) ->
 
 def keys() -> list[str]:
     robots = [robot_key("demo", robot, stream) for robot in ROSTER.robots for stream in ROBOT_STREAMS]
-    return robots + [world_key("demo", stream) for stream in WORLD_STREAMS]
+    tokens = [world_token("demo", "1"), *(robot_token("demo", robot, "1") for robot in ROSTER.robots)]
+    return robots + [world_key("demo", stream) for stream in WORLD_STREAMS] + tokens
 
 
 @pytest.mark.parametrize("role", ROSTER.roles)
@@ -66,9 +67,9 @@ def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
 @pytest.mark.parametrize("role", ROSTER.roles[1:])
 def test_a_token_stands_for_oneself(role: str) -> None:
     tokens = {key for key in keys() if allowed(role, "liveliness_token", key)}
-    own = {"world": {world_key("demo", "alive")}, "monitor": set(), "operator": set()}
+    own = {"world": {world_token("demo", "1")}, "monitor": set(), "operator": set()}
     for robot in ROSTER.robots:
-        own[f"robot-{robot}"] = {robot_key("demo", robot, "alive")}
+        own[f"robot-{robot}"] = {robot_token("demo", robot, "1")}
     assert tokens == own[role]
 
 

@@ -105,7 +105,7 @@ class Liar:
     def ask(self) -> None:
         for key, request in requests(self._own).items():
             try:
-                self.answers.append(self.bus.ask(key, request, 0.2))
+                self.answers += self.bus.ask(key, request, 0.2)
             except BusError:
                 continue
 

@@ -136,7 +136,7 @@ def attack(rogue: ZenohBus) -> None:
     rogue.watch(ALL)
     rogue.serve(f"disknav/{RUN}/**")
     for each in ("world", *(f"robot/{robot}" for robot in ROSTER.robots)):
-        rogue.announce(f"disknav/{RUN}/{each}/alive")
+        rogue.announce(f"disknav/{RUN}/{each}/alive/1")
     for stream, key in every_key():
         publish(rogue, stream, key, b"rogue")
 
@@ -178,7 +178,7 @@ def test_who_joins_proves_who_it_is(keys: Path) -> None:
         for robot in ROSTER.robots:
             key = robot_key(RUN, robot, "join")
             if f"robot/{robot}" in OWN:
-                assert it.rogue.ask(key, b"", 5.0) == key.encode()
+                assert it.rogue.ask(key, b"", 5.0) == [key.encode()]
             else:
                 with pytest.raises(BusError, match="nobody answered"):
                     it.rogue.ask(key, b"", 0.3)
@@ -188,7 +188,7 @@ def test_who_joins_proves_who_it_is(keys: Path) -> None:
             with pytest.raises(BusError, match="nobody answered"):
                 it.rogue.ask(key, b"", 0.2)
         key = robot_key(RUN, 2, "join")
-        assert it.honest.ask(key, b"", 5.0) == key.encode()
+        assert it.honest.ask(key, b"", 5.0) == [key.encode()]
 
 
 def test_without_rules_the_same_is_possible(keys: Path) -> None:

@@ -28,7 +28,7 @@ from protocol.bus.credentials import Credentials, credentials
 from protocol.bus.events import Presence, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError
-from protocol.keys import everything, robot_key, world_key
+from protocol.keys import everything, robot_key, robot_token, world_key, world_token
 from protocol.messages import Clock, Truth
 from protocol.streams import STREAMS
 
@@ -87,8 +87,8 @@ def attack(bus: ZenohBus, run: str, own: int | None = None) -> None:
                 write(bus, run, robot, stream, ROGUE)
     for stream in ("clock", "truth", "result"):
         bus.publisher(STREAMS[stream], world_key(run, stream))(ROGUE)
-    bus.announce(robot_key(run, 6 if own != 6 else 5, "alive"))
-    bus.announce(world_key(run, "alive"))
+    bus.announce(robot_token(run, 6 if own != 6 else 5, "1"))
+    bus.announce(world_token(run, "1"))
     bus.subscribe(everything(run))
 
 
@@ -102,8 +102,8 @@ def test_a_certificate_does_not_write_in_anothers_name(keys: Path, endpoint: str
     ):
         spy.subscribe(everything("guarded"))
         spy.watch(everything("guarded"))
-        honest.announce(robot_key("guarded", 3, "alive"))
-        assert spy.receive(10.0) == Presence(robot_key("guarded", 3, "alive"), True)
+        honest.announce(robot_token("guarded", 3, "1"))
+        assert spy.receive(10.0) == Presence(robot_token("guarded", 3, "1"), True)
         attack(rogue, "guarded", own)
         if own is not None:
             write(rogue, "guarded", own, "state", b"its own")
@@ -219,7 +219,7 @@ def test_the_same_attack_tells_where_there_are_no_rules(keys: Path) -> None:
         ):
             spy.subscribe(everything("guarded"))
             spy.watch(everything("guarded"))
-            rogue.announce(robot_key("guarded", 2, "alive"))
+            rogue.announce(robot_token("guarded", 2, "1"))
             assert spy.receive(10.0) is not None
             attack(rogue, "guarded", 2)
             write(rogue, "guarded", 2, "state", b"last")

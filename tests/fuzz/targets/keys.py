@@ -16,15 +16,19 @@ def draw_key(rng: Random) -> str:
     robot = rng.choice((1, 7, 64, 999_999_999))
     valid = rng.choice(
         (f"disknav/{run}/robot/{robot}/{rng.choice(ROBOT_STREAMS)}",
-         f"disknav/{run}/world/{rng.choice(WORLD_STREAMS)}")
+         f"disknav/{run}/world/{rng.choice(WORLD_STREAMS)}",
+         keys.robot_token(run, robot, "5c1f"), keys.world_token(run, "A_b-9"))
     )  # fmt: skip
     return damaged_text(valid, f"disknav/{run}/world/alive", rng) if rng.randrange(6) else valid
 
 
 def _read_key(text: str) -> bool:
-    run, robot, stream = keys.parse.__wrapped__(text)  # uncached: a cache of a million keys proves nothing
+    run, robot, stream, session = keys.parse.__wrapped__(text)  # uncached: a cache of so many proves nothing
     keys.checked_run(run)
-    again = keys.world_key(run, stream) if robot is None else keys.robot_key(run, robot, stream)
+    if session:
+        again = keys.world_token(run, session) if robot is None else keys.robot_token(run, robot, session)
+    else:
+        again = keys.world_key(run, stream) if robot is None else keys.robot_key(run, robot, stream)
     assert again == text
     return True
 

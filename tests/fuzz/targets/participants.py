@@ -24,10 +24,12 @@ from world.shell.node import WorldNode
 
 _RUN = "local"  # the name of a run in one process
 _EVENTS = (
-    f"disknav/{_RUN}/robot/0/alive", f"disknav/{_RUN}/robot/x/alive", f"disknav/{_RUN}/robot/7/alive",
-    f"disknav/{_RUN}/robot/999999999/alive", f"disknav/{_RUN}/robot/1/alive", f"disknav/{_RUN}/robot/alive",
+    f"disknav/{_RUN}/robot/0/alive/5c1f", f"disknav/{_RUN}/robot/x/alive/1",
+    f"disknav/{_RUN}/robot/7/alive/1",
+    f"disknav/{_RUN}/robot/999999999/alive/1", f"disknav/{_RUN}/robot/1/alive/1",
+    f"disknav/{_RUN}/robot/alive",
     f"disknav/{_RUN}/robot/1/2/3/4/5/alive", f"disknav/{_RUN}/robot/*/command", f"disknav/{_RUN}/**", "**",
-    f"disknav/{_RUN}/world/scenario", f"disknav/{_RUN}/world/control", f"disknav/{_RUN}/world/alive",
+    f"disknav/{_RUN}/world/scenario", f"disknav/{_RUN}/world/control", f"disknav/{_RUN}/world/alive/1",
     f"disknav/{_RUN}/world/*", "@/router/alive", "", f"disknav/{_RUN}/robot/1/goal",
     f"disknav/{_RUN}/world/halt", f"disknav/{_RUN}/world/fleet", f"disknav/{_RUN}/world/things",
 )  # fmt: skip

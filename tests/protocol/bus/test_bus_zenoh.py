@@ -36,7 +36,7 @@ def exchange(first: ZenohBus, second: ZenohBus) -> None:
     assert first.receive(PATIENCE) == Presence(ALIVE, True)
     answering = threading.Thread(target=answer, args=(first, b"yes"))
     answering.start()
-    assert second.ask(SCENARIO, b"may I?", PATIENCE) == b"yes"
+    assert second.ask(SCENARIO, b"may I?", PATIENCE) == [b"yes"]
     answering.join()
     publish(b"here")  # the answer came after the subscription: before, nobody might be known to listen
     assert first.receive(PATIENCE) == Sample(STATE, b"here")
@@ -148,7 +148,7 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
 def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
     asker, server = connect(), connect()
     replies: list[bytes] = []
-    asking = threading.Thread(target=lambda: replies.append(asker.ask(SCENARIO, b"may I?", PATIENCE)))
+    asking = threading.Thread(target=lambda: replies.extend(asker.ask(SCENARIO, b"may I?", PATIENCE)))
     asking.start()
     assert server.receive(0.1) is None  # the first attempts find nobody
     server.serve(SCENARIO)

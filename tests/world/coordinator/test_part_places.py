@@ -40,7 +40,7 @@ def tick(
             version = found.coordinator.lives.version if kept else 0
             life = told[robot].incarnation
             asked = (asks or {}).get(robot)
-            command = Command(robot, life, found.tick, (0.0, 0.0), version, handles=asked)
+            command = Command(robot, life, found.tick, (0.0, 0.0), roster=version, handles=asked)
             assert found.accept(command)
     found.close_tick()
 

@@ -45,8 +45,8 @@ def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
     told = found.open_tick()
     assert statuses(found) == {2: "appearing"}
     assert [each.shape for each in told[1].roster.things] == [WALL.shape]
-    found.accept(Command(1, 1, found.tick, (0.0, 0.0), found.coordinator.lives.version))
-    found.accept(Command(2, 1, found.tick, (0.0, 0.0), found.coordinator.lives.version - 1))
+    found.accept(Command(1, 1, found.tick, (0.0, 0.0), roster=found.coordinator.lives.version))
+    found.accept(Command(2, 1, found.tick, (0.0, 0.0), roster=found.coordinator.lives.version - 1))
     found.close_tick()
     assert statuses(found) == {2: "appearing"}
     advance(found)
@@ -139,7 +139,7 @@ def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
 def test_what_is_no_shape_is_dropped_on_arrival() -> None:
     tick = msgspec.to_builtins(Tick(1, 1, 0, (), roster=Roster(1, (), (Thing(1, "standing", BOX),))))
     for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
-        tick[7][2][0][2] = points
+        tick[8][2][0][2] = points
         with pytest.raises(MessageError):
             decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))
 

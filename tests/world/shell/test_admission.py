@@ -45,6 +45,15 @@ class Desk:
         join = Join(robot, session, health)
         return self.admissions.refusal(join, self.run) or self.admissions.enlist(join, self.run)
 
+    def arrive(self, session: str) -> None:
+        """The token of a process of robot 1 is there."""
+        self.admissions.arrive(1, session)
+
+    def leave(self) -> None:
+        """The token of robot 1's admitted process is gone, and it is taken to be gone as well."""
+        self.admissions.go(1, self.admissions.slots[1].session)
+        self.admissions.leave(1)
+
     def admitted(self, session: str, robot: int = 1, lived: int | None = None) -> int:
         reply = self.ask(session, robot, lived)
         assert isinstance(reply, Admission), reply
@@ -55,7 +64,7 @@ class Desk:
 def test_asking_again_is_asking_once() -> None:
     desk = Desk()
     assert [desk.admitted("a") for _ in range(3)] == [1, 1, 1]
-    desk.admissions.arrive(1)
+    desk.arrive("a")
     assert desk.admitted("a") == 1  # the reply came too late, the token too early: nothing has been lived yet
     assert desk.run.world.coordinator.lives.incarnations == {1: 1, 2: 0}
 
@@ -64,7 +73,7 @@ def test_a_life_that_was_lived_is_not_lived_again() -> None:
     """Its numbers have been used."""
     desk = Desk()
     assert desk.admitted("a") == 1
-    desk.admissions.arrive(1)
+    desk.arrive("a")
     assert desk.admitted("a", lived=1) == 2
     assert desk.admitted("a", lived=1) == 2  # the reply was lost
     assert desk.run.world.coordinator.lives.goes_on(1, 2)
@@ -79,7 +88,7 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
     desk.clock.now = 1.1 * RESERVATION
     assert desk.admitted("next") == 2
     assert isinstance(desk.ask("dead"), Wait)  # it was only slow
-    desk.admissions.arrive(1)
+    desk.arrive("next")
     assert isinstance(desk.ask("dead"), Refusal)
     assert desk.run.world.coordinator.lives.goes_on(1, 2)
 
@@ -87,13 +96,13 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
 def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     desk = Desk()
     assert desk.admitted("first") == 1
-    desk.admissions.arrive(1)
+    desk.arrive("first")
     desk.clock.now = 100.0
     reply = desk.ask("second")
     assert isinstance(reply, Refusal)
     assert "already running" in reply.text
     assert desk.run.world.coordinator.lives.goes_on(1, 1)
-    desk.admissions.leave(1)
+    desk.leave()
     desk.run.world.coordinator.lost(1)
     assert desk.admitted("second") == 2
 
@@ -102,10 +111,10 @@ def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> Non
     """It may ask before its launcher gets to it, when the world or a router was away."""
     desk = Desk()
     assert desk.admitted("first") == 1
-    desk.admissions.arrive(1)
+    desk.arrive("first")
     desk.run.world.coordinator.lives.of[1].restart()
     assert isinstance(desk.ask("first"), Wait)
-    desk.admissions.leave(1)  # a router went, and with it the token
+    desk.leave()  # a router went, and with it the token
     assert isinstance(desk.ask("first"), Wait)
     assert desk.admitted("next") == 2
     assert isinstance(desk.ask("first"), Wait)
@@ -120,19 +129,16 @@ def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> Non
 
 
 def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id() -> None:
-    """It may ask before it heard that it was removed, when its robot's id is taken again already. The next
-    one waits until that one's token is gone: there is one for both."""
+    """It may ask before it heard that it was removed, when its robot's id is taken again already."""
     desk = Desk()
     assert desk.admitted("first") == 1
-    desk.admissions.arrive(1)
+    desk.arrive("first")
     desk.run.world.coordinator.lives.of[1] = Life(1, Status.LOST, fenced=True, fate="removed")
     desk.admissions.expect(1)
-    assert isinstance(desk.ask("next"), Wait)
     assert desk.ask("first") == Finished("removed")
-    desk.admissions.leave(1)
     assert desk.ask("first") == Finished("removed")
     assert desk.admitted("next") == 2
-    desk.admissions.arrive(1)
+    desk.arrive("next")
     assert desk.ask("first") == Finished("removed")
     assert desk.admitted("next") == 2
 
@@ -141,14 +147,14 @@ def test_who_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
     """A process that is frozen for longer than its token lives is the one that it was when it is woken."""
     desk = Desk()
     assert desk.admitted("first") == 1
-    desk.admissions.arrive(1)
+    desk.arrive("first")
     desk.run.world.coordinator.lives.of[1].pause()
-    desk.admissions.leave(1)
+    desk.leave()
     desk.run.world.coordinator.lost(1, "has gone")
     assert isinstance(desk.ask("first"), Wait)
     desk.run.world.coordinator.lives.of[1].resume()
     assert desk.admitted("first") == 1
-    desk.admissions.leave(1)
+    desk.leave()
     desk.run.world.coordinator.lives.of[1].pause()
     desk.run.world.coordinator.lives.of[1].resume()
     assert desk.admitted("next") == 2  # it has not woken: its successor is not kept out
@@ -198,10 +204,10 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
                 begun.add(reply.incarnation)
                 lives[process] = reply.incarnation
         elif event == "arrive" and process in lives and token in ("", process):
-            desk.admissions.arrive(1)
+            desk.arrive("next")
             token = process
         elif event == "leave" and token == process:
-            desk.admissions.leave(1)
+            desk.leave()
             desk.run.world.coordinator.lost(1)
             token = ""
             lives.pop(process, None)
@@ -220,7 +226,7 @@ class Lossy:
     def __init__(self, bus: LocalBus, losses: int) -> None:
         self._bus, self.losses = bus, losses
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> bytes:
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         reply = self._bus.ask(key, payload, timeout)
         self.losses -= 1
         if self.losses >= 0:

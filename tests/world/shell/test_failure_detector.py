@@ -42,8 +42,13 @@ class Watch:
 
     def come(self, robot: int, session: str = "") -> None:
         """A process of this robot is admitted, and shows its token."""
-        self.admissions.enlist(Join(robot, session or f"session {robot}"), self.turn)
-        self.failures.arrive(robot, self.turn)
+        session = session or f"session {robot}"
+        self.admissions.enlist(Join(robot, session), self.turn)
+        self.failures.arrive(robot, session, self.turn)
+
+    def miss(self, robot: int) -> None:
+        """The token of its process is gone."""
+        self.failures.miss(robot, self.admissions.slots[robot].session, self.turn)
 
     def open(self) -> None:
         """Both have come, and the tick begins."""
@@ -81,7 +86,7 @@ def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
     watch.come(1)
     watch.admissions.enlist(Join(2, "b"), watch.turn)
     assert watch.gathered() is None
-    watch.failures.arrive(2, watch.turn)
+    watch.failures.arrive(2, "b", watch.turn)
     assert watch.gathered() == {1, 2}
 
 
@@ -98,32 +103,32 @@ def test_a_run_that_is_not_complete_in_time_does_not_begin() -> None:
 def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     watch = Watch()
     watch.open()
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     assert watch.turn.world.coordinator.active == (1,)
     assert [set(told) for told in watch.told] == [{1}]  # who waits for its State hears of it
     assert watch.told[0][1].active == (1,)
     assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
-    assert not watch.admissions.slots[2].occupied
+    assert watch.admissions.slots[2].session == ""
 
 
 def test_only_those_who_owe_a_command_are_told_again() -> None:
     watch = Watch()
     watch.open()
     watch.command(1)
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     assert watch.told == [{}]
 
 
 def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> None:
     watch = Watch(grace=GRACE)
     watch.open()
-    watch.failures.miss(1, watch.turn)
-    watch.failures.miss(2, watch.turn)
+    watch.miss(1)
+    watch.miss(2)
     watch.go_by(0.9 * GRACE)
     watch.told.clear()
-    watch.failures.arrive(1, watch.turn)
+    watch.failures.arrive(1, "session 1", watch.turn)
     assert watch.told == []  # the other is missing yet
-    watch.failures.arrive(2, watch.turn)
+    watch.failures.arrive(2, "session 2", watch.turn)
     assert [set(told) for told in watch.told] == [{1, 2}]
     watch.go_by(GRACE)
     assert watch.turn.world.coordinator.active == (1, 2)
@@ -133,7 +138,7 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
 def test_after_the_grace_it_is_given_up() -> None:
     watch = Watch(grace=GRACE)
     watch.open()
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     watch.go_by(0.9 * GRACE)
     assert watch.turn.world.coordinator.active == (1, 2)
     watch.go_by(0.2 * GRACE)
@@ -142,16 +147,16 @@ def test_after_the_grace_it_is_given_up() -> None:
 
 def test_a_life_that_has_not_joined_this_run_has_no_grace() -> None:
     watch = Watch(grace=GRACE)
-    watch.failures.arrive(1, watch.turn)
-    watch.failures.miss(1, watch.turn)
-    assert not watch.admissions.slots[1].occupied
+    watch.failures.arrive(1, "session 1", watch.turn)
+    watch.miss(1)
+    assert watch.admissions.missing() == []
 
 
 def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
     watch = Watch(grace=100.0 * PATIENCE)
     watch.open()
     watch.go_by(REPEAT)
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     for _ in range(20):
         watch.go_by(PATIENCE)
     assert watch.turn.world.coordinator.active == (1, 2)
@@ -163,7 +168,7 @@ def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, act
     watch.open()
     watch.failures.supersede(Join(2, "another"), watch.turn)
     assert watch.turn.world.coordinator.active == (1, 2)  # its token is there
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     watch.failures.supersede(Join(2, session), watch.turn)
     assert watch.turn.world.coordinator.active == active
 
@@ -178,7 +183,7 @@ def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
     watch.go_by(0.1)
     assert watch.turn.world.coordinator.active == (1,)
     assert watch.admissions.slots[2].blamed == {"session 2": 1}
-    assert watch.admissions.slots[2].present  # it hangs, though its session lives
+    assert watch.admissions.is_present(2)  # it hangs, though its session lives
     assert len(watch.said) == 1
 
 
@@ -187,7 +192,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
     watch = Watch(restarts=restarts, lockstep=lockstep)
     watch.open()
     for life in range(3):
-        watch.failures.miss(2, watch.turn)
+        watch.miss(2)
         watch.close()
         awaited = life < lives
         assert watch.turn.world.coordinator.lives.awaited == ({2} if awaited else set())
@@ -202,7 +207,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
 def test_the_next_life_is_not_waited_for_for_ever() -> None:
     watch = Watch(restarts=1)
     watch.open()
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     watch.close()
     watch.pacing.wait()
     watch.go_by(GATHERING + 0.1)
@@ -219,7 +224,7 @@ def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
     watch.close()
     watch.go_by(100.0 * GATHERING)
     assert watch.said == []
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     watch.go_by(0.9 * GATHERING)  # of the next life's time, which begins now
     assert watch.turn.world.coordinator.lives.awaited == {2}
 
@@ -230,7 +235,7 @@ def test_who_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> Non
     watch.open()
     watch.close()
     watch.turn.phase = phase
-    watch.failures.miss(2, watch.turn)
+    watch.miss(2)
     assert watch.said == []
     assert watch.turn.world.coordinator.lives.awaited == set()
     assert watch.failures.expected == {}

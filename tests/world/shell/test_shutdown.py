@@ -23,7 +23,7 @@ class Ending:
         self.turn.began = 0.0
         for robot in (1, 2):
             self.admissions.enlist(Join(robot, f"session {robot}"), self.turn)
-            self.admissions.arrive(robot)
+            self.admissions.arrive(robot, f"session {robot}")
 
     def ask(self, robot: int, published: int | None = None) -> Reply | None:
         """A process asks to join, with a report of so many messages or without one."""

@@ -271,7 +271,7 @@ def test_one_sick_robot_never_costs_another(active: frozenset[int], data: st.Dat
 def test_a_complaint_is_no_command() -> None:
     world = joined(two())
     world.open_tick()
-    assert not world.accept(Command(1, 1, 0, (0.1, 0.0), 0, (2,)))
+    assert not world.accept(Command(1, 1, 0, (0.1, 0.0), roster=0, awaits=(2,)))
     assert world.coordinator.waiting == {1, 2}
     assert world.coordinator.blamed().keys() == {2}
     assert world.accept(Command(1, 1, 0, (0.1, 0.0)))

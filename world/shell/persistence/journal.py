@@ -21,13 +21,14 @@ from pathlib import Path
 import msgspec
 
 from protocol.errors import JournalError
-from protocol.messages import Command, Count, Id
+from protocol.messages import Command, Count, Epoch, Id
 from protocol.scenario.model import Scenario
 from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
 from world.shell.persistence import records
 from world.shell.persistence.snapshot import Snapshot
 from world.shell.processes import Processes
+from world.shell.run import drawn_epoch
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
@@ -38,6 +39,7 @@ class Head(msgspec.Struct, frozen=True):
     run: str
     scenarios: str  # digest of all of them
     boot: str  # names the time since the machine was started; empty where the system has no such name
+    epoch: Epoch  # of the coordinator; a world that goes on from the journal is the same one
     number: Count = 0  # which of the scenarios
     incarnations: dict[Id, Count] = {}  # newest of every robot when the run began
     version: Count = 0  # newest of the roster then
@@ -94,7 +96,7 @@ class Journal:
         self._file = records.opened(path)
         try:
             (start, payload, _), *others = found = list(records.records(path))
-            self.head = _checked(path, start, payload, Head(run, digest(scenarios), _boot()))
+            self.head = _checked(path, start, payload, Head(run, digest(scenarios), _boot(), 0))
             self.past = [entry for start, payload, _ in others for entry in _decoded(path, start, payload)]
             os.ftruncate(self._file, found[-1][-1])
         except BaseException:
@@ -110,7 +112,7 @@ class Journal:
         """
         try:
             with path.open("xb") as file:
-                file.write(_beginning(Head(run, digest(scenarios), _boot())))
+                file.write(_beginning(Head(run, digest(scenarios), _boot(), drawn_epoch())))
         except OSError as error:
             raise JournalError(f"cannot keep a journal in {path}: {error.strerror}") from error
 

@@ -14,6 +14,7 @@ from protocol.scenario.model import Scenario
 from world.coordinator.inputs import (
     Added,
     Closed,
+    Contested,
     Ended,
     Expected,
     GivenUp,
@@ -136,6 +137,7 @@ _FOLLOW: dict[type, Callable[[World, Any], bool]] = {
     Placed: lambda world, entry: world.add_thing(entry.order).accepted,
     TakenAway: lambda world, entry: world.remove_thing(entry.number).accepted,
     Halted: _always(lambda world, entry: world.halt(entry.halted)),
+    Contested: _always(lambda world, entry: world.contest(entry.contested)),
     Added: lambda world, entry: not world.add(entry.spec),
     Removed: lambda world, entry: not world.remove(entry.robot),
     Ended: _always(lambda world, entry: world.finish(entry.verdict, entry.reason)),

@@ -51,7 +51,16 @@ class Seat:
             placement.fit_line = fit
         name = (0.0, float(self.robot))  # no place, which only matters to where lines are placed
         return State(
-            self.robot, self.incarnation, 0, name, setting.bound, 0.0, 0.0, STILL, proposals, answers
+            self.robot,
+            self.incarnation,
+            0,
+            name,
+            setting.bound,
+            0.0,
+            0.0,
+            STILL,
+            proposals=proposals,
+            answers=answers,
         )
 
     def follow(

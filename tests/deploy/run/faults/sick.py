@@ -56,7 +56,7 @@ def dies_once_admitted(connection: Connection, run: str, robot: int, marker: Pat
         return main(connection, run, robot)
     request = joining.encode_request(joining.Join(robot, "first"))
     with closing(ZenohBus(connection)) as bus:
-        reply = joining.decode_reply(bus.ask(robot_key(run, robot, "join"), request, 10.0))
+        reply = joining.decode_reply(bus.ask(robot_key(run, robot, "join"), request, 10.0)[0])
     assert isinstance(reply, joining.Admission)
     marker.touch()
     os._exit(1)

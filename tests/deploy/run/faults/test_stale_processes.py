@@ -12,7 +12,6 @@ import pytest
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Presence
-from protocol.keys import robot_key
 from protocol.requests.joining import Admission, Finished, Reply, Wait
 from protocol.scenario.model import Order, ProcessFault
 from tests.deploy.run.faults.stale import (
@@ -30,6 +29,7 @@ from tests.deploy.run.faults.stale import (
 from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP
 from tests.deploy.run.orders.turnover import asked
 from tests.skipped_waits import skipped_waits
+from tests.world.driving import token
 from world.judge import trajectory
 
 
@@ -43,7 +43,7 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(
     injector(fleet).node = None
     go(fleet, 12)
     _, node = deafened(fleet, lambda: asked(fleet, {"remove": 2}))
-    session = node._world._session
+    session = node._world.session
     go(fleet, 1)
     assert asked(fleet, {"add": AGAIN}).accepted
     assert answer(fleet, session) == Finished("removed")
@@ -57,13 +57,12 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(
         go(fleet, ticks)
     assert status(fleet) == "standing"
     assert answer(fleet, session) == Finished("removed")
-    fleet.world.handle(Presence(robot_key("local", 2, "alive"), False))
+    fleet.world.handle(Presence(token(fleet.network, 2), False))
     assert isinstance(answer(fleet, "next"), Admission)
     assert answer(fleet, session) == Finished("removed")
 
 
-def test_the_next_one_waits_for_the_token_of_the_one_before() -> None:
-    """There is one for both, so the world could not tell whose it is that goes."""
+def test_the_next_one_does_not_wait_for_the_token_of_the_one_before() -> None:
     fleet = LocalFleet([ENDLESS])
     injector(fleet).node = None
     go(fleet, 10)
@@ -73,11 +72,9 @@ def test_the_next_one_waits_for_the_token_of_the_one_before() -> None:
     go(fleet, 4)
     successor = fleet.start(2)
     successor.wake(math.inf)
-    assert (status(fleet), life(fleet).joined) == ("standing", False)
-    go(fleet, 20)  # nobody waits for it
-    bus.close()
-    go(fleet, 1)
-    successor.wake(math.inf)
+    go(fleet, 20)
+    assert (status(fleet), life(fleet).joined) == ("live", True)
+    bus.close()  # the token that goes is not that of the successor
     go(fleet, 20)
     assert (status(fleet), life(fleet).joined) == ("live", True)
     assert fleet.world.world.coordinator.lives.given_up == []
@@ -141,16 +138,15 @@ def test_a_deaf_process_of_one_run_takes_no_part_in_the_next() -> None:
     node = bus.node
     assert isinstance(node, RobotNode)
     bus.node = None
-    fleet.world.handle(Presence(robot_key("local", 7, "alive"), False))
+    fleet.world.handle(Presence(token(fleet.network, 7), False))
     fleet.network.run(lambda: fleet.world.finished or 7 in fleet.world.world.coordinator.newcomers)
     assert fleet.world._run.number == 1
-    assert answer(fleet, node._world._session, 7) == Finished("removed")
+    assert answer(fleet, node._world.session, 7) == Finished("removed")
     bus.close()
     assert fleet.execute()[-1]["verdict"] == "arrived"
 
 
-def test_the_guest_of_the_next_run_waits_for_the_token_of_the_one_before() -> None:
-    """It would not be told from its own, and the world would wait for that in vain."""
+def test_the_guest_of_the_next_run_does_not_wait_for_the_token_of_the_one_before() -> None:
     with skipped_waits():
         fleet = LocalFleet([GUESTED, GUESTED])
         fleet.network.run(lambda: fleet.world.finished or fleet.world.world.tick >= 13)
@@ -159,10 +155,10 @@ def test_the_guest_of_the_next_run_waits_for_the_token_of_the_one_before() -> No
         fleet.network.run(
             lambda: fleet.world._run.number == 1 and bool(fleet.world.world.coordinator.newcomers)
         )
-        assert isinstance(answer(fleet, "next", 7), Wait)
+        assert isinstance(answer(fleet, "next", 7), Admission)
         bus.close()
         fleet.world_bus.drain()
-        assert isinstance(answer(fleet, "next", 7), Admission)
+        assert 7 in fleet.world.world.coordinator.lives.up
 
 
 def test_who_comes_late_for_a_guest_of_the_run_before_is_told_that_it_is_removed() -> None:

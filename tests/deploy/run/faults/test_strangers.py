@@ -27,7 +27,7 @@ from protocol.streams import STREAMS
 from protocol.wire.codec import encode
 from tests.deploy.telemetry.monitor.watched import watch_local
 
-TOKENS = ("robot/0/alive", "robot/x/alive", "robot/01/alive", "robot/7/alive", "robot/999999999/alive")
+TOKENS = tuple(f"robot/{robot}/alive/5c1f" for robot in ("0", "x", "01", "7", "999999999"))
 PATTERNS = ("**", "world/*", "world/**", "robot/*/command")
 HUGE = b"\xc1" * (1 << 20)
 SWAP = load("swap-2")
@@ -87,7 +87,7 @@ class Disturbed(Fleet):
             stranger.announce(f"{prefix}/{token}")
         for pattern in (*PATTERNS[:3], "robot/1/join"):
             try:
-                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 20.0)))
+                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 20.0)[0]))
             except BusError as error:
                 self.replies.append(error)
         keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")

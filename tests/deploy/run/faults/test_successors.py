@@ -15,11 +15,11 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
 from protocol.bus.events import Presence
-from protocol.keys import robot_key, world_key
 from protocol.requests.joining import Admission, Refusal
 from protocol.scenario.model import ProcessFault
 from tests.deploy.run.faults.stale import ENDLESS, RESTARTED, Overheard, answer, go, injector, kept, life
 from tests.deploy.run.orders.guests import SWAP
+from tests.world.driving import token
 from world.shell.persistence.journal import Journal
 
 
@@ -27,9 +27,9 @@ def blink(fleet: LocalFleet) -> None:
     """The router goes and comes back: so do all tokens."""
     for alive in (False, True):
         for robot, bus in fleet.robots.items():
-            fleet.world.handle(Presence(robot_key(fleet.run, robot, "alive"), alive))
+            fleet.world.handle(Presence(token(fleet.network, robot), alive))
             assert bus.node is not None
-            bus.node.handle(Presence(world_key(fleet.run, "alive"), alive))
+            bus.node.handle(Presence(token(fleet.network), alive))
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_b
     fleet.start_world()
     fleet.world_bus.drain()  # the tokens
     assert isinstance(answer(fleet, "stranger"), Refusal)
-    assert isinstance(answer(fleet, node._world._session), Admission)
+    assert isinstance(answer(fleet, node._world.session), Admission)
 
 
 @pytest.mark.process

@@ -132,7 +132,7 @@ def test_serve_and_send(tmp_path: Path) -> None:
             assert "out of the workspace" in operator.order(1, GoalOrder(((9.0, 0.0),))).text
             assert "no robot 7" in operator.order(7, GoalOrder((PLACE,))).text
         bus = ZenohBus(Connection(connect=(endpoint,)))  # as any client of zenoh
-        told = json.loads(bus.ask("disknav/yard/robot/3/goal", b'{"points": [[0, -0.1]]}', 5.0))
+        told = json.loads(bus.ask("disknav/yard/robot/3/goal", b'{"points": [[0, -0.1]]}', 5.0)[0])
         bus.close()
         assert (told["accepted"], told["number"]) == (True, 1)
         command = ["goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]

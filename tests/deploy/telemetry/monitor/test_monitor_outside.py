@@ -22,7 +22,7 @@ from protocol.bus.connection import Connection
 from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
-from protocol.keys import robot_key, world_key
+from protocol.keys import robot_token, world_key, world_token
 from protocol.messages import Clock, Truth
 from protocol.requests.joining import Overview, encode_reply
 from protocol.streams import STREAMS
@@ -39,7 +39,7 @@ class World:
         self.bus.serve(world_key(run, "scenario"))
         self.clock = self.bus.publisher(STREAMS["clock"], world_key(run, "clock"))
         self.truth = self.bus.publisher(STREAMS["truth"], world_key(run, "truth"))
-        self.bus.announce(world_key(run, "alive"))
+        self.bus.announce(world_token(run, "1"))
         self.tick = 0
         self.asked = False
 
@@ -63,7 +63,7 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
         world = World(endpoint, run)
         with closing(world.bus):
             robot = ZenohBus(Connection(connect=(endpoint,)))
-            robot.announce(robot_key(run, 2, "alive"))
+            robot.announce(robot_token(run, 2, "1"))
             until(lambda: (world.turn(), watcher.snapshot()["tick"] > 3)[1])
             assert [row["alive"] for row in watcher.snapshot()["robots"]] == [None, True]
             robot.close()

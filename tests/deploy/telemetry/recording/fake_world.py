@@ -1,7 +1,7 @@
 """A world that says whatever a test wants."""
 
 from protocol.bus.events import Request
-from protocol.keys import parse, world_key
+from protocol.keys import parse, world_key, world_token
 from protocol.requests import joining
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.recorded import scenario
@@ -20,7 +20,7 @@ class FakeWorld:
         if hasattr(bus, "node"):
             bus.node = self
         bus.serve(world_key(run, "scenario"))
-        bus.announce(world_key(run, "alive"))
+        bus.announce(world_token(run, "1"))
 
     def handle(self, event) -> None:
         if isinstance(event, Request):

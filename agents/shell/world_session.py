@@ -1,4 +1,4 @@
-"""The world as one robot's process hears it: when it spoke last, and for how long it may be gone."""
+"""The world as one robot's process knows it: admission, the newest sign of life, the time it may be gone."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from typing import Final, final
 
 from protocol.bus.bus import Bus
 from protocol.errors import BusError, JoinError, MessageError
-from protocol.keys import robot_key
+from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 from protocol.requests import joining
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
-_BRIEF = 0.1  # s that it may take when the run is over: who asks does not hear that the world's token went
+_BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
 
 
 @final
-class Contact:
+class WorldSession:
     """Requests to join, and the world's token.
 
     Args:
@@ -35,9 +35,11 @@ class Contact:
         read: takes an answer to pieces.
 
     Attributes:
+        session: of this process.
+        epoch: of the coordinator that admitted this process last, 0 for none.
         heard: when the world was heard last, s, monotonic.
-        back: whether it was gone and has come back, and may have ended this life meanwhile without being
-            heard.
+        back: whether it was gone and is back, or another one has taken its place: this life may have ended
+            meanwhile.
     """
 
     def __init__(
@@ -50,12 +52,14 @@ class Contact:
         say: Callable[[str], None],
         read: Callable[[bytes], joining.Reply] = joining.decode_reply,
     ) -> None:
+        self.session = os.urandom(8).hex()
+        self.epoch = 0
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
-        self._session = os.urandom(8).hex()
+        self._former: set[int] = set()  # epochs of coordinators that this process has left for another one
         self._patience = patience
-        self._bearable, self._timeout = wait, _TIMEOUT  # s that nobody may answer, and one question may take
+        self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s that one question may take
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._gone = inf  # s, monotonic: since when its token is missing
         self._refused = 0
@@ -70,9 +74,9 @@ class Contact:
             JoinError: the world refuses this id.
             BusError: the world is gone, or was never there.
         """
-        request = joining.encode_request(joining.Join(self._robot, self._session, health))
+        request = joining.encode_request(joining.Join(self._robot, self.session, health))
         try:
-            reply = self._read(self._ask(request))
+            reply = self._answer(request)
         except (BusError, MessageError) as error:
             if time.monotonic() <= self.heard + self._bearable:
                 return None  # not there yet, cut off for a moment, or the reply was lost
@@ -86,13 +90,26 @@ class Contact:
             return None
         return reply
 
-    def _ask(self, request: bytes) -> bytes:
+    def _answer(self, request: bytes) -> joining.Reply:
+        """Of the only coordinator that there may be: between two a robot does not choose."""
+        replies = self._ask(request)
+        if len(replies) > 1:
+            raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
+        reply = self._read(replies[0])
+        if isinstance(reply, joining.Admission) and reply.epoch in self._former:
+            raise BusError("it is an earlier world than the one before")
+        return reply
+
+    def _ask(self, request: bytes) -> list[bytes]:
         return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
 
-    def admitted(self, away: float) -> None:
-        """An incarnation begins in a run whose world may be gone for `away` seconds and still come back."""
-        self._away, self._refused, self.back = away, 0, False
-        self._bearable, self._timeout = max(self._patience, away), _TIMEOUT
+    def admitted(self, admission: joining.Admission) -> None:
+        """An incarnation begins."""
+        if self.epoch not in (0, admission.epoch):
+            self._former.add(self.epoch)
+        self.epoch, self._gone = admission.epoch, inf
+        self._away, self._refused, self.back = admission.away, 0, False
+        self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
 
     def over(self) -> None:
         """The run is over: the world may leave at any moment, and is waited for only if it may be back."""
@@ -103,16 +120,22 @@ class Contact:
         """Whether the world said that it may be gone and come back."""
         return self._away > 0.0
 
-    def on_token(self, alive: bool) -> None:
-        """The world's token came or went. While it is missing nothing is executed: the robot stands still."""
-        if not alive:
+    def is_own(self, session: str) -> bool:
+        """Whether a token is that of the coordinator which admitted this process."""
+        return self.epoch > 0 and session == session_of(self.epoch)
+
+    def on_token(self, session: str, alive: bool) -> None:
+        """A world's token came or went. While the own one is missing the robot stands."""
+        if alive:
+            if self._gone < inf:
+                which = "is back" if self.is_own(session) else "has been started again"
+                self._say(f"the world of run {self._run!r} {which}")
+                self.back = True
+            if self.is_own(session):
+                self._gone = inf
+        elif self.is_own(session):
             self._gone = time.monotonic()
             self._say(f"the world of run {self._run!r} is gone; stands still")
-            return
-        if self._gone < inf:
-            self._say(f"the world of run {self._run!r} is back")
-            self.back = True
-        self._gone = inf
 
     def check(self, now: float) -> None:
         """Look whether the world is there at `now`, s.
@@ -123,5 +146,5 @@ class Contact:
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self.heard + self._patience and self._gone == inf:
-            self._ask(b"")  # raises if nobody is there; a held clock is no reason to leave
+            self._ask(b"")  # raises if nothing answers; a held clock is no reason to leave
             self.heard = time.monotonic()

@@ -1,0 +1,107 @@
+"""Two worlds of one run as real processes: one is refused, requests reach all that answer, and both stand."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from deploy.library.load import load
+from deploy.processes import table
+from deploy.processes.supervisor import Supervisor
+from deploy.run.operator import Operator, operating
+from deploy.run.options import fresh_run_name
+from protocol.bus.connection import Connection
+from protocol.errors import BusError
+from protocol.requests.goals import GoalOrder
+from world.process import REFUSED
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(120)]
+
+SCENARIO = load("swap-2", ["time.endless=true"])
+ASIDE = GoalOrder(((0.1, 0.1), (-0.1, 0.1)), patrol=True)
+
+
+def rows(connection: Connection, run: str) -> list[table.Process]:
+    robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
+    return [table.world(connection, run, [SCENARIO], True), *robots]
+
+
+def router(supervisor: Supervisor, *others: str) -> Connection:
+    supervisor.start([table.router(Connection("router", connect=others))])
+    return Connection(connect=(supervisor.report("router", 20.0),))
+
+
+def until(holds: Callable[[], bool], seconds: float = 30.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline
+
+
+@contextmanager
+def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterator[Operator]:
+    """A fleet that goes round and round, and its operator."""
+    supervisor.start(rows(connection, run))
+    with operating(connection, run) as operator:
+        until(lambda: begun(operator))
+        assert operator.order(1, ASIDE).accepted
+        yield operator
+
+
+def begun(operator: Operator) -> bool:
+    try:
+        return operator.halt().tick > 0
+    except BusError:
+        return False
+
+
+def test_a_second_world_is_refused_and_every_stop_reaches_the_first(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    run = fresh_run_name()
+    with Supervisor() as supervisor, Supervisor() as others:
+        connection = router(supervisor)
+        with driving(supervisor, connection, run) as operator:
+            for number in range(3):
+                world = table.Process(f"{number}", "world.process:main", (connection, run, [SCENARIO], True))
+                others.start([world])
+                while not (exits := others.poll(0.01)):
+                    stopped = operator.stop(10.0)
+                    assert (stopped.halted, stopped.moving) == (True, ())
+                    assert operator.halt().halted
+                    assert not operator.halt(False).halted
+                assert [exit_.code for exit_ in exits] == [REFUSED]
+            assert supervisor.running() == ["router", "world", "robot-1", "robot-2"]
+    said = [line for line in capfd.readouterr().err.splitlines() if "another world" in line]
+    assert len(said) == 3
+    assert all(
+        f"another world of run {run!r} is on this network: end that one first" in line for line in said
+    )
+
+
+def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    run = fresh_run_name()
+    with Supervisor() as first, Supervisor() as second, Supervisor() as link:
+        here, there = router(first), router(second)
+        with driving(first, here, run) as operator, driving(second, there, run):
+            router(link, *here.connect, *there.connect)
+            until(lambda: operator.halt().halted)
+            assert f"2 worlds of run {run!r}" in caplog.text
+            assert operator.halt(False).text.startswith("another world of this run")
+            assert operator.halt().halted
+            second.stop()
+            until(lambda: not operator.halt().halted)
+
+
+def test_a_world_that_is_started_again_takes_the_place_of_a_dead_one() -> None:
+    run = fresh_run_name()
+    with Supervisor() as supervisor:
+        connection = router(supervisor)
+        with driving(supervisor, connection, run) as operator:
+            supervisor.restart(table.WORLD)
+            until(lambda: begun(operator))
+            assert "world" in supervisor.running()

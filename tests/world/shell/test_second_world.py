@@ -1,0 +1,196 @@
+"""Two worlds of one run: one is refused, or both have all robots stand until one has left."""
+
+from __future__ import annotations
+
+import itertools
+
+import msgspec
+import pytest
+
+from agents.shell.node import RobotNode
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from deploy.run.operator import Operator
+from protocol.bus.events import Request, Sample
+from protocol.bus.local import LocalNetwork
+from protocol.keys import robot_key, world_key
+from protocol.messages import Command, Tick
+from protocol.requests.form import read_reply
+from protocol.requests.halt import Halt, Halted
+from protocol.requests.joining import Join, decode_reply, encode_request
+from protocol.wire.codec import decode, encode
+from world.shell import node as shell
+from world.shell.node import WorldNode
+from world.shell.operations import OTHER_WORLD
+
+SWAP = load("swap-4")
+
+
+@pytest.fixture(autouse=True)
+def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coordinators are numbered in the order in which they begin."""
+    monkeypatch.setattr(shell, "drawn_epoch", itertools.count(1).__next__)
+
+
+def asked(world: WorldNode, halt: bool | None = None) -> Halted:
+    replies: list[bytes] = []
+    payload = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
+    world.handle(Request(world_key("local", "halt"), payload, replies.append))
+    return read_reply(replies[0], Halted, "halt")
+
+
+def go(fleet: LocalFleet, ticks: int) -> None:
+    tick = fleet.world.world.tick + ticks
+    fleet.network.run(lambda: fleet.world.world.tick >= tick)
+
+
+def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() -> None:
+    fleet, said = LocalFleet([SWAP]), list[str]()
+    fleet.world._operations._say = said.append
+    go(fleet, 10)
+    bus = fleet.network.connect()
+    other = bus.node = WorldNode(bus, "local", [SWAP])
+    go(fleet, 3)
+    assert other.refused, "it has not begun, and came later"
+    assert fleet.world.world.coordinator.halted
+    assert said == [f"tick 10: {OTHER_WORLD}"]
+    before = fleet.world.world.simulation.places
+    assert asked(fleet.world, halt=False) == Halted(True, fleet.world.world.tick, (), OTHER_WORLD)
+    go(fleet, 5)
+    assert fleet.world.world.simulation.places == before
+    bus.close()
+    go(fleet, 5)
+    assert not fleet.world.world.coordinator.halted
+    assert fleet.world.world.simulation.places != before
+    assert "goes on" in said[-1]
+
+
+def test_an_emergency_stop_outlasts_the_other_world() -> None:
+    fleet = LocalFleet([SWAP])
+    go(fleet, 10)
+    bus = fleet.network.connect()
+    bus.announce("disknav/local/world/alive/another")
+    assert asked(fleet.world, halt=True).halted
+    go(fleet, 3)
+    bus.close()
+    go(fleet, 3)
+    assert asked(fleet.world) == Halted(True, fleet.world.world.tick)
+    assert not asked(fleet.world, halt=False).halted
+
+
+def test_of_two_that_are_started_at_once_one_remains() -> None:
+    network = LocalNetwork()
+    buses = [network.connect(), network.connect()]
+    worlds = [WorldNode(bus, "local", [SWAP]) for bus in buses]
+    for bus, world in zip(buses, worlds, strict=True):
+        bus.node = world
+        while (event := bus.receive(0.0)) is not None:
+            world.handle(event)
+    assert [world.refused for world in worlds] == [False, True]
+    buses[1].close()
+    for robot in SWAP.ids:
+        bus = network.connect()
+        bus.node = RobotNode(bus, "local", robot)
+    network.run(lambda: worlds[0].finished)
+    assert worlds[0].report is not None
+    assert worlds[0].report["verdict"] == "arrived"
+
+
+def test_a_robot_does_not_choose_between_two_worlds() -> None:
+    network, said = LocalNetwork(), list[str]()
+    for _ in range(2):
+        bus = network.connect()
+        bus.node = WorldNode(bus, "local", [SWAP])
+    bus = network.connect()
+    robot = RobotNode(bus, "local", 1, say=said.append)
+    robot.wake(robot.deadline)
+    assert robot.core is None
+
+
+def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
+    fleet = LocalFleet([SWAP])
+    go(fleet, 10)
+    robot, tick = fleet.robots[2].node, fleet.world.world.tick
+    assert isinstance(robot, RobotNode)
+    assert robot.core is not None
+    heard: list[bytes] = []
+    spy = fleet.network.connect()
+    spy.subscribe(robot_key("local", 1, "state"))
+    go(fleet, 1)
+    while (event := spy.receive(0.0)) is not None:
+        assert isinstance(event, Sample)
+        heard.append(event.payload)
+    state = decode(robot_key("local", 1, "state"), heard[-1])
+    foreign = msgspec.structs.replace(state, epoch=77, tick=tick + 5)
+    robot.handle(Sample(robot_key("local", 2, "tick"), encode(Tick(2, 1, tick + 5, (), 77))))
+    robot.handle(Sample(robot_key("local", 1, "state"), encode(foreign)))
+    assert robot.core.tick <= tick + 1
+    assert robot._rejected["epoch"] == 2
+    fleet.world.handle(
+        Sample(robot_key("local", 2, "command"), encode(Command(2, 1, tick + 1, (9.0, 0.0), 77)))
+    )
+    assert fleet.world._run.rejected["epoch"] == 1
+    assert fleet.execute()[0]["collisions"] == 0
+
+
+def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
+    """A world that was frozen may come back when another one has taken its place."""
+    network = LocalNetwork()
+    older = network.connect()
+    older.node = WorldNode(older, "local", [SWAP])
+    bus = network.connect()
+    robot = RobotNode(bus, "local", 1)
+    bus.node = robot
+    robot.wake(robot.deadline)
+    assert robot.core is not None
+    assert robot.core.epoch == 1
+    older.served, served = [], older.served  # it freezes
+    network.tell_presence("disknav/local/world/alive/00000001", False, older)
+    newer = network.connect()
+    newer.node = WorldNode(newer, "local", [SWAP])
+    bus.drain()
+    robot.wake(robot.deadline)
+    assert robot.core.epoch == 2
+    newer.close()
+    older.served = served
+    network.tell_presence("disknav/local/world/alive/00000001", True, older)
+    bus.drain()
+    robot.wake(robot.deadline)
+    assert robot.core.epoch == 2
+
+
+class Answers:
+    """A bus on which worlds answer as they are told."""
+
+    def __init__(self, *rounds: tuple[Halted, ...]) -> None:
+        self.rounds = list(rounds)
+
+    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+        replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
+        return [msgspec.msgpack.encode(reply) for reply in replies]
+
+    def receive(self, timeout: float) -> None: ...
+
+
+def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
+    said: list[str] = []
+    moving, stands = Halted(True, 4, (2,)), Halted(True, 5)
+    bus = Answers((moving,), (stands, Halted(False, 9)), (stands, moving), (stands, stands))
+    told = Operator(bus, "r", said.append).stop(60.0)  # type: ignore[arg-type]
+    assert told == stands
+    assert len(bus.rounds) == 1
+    assert said == ["2 worlds of run 'r' were asked, and answer: end all but one"]
+
+
+def test_a_stop_that_has_no_effect_names_who_moves() -> None:
+    bus = Answers((Halted(True, 4, (2, 3)), Halted(True, 4, (3, 7))))
+    told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
+    assert (told.halted, told.moving) == (True, (2, 3, 7))
+
+
+def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
+    world = WorldNode(LocalNetwork().connect(), "local", [SWAP])
+    replies: list[bytes] = []
+    request = encode_request(Join(1, "a/b"))
+    world.handle(Request(robot_key("local", 1, "join"), request, replies.append))
+    assert "session" in decode_reply(replies[0]).text  # type: ignore[union-attr]
