@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from typing import Final
 
 from agents.laws.gradient import GradientLaw
 from agents.laws.law import Law
@@ -12,6 +13,7 @@ from protocol.messages import Vector
 from protocol.process.installation import missing_library
 from protocol.scenario.model import Scenario
 
+MOST: Final = 1e3  # radii of the workspace: the largest slice that peers are told
 _LIBRARIES = {"orca": "pyrvo", "barrier": "daqp"}
 
 
@@ -46,6 +48,10 @@ def choose(scenario: Scenario, robot: int) -> Law:
 class GuardedLaw(Law):
     """The law that a scenario asks for, and none from its first failure on: then the robot stands.
 
+    What it tells peers of its slice is bounded. A squeezed disk, or a peer with an absurd gamma, makes
+    it larger than any number that a State may hold; at the common pace no slice counts for more than the
+    largest attraction, which is below the bound.
+
     Args:
         scenario: the run.
         robot: id of the robot to control.
@@ -59,6 +65,7 @@ class GuardedLaw(Law):
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self.failure = ""
+        self._most = MOST * scenario.workspace.shape.around.radius
         self._law: Law | None = None
         try:
             self._law = choose(scenario, robot)
@@ -78,10 +85,10 @@ class GuardedLaw(Law):
         """See `agents.laws.law.Law`."""
         if self._law is not None:
             try:
-                return self._law.slice_norm(position, goal)
+                return min(self._law.slice_norm(position, goal), self._most)
             except LawError as error:
                 self._law, self.failure = None, str(error)
-        return super().slice_norm(position, goal)
+        return min(super().slice_norm(position, goal), self._most)
 
 
 def require(law: str) -> None:
