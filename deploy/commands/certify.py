@@ -41,9 +41,6 @@ def certify(
         Path | None,
         options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given.", "--file"),
     ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Spread the search over the Dask cluster there.")
-    ] = None,
     setting: options.Settings = None,
     starts: Annotated[
         int | None,
@@ -91,14 +88,14 @@ def certify(
     from deploy.theory.certify.session import certify as perform
 
     limit = _MINUTES if minutes is None else minutes
-    outcome = perform(read_scenario, Request(scenario, k, limit, out, scheduler, silent))
+    outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))
     _say(_found(outcome), to_json(outcome), json_file, silent)
     raise typer.Exit(_status(outcome.proven, outcome.interrupted))
 
 
 def _check_options(verifies: bool, samples: bool, given: Mapping[str, object]) -> None:
     """Refuse what only one of the three ways to use this command knows."""
-    search = {"--out": given["out"], "--scheduler": given["scheduler"]}
+    search = {"--out": given["out"]}
     sample = {"--starts": given["starts"], "--seed": given["seed"]}
     if verifies:
         options.refuse({**search, **sample}, "--verify neither searches nor samples")

@@ -11,8 +11,7 @@ import typer
 from deploy.commands import options
 from deploy.output.json_output import is_standard_output
 from deploy.run.options import Transport
-from deploy.studies.harness.request import Request
-from deploy.studies.harness.study import StudyName
+from deploy.studies.study import StudyName
 
 
 def study(
@@ -24,11 +23,9 @@ def study(
         int | None,
         typer.Option("--jobs", "-j", min=1, help="Runs at the same time, one a core unless given."),
     ] = None,
-    scheduler: Annotated[
+    shard: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS", help="Spread the runs over the Dask cluster there: tcp://10.0.0.1:8786."
-        ),
+        typer.Option(metavar="I/N", help="Only every N-th run from the I-th on: a part for one machine."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="The first run's; the others follow.")] = 0,
     setting: options.Settings = None,
@@ -57,28 +54,28 @@ def study(
     disknav study tuning --runs 5 --transport local;
     disknav study peers --law courtesy.py:Courtesy --only "swap 1"
 
-    With [b]--scheduler[/b] each Dask worker runs batches of eight, in-process or as fleets of its own host;
-    workers need the same version of disknav, and one thread each: dask worker ADDRESS --nthreads 1.
+    With [b]--shard I/N[/b] N machines share a study. The parts' FILE.runs.jsonl, one after the other in one,
+    are that of the whole: the same command without --shard then makes the table of all runs.
 
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.perform import perform
+    from deploy.studies.perform import Request, perform
+    from deploy.studies.study import Shard
 
     if name != "peers":
         options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
-    if scheduler is not None or name == "scale":
-        where = "where --scheduler says" if scheduler else "one run at a time"
-        options.refuse({"--jobs": jobs}, f"study {name} runs {where}")
+    if name == "scale":
+        options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
     if json_file is None or is_standard_output(json_file):
         options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
     request = Request(
         name=name,
         runs=runs,
         jobs=jobs or os.cpu_count() or 1,
-        scheduler=scheduler,
         seed=seed,
         settings=tuple(setting or ()),
         transport=transport,
+        shard=Shard() if shard is None else Shard.parse(shard),
         target=json_file,
         plot=plot,
         fresh=fresh,

@@ -1,1 +1,1 @@
-"""This software and what it runs on: what is compiled, which code made a figure, a cluster's scheduler."""
+"""This software and what it runs on: what is compiled, and which code made a figure."""

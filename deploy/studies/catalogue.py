@@ -10,10 +10,10 @@ from deploy.run.options import Transport
 from deploy.studies.faults.arrival import arrival
 from deploy.studies.faults.delay import delay
 from deploy.studies.faults.robustness import robustness
-from deploy.studies.harness.study import Study, StudyName
 from deploy.studies.paper.experiments import tightness, tuning
 from deploy.studies.peers.study import peers
 from deploy.studies.scale import scale
+from deploy.studies.study import Study, StudyName
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {
     "tightness": tightness,

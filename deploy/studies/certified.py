@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from deploy.output.bar import bar
-from deploy.theory.certify.campaign import Here, prove
+from deploy.theory.certify.campaign import prove
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.function import Array, Problem
 from deploy.theory.gain.threshold import arrival_threshold, arrives_from_all
@@ -67,7 +67,7 @@ def _certified(problem: Problem, boxes: int) -> Certificate:
     def within(now: Certificate) -> bool:
         return now.boxes + (0 if now.frontier is None else now.frontier.nodes) < boxes
 
-    prove(certificate, LOWEST, Here(), within)
+    prove(certificate, LOWEST, within)
     return certificate
 
 

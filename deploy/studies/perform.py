@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -10,14 +11,12 @@ from rich.console import Console
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 from deploy.output.json_output import check as check_json
 from deploy.output.json_output import is_standard_output, write_json
+from deploy.run.options import Transport
 from deploy.software.provenance import provenance
 from deploy.studies.catalogue import defaults, find
 from deploy.studies.charts.table import table
-from deploy.studies.harness.adjusted import adjusted
-from deploy.studies.harness.request import Request
-from deploy.studies.harness.runners.run_log import RunLog
-from deploy.studies.harness.runners.runner import Outcome, execute
-from deploy.studies.harness.study import Study
+from deploy.studies.execution import Outcome, RunLog, execute
+from deploy.studies.study import Shard, Study, StudyName
 from deploy.telemetry.plot.draw import PICTURES
 from deploy.telemetry.plot.draw import check as check_plot
 from protocol.errors import UsageError
@@ -25,41 +24,58 @@ from protocol.errors import UsageError
 _PAPER = 160  # columns where there is no terminal
 
 
+@dataclass(frozen=True)
+class Request:
+    """What the command line asked for."""
+
+    name: StudyName
+    runs: int | None
+    jobs: int
+    seed: int
+    settings: tuple[str, ...]
+    transport: Transport | None
+    shard: Shard
+    target: Path | None
+    plot: Path | None
+    fresh: bool
+    quiet: bool
+    laws: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
+
+    @property
+    def file(self) -> Path | None:
+        """The file to write, if it is one."""
+        return None if is_standard_output(self.target) else self.target
+
+
 def perform(request: Request) -> int:
     """Run the study and say what came of it; the exit status.
 
     Raises:
         UsageError, ScenarioError: what was asked for does not exist or cannot be written.
-        ProcessError: the cluster, a worker or a fleet was lost; the same request goes on from there.
+        ProcessError: a worker or a fleet was lost; the same request goes on from there.
     """
     usual = defaults(request.name)
     transport = request.transport or usual.transport
     jobs = 1 if usual.one_job else request.jobs
-    if usual.one_job and request.scheduler is not None:
-        raise UsageError(
-            f"study {request.name} measures how fast one machine is: run it there, not on a cluster"
-        )
-    study = adjusted(
-        find(
-            request.name,
-            request.runs,
-            request.seed,
-            request.transport,
-            laws=request.laws,
-            only=request.only,
-        ),
-        request.settings,
-    )
+    study = find(
+        request.name,
+        request.runs,
+        request.seed,
+        request.transport,
+        laws=request.laws,
+        only=request.only,
+    ).adjusted(request.settings)
     _check(request, study)
     quiet = request.quiet or is_standard_output(request.target)
     with RunLog(_log_path(request.file), fresh=request.fresh) as log:
-        outcome = execute(study, transport, log, jobs=jobs, scheduler=request.scheduler, quiet=quiet)
+        outcome = execute(study, transport, log, jobs=jobs, quiet=quiet, shard=request.shard)
     document = {
         "study": study.name,
         "rows": outcome.rows,
         "provenance": provenance(request.seed, transport, jobs)
         | {
-            "scheduler": request.scheduler,
+            "shard": str(request.shard),
             "settings": list(request.settings),
             "complete": outcome.complete,
         },

@@ -10,8 +10,8 @@ from typing import Any
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance
 from deploy.run.options import Transport
-from deploy.studies.harness.statistics import arrived, growth, mean
-from deploy.studies.harness.study import Cell, Result, Row, Study
+from deploy.studies.statistics import arrived, growth, mean
+from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Scenario
 
 ROBOTS = (3, 6, 12, 16, 24, 32, 48, 64)
@@ -52,7 +52,7 @@ def scale(
         for bus in transports
         for count in robots
     ]
-    return Study("scale", cells, _row, COLUMNS, _summary, isolated=True)
+    return Study("scale", cells, _row, COLUMNS, _summary)
 
 
 def crowd(count: int, seed: int) -> Scenario:

@@ -105,7 +105,6 @@ CANNOT_APPLY = [
     ("study tuning --fresh", "--fresh"),
     ("study tuning --fresh --json -", "--fresh"),
     ("study scale --jobs 2", "--jobs"),
-    ("study tuning --jobs 2 --scheduler tcp://127.0.0.1:1", "--jobs"),
     ("certify figure-2 --seed 0", "--seed"),
     ("certify figure-2 --starts 3 --minutes 1", "--minutes"),
     ("certify figure-2 --starts 3 --out here.json", "--out"),

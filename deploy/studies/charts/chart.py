@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
 from deploy.studies.charts.peers import peers
-from deploy.studies.harness.study import Row
+from deploy.studies.study import Row
 from deploy.telemetry.plot.style import INK, RC, colour
 
 _SCALE = {

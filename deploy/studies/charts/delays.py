@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MaxNLocator
 
 from deploy.studies.charts.panels import Curve, heading, legend, panels, runs
-from deploy.studies.harness.study import Row
+from deploy.studies.study import Row
 from deploy.telemetry.plot.style import FAINT
 
 _AXIS = "one-way delay, s"

@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullLocator
 
-from deploy.studies.harness.study import Row
+from deploy.studies.study import Row
 from deploy.telemetry.plot.style import colour, dash, marker
 
 WIDTH = 7.2  # inches, what an A4 page has room for

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from deploy.studies.charts.panels import HOLLOW, heading, legend, panels, plain_numbers, runs
-from deploy.studies.harness.study import Row
 from deploy.studies.peers.study import NAMES
+from deploy.studies.study import Row
 from deploy.telemetry.plot.style import FAINT, INK, colour, marker
 
 _LANES = 0.8  # of a row

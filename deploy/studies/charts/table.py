@@ -8,7 +8,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.studies.harness.study import Row, Study
+from deploy.studies.study import Row, Study
 
 _WORDS = {
     "nrl_mean": "nrl",

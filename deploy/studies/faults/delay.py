@@ -14,8 +14,8 @@ from typing import Any, Literal
 from deploy.library.goal_sets import figure_3
 from deploy.library.load import resolved
 from deploy.library.swaps import swap
-from deploy.studies.harness.statistics import arrived, error, figures, mean, untouched
-from deploy.studies.harness.study import Build, Cell, Result, Row, Study
+from deploy.studies.statistics import arrived, error, figures, mean, untouched
+from deploy.studies.study import Build, Cell, Result, Row, Study
 from protocol.scenario.model import Link, Scenario
 
 RUNS = 20

@@ -16,8 +16,8 @@ from functools import partial
 from typing import Any
 
 from deploy.library.goal_sets import TIGHTNESS, figure_3
-from deploy.studies.harness.statistics import arrived, deviation, mean
-from deploy.studies.harness.study import Cell, Result, Row, Study
+from deploy.studies.statistics import arrived, deviation, mean
+from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Scenario
 
 PERIOD = 0.01  # s

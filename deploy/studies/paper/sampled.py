@@ -19,7 +19,7 @@ from deploy.library.goal_sets import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.output.bar import bar
 from deploy.run.local import LocalFleet
-from deploy.studies.harness.statistics import error, mean
+from deploy.studies.statistics import error, mean
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Problem
 from protocol.scenario.model import Scenario

@@ -12,7 +12,7 @@ from deploy.library.goal_sets import figure_3
 from deploy.library.load import resolved
 from deploy.library.random_instances import PAPER_DENSITY, random_instance
 from deploy.library.swaps import circle, swap
-from deploy.studies.harness.study import Build
+from deploy.studies.study import Build
 from protocol.scenario.model import Link, Scenario
 
 Group = Literal["fresh", "late", "RVO2", "boxes"]

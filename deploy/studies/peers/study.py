@@ -18,9 +18,9 @@ from typing import Any
 from agents.laws.choice import require
 from agents.laws.own import found
 from deploy.library.trial import try_out
-from deploy.studies.harness.study import Build, Cell
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.peers.places import DELAYS, Group, Place, contest, places
+from deploy.studies.study import Build, Cell
 from protocol.errors import UsageError
 
 RUNS = 20

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from typing import Protocol
 
 from deploy.theory.certify.boxes.scene import Scene, scene_of, whole
 from deploy.theory.certify.boxes.search import grow
@@ -31,31 +30,6 @@ def advance(scene: Scene, frontier: Frontier, nodes: int) -> None:
     frontier.put(root, grow(scene, root, frontier.kappa[1], nodes))
 
 
-def widen(scene: Scene, frontier: Frontier, count: int) -> None:
-    """Halve the largest open boxes until there are so many, or none."""
-    while 0 < len(frontier.open) < count:
-        root = min(frontier.open, key=lambda part: part.level)
-        frontier.put(root, grow(scene, root, frontier.kappa[1], 1))
-
-
-class Worker(Protocol):
-    """Works on open boxes of a frontier for a while; yields whenever there is something to tell."""
-
-    def work(self, scene: Scene, frontier: Frontier) -> Iterator[float]:
-        """Until nothing is open; each item is the processor seconds spent since the one before."""
-
-
-class Here:
-    """This process."""
-
-    def work(self, scene: Scene, frontier: Frontier) -> Iterator[float]:
-        """Depth first."""
-        while frontier.open:
-            began = time.process_time()
-            advance(scene, frontier, _PORTION)
-            yield time.process_time() - began
-
-
 def ladder(above: float | None, target: float | None) -> Iterator[float]:
     """The k to prove next, one after the other: below `above`, if given, and down to `target`, if given."""
     for k in _steps():
@@ -78,7 +52,6 @@ def _steps() -> Iterator[float]:
 def prove(
     certificate: Certificate,
     target: float | None,
-    worker: Worker,
     tell: Callable[[Certificate], bool],
 ) -> None:
     """Extend a certificate down to `target`, or as far as possible.
@@ -98,8 +71,10 @@ def prove(
         if certificate.frontier is None:
             certificate.begin(k, beginning(scene, certificate.kappa(k)))
         assert certificate.frontier is not None
-        for seconds in worker.work(scene, certificate.frontier):
-            certificate.seconds += seconds
+        while certificate.frontier.open:
+            began = time.process_time()
+            advance(scene, certificate.frontier, _PORTION)
+            certificate.seconds += time.process_time() - began
             if not tell(certificate):
                 return
         certificate.finish()

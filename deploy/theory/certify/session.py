@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from deploy.theory.certify.campaign import Here, Worker, prove
+from deploy.theory.certify.campaign import prove
 from deploy.theory.certify.certificate import Certificate, Goals, fetch, path_for, store
 from protocol.scenario.model import Scenario
 
@@ -26,7 +26,6 @@ class Request:
     target: float | None
     minutes: float
     file: Path | None = None
-    scheduler: str | None = None
     quiet: bool = False
 
     @property
@@ -56,26 +55,17 @@ def certify(scenario: Scenario, request: Request) -> Outcome:
 
     Raises:
         ProofError: the file is damaged, or of other goals.
-        UsageError: the goals cannot have a certificate, or no scheduler can be reached.
-        ProcessError: the cluster is lost; the same call goes on from what is done.
+        UsageError: the goals cannot have a certificate.
     """
     goals = Goals.of(scenario)
     certificate = fetch(request.path, goals) if request.path.exists() else Certificate(goals, scenario.name)
     interrupted = False
     with _Keeper(certificate, request) as keeper:
         try:
-            prove(certificate, request.target, _worker(request), keeper.tell)
+            prove(certificate, request.target, keeper.tell)
         except KeyboardInterrupt:
             interrupted = True
     return Outcome(certificate, request.path, request.target, interrupted)
-
-
-def _worker(request: Request) -> Worker:
-    if request.scheduler is None:
-        return Here()
-    from deploy.theory.certify.spread import Spread
-
-    return Spread(request.scheduler)
 
 
 class _Keeper:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,9 @@ from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions, fresh_run_name
-from deploy.studies.harness.runners.worker import Send
-from deploy.studies.harness.runners.worker_pool import WorkerPool
-from deploy.studies.harness.study import Run
+from deploy.studies import execution
+from deploy.studies.execution import RunLog
+from deploy.studies.paper.experiments import tightness
 from protocol.messages import Clock
 from tests.deploy.processes.children import row, wait
 from tests.deploy.processes.ports import free_ports
@@ -138,16 +139,16 @@ def test_processes_that_are_started_alone(environment: dict[str, str]) -> None:
             await_title(process, expected)
 
 
-def report_title(batch: list[tuple[Run, Any]], send: Send) -> None:
-    """What a worker does here: say what it is called."""
-    for run, _ in batch:
-        send(run, {"title": title(os.getpid()), "short": short(os.getpid())})
+def report_title(*_: object) -> dict[str, str]:
+    """What a worker does here instead of a run."""
+    return {"verdict": "", "title": title(os.getpid()), "short": short(os.getpid())}
 
 
-def test_workers_of_a_study() -> None:
-    run = Run(0, 1, "local", "key")
-    with WorkerPool(2, report_title) as pool:
-        said = [result for _, result in pool.run([[(run, None)], [(run, None)]])]
-    assert len({each["title"] for each in said}) == 2
+def test_workers_of_a_study(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(execution, "perform", report_title)
+    log = RunLog(None)
+    execution.execute(replace(tightness(1), row=lambda *_: {}), "local", log, jobs=2)
+    said = list(log.known.values())
+    assert len(said) == 5
     assert all(re.fullmatch(r"disknav study worker \d+", each["title"]) for each in said)
     assert all(each["title"].endswith(each["short"]) for each in said)

@@ -15,17 +15,15 @@ from deploy.library.swaps import swap
 from deploy.software.provenance import provenance
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.table import table
+from deploy.studies.execution import RunLog, execute
 from deploy.studies.faults.arrival import arrival, crowd, room
 from deploy.studies.faults.robustness import Conditions, grid, robustness
-from deploy.studies.harness.request import Request
-from deploy.studies.harness.runners.run_log import RunLog
-from deploy.studies.harness.runners.runner import execute
-from deploy.studies.harness.statistics import deviation, growth
-from deploy.studies.harness.study import Study
 from deploy.studies.paper.experiments import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers.study import LAWS, peers
-from deploy.studies.perform import perform
+from deploy.studies.perform import Request, perform
 from deploy.studies.scale import scale
+from deploy.studies.statistics import deviation, growth
+from deploy.studies.study import Shard, Study
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.model import Scenario, Workspace
 
@@ -61,7 +59,7 @@ def _request(**changes: object) -> Request:
         "seed": 0,
         "settings": ("time.step=0.05",),
         "transport": "local",
-        "scheduler": None,
+        "shard": Shard(),
         "target": None,
         "plot": None,
         "fresh": False,

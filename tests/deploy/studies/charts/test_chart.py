@@ -18,9 +18,9 @@ from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, plain_numbers, runs
 from deploy.studies.charts.peers import peers
-from deploy.studies.harness.study import Row
 from deploy.studies.peers.places import places
 from deploy.studies.peers.study import LAWS, NAMES
+from deploy.studies.study import Row
 from deploy.telemetry.plot.style import RC
 
 

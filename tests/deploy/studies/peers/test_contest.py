@@ -12,12 +12,11 @@ import pytest
 
 from deploy.library.goal_sets import figure_3
 from deploy.library.swaps import swap
-from deploy.studies.harness.runners.run_log import RunLog
-from deploy.studies.harness.runners.runner import execute
-from deploy.studies.harness.study import Cell
+from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
 from deploy.studies.peers.places import Group, contest, places
 from deploy.studies.peers.study import LAWS, SCANS, peers, settings
+from deploy.studies.study import Cell
 from protocol.errors import UsageError
 from protocol.requests import joining
 from protocol.requests.joining import Admission

@@ -10,7 +10,7 @@ import pytest
 
 from deploy.library.load import read
 from deploy.theory.certify.boxes.scene import scene_of
-from deploy.theory.certify.campaign import Here, advance, beginning, ladder, prove, widen
+from deploy.theory.certify.campaign import advance, beginning, ladder, prove
 from deploy.theory.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
 from deploy.theory.certify.verifier.replay import replay
 from protocol.errors import UsageError
@@ -24,7 +24,7 @@ TRIPLE = Goals.of(read("figure-2"))
 
 def proven(goals: Goals, k: float) -> Certificate:
     certificate = Certificate(goals, "test")
-    prove(certificate, k, Here(), lambda _: True)
+    prove(certificate, k, lambda _: True)
     return certificate
 
 
@@ -56,7 +56,6 @@ def test_interrupted_anywhere_the_branching_is_the_same(tmp_path: Path) -> None:
         certificate.begin(k, beginning(scene, certificate.kappa(k)))
         while certificate.frontier is not None and certificate.frontier.open:
             advance(scene, certificate.frontier, 313)
-            widen(scene, certificate.frontier, 3)
             store(certificate, path)
             certificate = fetch(path, TRIPLE)
         certificate.finish()
@@ -70,11 +69,11 @@ def test_what_is_told_stops_it_and_it_goes_on() -> None:
         told.append(now.proven)
         return len(told) < 2
 
-    prove(certificate, 100.0, Here(), tell)
+    prove(certificate, 100.0, tell)
     assert certificate.proven == 1000.0
-    prove(certificate, 300.0, Here(), lambda _: True)
+    prove(certificate, 300.0, lambda _: True)
     assert certificate.proven == 300.0
-    prove(certificate, 500.0, Here(), lambda _: True)  # known already
+    prove(certificate, 500.0, lambda _: True)  # known already
     assert certificate.proven == 300.0
 
 
@@ -156,7 +155,7 @@ def _with(certificate: Certificate, nodes: bytes) -> Certificate:
 
 def test_goals_that_touch_have_no_certificate() -> None:
     with pytest.raises(UsageError, match="touch"):
-        prove(Certificate(Goals(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, Here(), lambda _: True)
+        prove(Certificate(Goals(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, lambda _: True)
 
 
 def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import pickle
+import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal, Self
 
+from deploy.library.load import resolved
 from deploy.run.options import Transport
+from protocol.errors import UsageError
+from protocol.scenario.file import apply_settings, document_of, parse_document
 from protocol.scenario.model import Scenario
 
 Row = dict[str, Any]
@@ -54,7 +59,6 @@ class Study:
     columns: of the printed table, with their formats.
     summary: lines below the table.
     sound: whether the rows are as they have to be; a collision where none may be is not.
-    isolated: every run has processes of its own, so that what they cost can be told.
     """
 
     name: str
@@ -63,7 +67,16 @@ class Study:
     columns: Mapping[str, str]
     summary: Callable[[Sequence[Row]], list[str]] = lambda _: []
     sound: Callable[[Sequence[Row]], bool] = lambda _: True
-    isolated: bool = False
+
+    def adjusted(self, settings: Sequence[str]) -> Study:
+        """The same study with `path.to.key=VALUE` settings over every scenario."""
+        if not settings:
+            return self
+        cells = [
+            replace(cell, build=partial(adjusted_scenario, cell.build, tuple(settings)))
+            for cell in self.cells
+        ]
+        return replace(self, cells=cells)
 
     def runs(self, transport: Transport, code: str) -> list[Run]:
         """All runs; `code` is the digest of the software, so that no result of another one is reused."""
@@ -83,3 +96,44 @@ class Study:
             if known:
                 rows.append(self.row(cell.labels, known))
         return rows
+
+
+def adjusted_scenario(build: Build, settings: Sequence[str], seed: int) -> Scenario:
+    """One scenario, read again with the settings over it.
+
+    Raises:
+        ScenarioError: a setting names no key, or gives no valid scenario.
+    """
+    scenario = build(seed)
+    return resolved(parse_document(apply_settings(document_of(scenario), settings), scenario.name))
+
+
+@dataclass(frozen=True)
+class Shard:
+    """Every `of`-th run of a study from the `number`-th on (from 1): a part that any machine can execute.
+
+    The parts of a study have no run in common, and together all. Their logs, one after the other in a file,
+    are the log of the whole.
+    """
+
+    number: int = 1
+    of: int = 1
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """From I/N.
+
+        Raises:
+            UsageError: it is not that.
+        """
+        found = re.fullmatch(r"([1-9]\d{0,5})/([1-9]\d{0,5})", text)
+        if found is None or int(found[1]) > int(found[2]):
+            raise UsageError(f"--shard {text}: give I/N with I from 1 to N, such as 3/16")
+        return cls(int(found[1]), int(found[2]))
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.of}"
+
+    def part(self, runs: Sequence[Run]) -> Sequence[Run]:
+        """Its runs."""
+        return runs[self.number - 1 :: self.of]

@@ -1,1 +1,0 @@
-"""What every study is made and run with: cells of seeded runs, statistics over them, runners."""

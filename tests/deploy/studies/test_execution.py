@@ -1,0 +1,154 @@
+"""Studies executed: the same rows whatever the jobs, shards and transport, and nothing done twice."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+
+from deploy.studies import execution
+from deploy.studies.execution import RunLog, execute
+from deploy.studies.paper.experiments import tightness
+from deploy.studies.study import Shard, Study
+from protocol.errors import ProcessError, UsageError
+from tests.deploy.telemetry.monitor.watched import until
+
+COARSE = ("time.step=0.05",)  # fewer ticks
+
+
+def _study(runs: int = 1) -> Study:
+    return tightness(runs).adjusted(COARSE)
+
+
+def test_results_are_known_to_the_next_log(tmp_path: Path) -> None:
+    with RunLog(tmp_path / "log") as log:
+        log.add("a", {"nrl": 1.5})
+        log.add("b", {"nrl": None})
+    assert RunLog(tmp_path / "log").known == {"a": {"nrl": 1.5}, "b": {"nrl": None}}
+    assert RunLog(tmp_path / "log", fresh=True).known == {}
+
+
+def test_a_torn_last_line_is_ignored_and_does_not_spoil_the_next(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    with RunLog(path) as log:
+        log.add("a", {"nrl": 1.5})
+        log.add("b", {"nrl": 2.5})
+    path.write_bytes(path.read_bytes()[:-9])
+    with RunLog(path) as log:
+        assert log.known == {"a": {"nrl": 1.5}}
+        log.add("c", {"nrl": 3.5})
+    assert RunLog(path).known == {"a": {"nrl": 1.5}, "c": {"nrl": 3.5}}
+
+
+def test_shards_share_all_runs_among_them() -> None:
+    runs = _study(4).runs("local", "code")
+    parts = [Shard(number, 3).part(runs) for number in (1, 2, 3)]
+    assert sorted(run.key for part in parts for run in part) == sorted(run.key for run in runs)
+    assert Shard.parse("2/3") == Shard(2, 3)
+    for wrong in ("0/3", "4/3", "3", "a/b", "1/0"):
+        with pytest.raises(UsageError, match="--shard"):
+            Shard.parse(wrong)
+
+
+@pytest.mark.slow
+def test_the_logs_of_all_shards_are_the_log_of_the_whole(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    for number in (1, 2):
+        with RunLog(tmp_path / f"{number}") as log:
+            part = execute(_study(2), "local", log, jobs=1, shard=Shard(number, 2))
+        assert part.complete
+        assert part.executed == 5
+        with whole.open("ab") as file:
+            file.write((tmp_path / f"{number}").read_bytes())
+    with RunLog(whole) as log:
+        merged = execute(_study(2), "local", log, jobs=1)
+    assert (merged.executed, merged.reused, merged.complete) == (0, 10, True)
+    assert merged.rows == execute(_study(2), "local", RunLog(None), jobs=2).rows
+    assert [row["arrived"] for row in merged.rows] == [2] * 5
+
+
+@pytest.mark.slow
+def test_a_second_call_executes_only_what_is_new(tmp_path: Path) -> None:
+    with RunLog(tmp_path / "log") as log:
+        execute(_study(1), "local", log, jobs=2)
+    with RunLog(tmp_path / "log") as log:
+        outcome = execute(_study(2), "local", log, jobs=2)
+    assert (outcome.reused, outcome.executed) == (5, 5)
+
+
+def test_other_settings_or_other_code_reuse_nothing() -> None:
+    keys = [run.key for run in _study().runs("local", "code")]
+    assert not set(keys) & {run.key for run in _study().runs("local", "other code")}
+    assert not set(keys) & {run.key for run in tightness(1).runs("local", "code")}
+    assert not set(keys) & {run.key for run in _study().runs("routed", "code")}
+    assert keys == [run.key for run in _study().runs("local", "code")]
+
+
+def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
+    before = signal.getsignal(signal.SIGINT)
+
+    class Stopping(RunLog):
+        def add(self, key: str, result: dict[str, object]) -> None:
+            super().add(key, result)
+            signal.raise_signal(signal.SIGINT)
+
+    with Stopping(tmp_path / "log") as log:
+        outcome = execute(_study(3), "local", log, jobs=1)
+    assert not outcome.complete
+    assert 1 <= outcome.executed < 15
+    assert len(RunLog(tmp_path / "log").known) == outcome.executed
+    assert len(outcome.rows) >= 1
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def _lost(*_: object) -> dict[str, object]:
+    os._exit(1)
+
+
+def test_a_worker_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(execution, "perform", _lost)
+    with pytest.raises(ProcessError, match="goes on"):
+        execute(_study(), "local", RunLog(None), jobs=1)
+
+
+@pytest.mark.alone  # it has to be stopped before it is done
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.long(12)
+def test_a_study_that_was_stopped_leaves_no_process_and_goes_on(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    log = tmp_path / "rows.json.runs.jsonl"
+    command = "from deploy.commands.study import study; import typer; typer.run(study)"
+    options = f"tightness --runs 16 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
+    call = [sys.executable, "-c", command, *options, str(tmp_path / "rows.json")]
+    process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2))
+    workers = psutil.Process(process.pid).children(recursive=True)
+    assert len(workers) >= 2
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does: to the workers, too
+    else:
+        process.kill()
+    _, said = process.communicate(timeout=30.0)
+    assert process.returncode == (130 if number == signal.SIGINT else -number)
+    assert "Traceback" not in said
+    until(lambda: not any(each.is_running() and each.status() != "zombie" for each in workers))
+    with RunLog(log) as kept:
+        outcome = execute(_study(16), "local", kept, jobs=2)
+    assert outcome.reused >= 2
+    assert outcome.reused + outcome.executed == 80
+    assert outcome.complete
+
+
+@pytest.mark.process
+def test_real_processes_give_the_same_rows() -> None:
+    """The smoke of figure 4."""
+    routed = execute(_study(1), "routed", RunLog(None), jobs=2)
+    assert routed.executed == 5
+    assert [row["arrived"] for row in routed.rows] == [1] * 5
+    assert routed.rows == execute(_study(1), "local", RunLog(None), jobs=2).rows
