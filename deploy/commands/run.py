@@ -65,7 +65,7 @@ def run(
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
     from deploy.run.execute import Extras, execute
-    from deploy.telemetry.recording.rotation import rotation
+    from deploy.telemetry.recording.parts import rotation
 
     options.refuse_idle(record, rotate, mode, speed)
     if hosts is None:

@@ -57,7 +57,7 @@ def serve(
     """
     from deploy.library.load import load
     from deploy.run.execute import Extras, execute
-    from deploy.telemetry.recording.rotation import rotation
+    from deploy.telemetry.recording.parts import rotation
 
     options.refuse_idle(record, rotate, mode, speed)
     if router is not None:

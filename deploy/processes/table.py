@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
+from deploy.telemetry.recording.parts import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING

@@ -21,7 +21,7 @@ from deploy.run.options import RunOptions
 from deploy.run.outcome.result import Result, complete
 from deploy.run.outcome.unjudged import interrupted, unjudged
 from deploy.telemetry.plot.draw import check, draw
-from deploy.telemetry.recording.rotation import ONE_FILE
+from deploy.telemetry.recording.parts import ONE_FILE
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario

@@ -10,8 +10,7 @@ from contextlib import contextmanager, suppress
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.telemetry.monitor.attachment import Attachment
-from deploy.telemetry.monitor.watcher import Watcher
+from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from protocol.bus.zenoh import ZenohBus
 
 

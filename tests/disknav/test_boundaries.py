@@ -15,7 +15,7 @@ import disknav
 from deploy.library.load import read
 from deploy.run.options import restarts
 from deploy.security.membership import Membership
-from deploy.telemetry.recording.rotation import rotation
+from deploy.telemetry.recording.parts import rotation
 from disknav.orders import Orders
 from protocol.draws import checked_seed
 from protocol.endpoint import Endpoint
@@ -141,7 +141,7 @@ def test_orders(orders: Orders, robot: Any, points: list[Any], within: Any, radi
 
 @given(VALUES)
 def test_scenarios_and_names_of_runs(value: Any) -> None:
-    assert value == "figure-1" or refused(disknav.Simulation, value)
+    assert (isinstance(value, str) and value == "figure-1") or refused(disknav.Simulation, value)
     assert refused(lambda: disknav.Simulation("figure-1", name=value)) or isinstance(value, str)
 
 

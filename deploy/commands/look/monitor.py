@@ -12,8 +12,7 @@ import typer
 from deploy.commands import options
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
-from deploy.telemetry.monitor.source import Source
-from deploy.telemetry.monitor.steerable import Steerable
+from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.bus.connection import Connection
 from protocol.endpoint import Endpoint
 from protocol.process.installation import missing_library
@@ -63,7 +62,7 @@ def monitor(
 
     Exit status: 0 the run ended while it was watched, or Ctrl-C; 2 invalid; 3 nobody listens at the endpoint.
     """
-    from deploy.telemetry.monitor.attachment import attach
+    from deploy.telemetry.monitor.watcher import attach
 
     if not (web or foxglove):
         options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")

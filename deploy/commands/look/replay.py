@@ -66,7 +66,7 @@ def replay(
             "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
         )
     if ros2 is not None:
-        from deploy.telemetry.recording.reading.ros2 import export
+        from deploy.telemetry.recording.reading.replay import export
 
         export(found, ros2)
     if zenoh or router is not None:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from deploy.telemetry.monitor.source import Source
-from deploy.telemetry.monitor.view.fleet import View
+from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.snapshot import Source
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 

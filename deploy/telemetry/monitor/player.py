@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from concurrent.futures import Future
 from functools import partial
 
-from deploy.telemetry.monitor.steerable import Steerable
-from deploy.telemetry.monitor.view.fleet import View
+from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.snapshot import Steerable
 from protocol.messages import Message
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer, Steering

@@ -10,7 +10,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.snapshot import Source
 
 REFRESH = 0.5  # s; drawing takes some milliseconds
 _COLUMNS = ("robot", "status", "goal, mm", "age, s", "behind", "1/s", "error, mm", "rejected", "restarts")

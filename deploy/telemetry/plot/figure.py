@@ -7,9 +7,15 @@ from collections.abc import Callable, Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from deploy.telemetry.plot.ages import delayed_sensing, faulty_link
-from deploy.telemetry.plot.legend import HANDLERS, curves, disks
-from deploy.telemetry.plot.series import draw_clearance, draw_heard_ages, draw_measurement_ages, draw_phi
+from deploy.telemetry.plot.curves import (
+    delayed_sensing,
+    draw_clearance,
+    draw_heard_ages,
+    draw_measurement_ages,
+    draw_phi,
+    faulty_link,
+)
+from deploy.telemetry.plot.style import HANDLERS, curves, disks
 from deploy.telemetry.plot.workspace import draw_workspace
 from deploy.telemetry.recording.reading.reader import Recording
 

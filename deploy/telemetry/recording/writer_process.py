@@ -21,8 +21,7 @@ from typing import Any
 
 import msgspec
 
-from deploy.telemetry.recording.parts import Parts, next_free
-from deploy.telemetry.recording.rotation import Rotation
+from deploy.telemetry.recording.parts import Parts, Rotation, next_free
 from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.process.beside import ForkedBeside

@@ -7,7 +7,7 @@ import threading
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING
 
-from deploy.telemetry.monitor.steerable import Steerable
+from deploy.telemetry.monitor.snapshot import Steerable
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 

@@ -19,8 +19,7 @@ import msgspec
 import numpy as np
 
 from deploy.telemetry.recording.form import from_object
-from deploy.telemetry.recording.mcap.contents import Contents
-from deploy.telemetry.recording.mcap.series import Series, series
+from deploy.telemetry.recording.mcap.contents import Contents, Series, series
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
 from protocol.keys import parse
 from protocol.messages import Message, Truth

@@ -1,16 +1,23 @@
-"""A recording as a source of messages: over again, in the order and at the pace of the run."""
+"""A recording played again: verified, published on a bus, or exported for ROS 2 tools."""
 
 from __future__ import annotations
 
 import json
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from deploy.telemetry.recording.mcap.file import McapFile
 from deploy.telemetry.recording.reading.reader import Recording
 from deploy.telemetry.recording.reading.trajectory import Trajectory, trajectory
+from deploy.telemetry.recording.writer import LIBRARY
+from deploy.telemetry.scene import ros
+from deploy.telemetry.scene.drawing import WORLD, frame
 from protocol.bus.bus import Bus, Publish
-from protocol.errors import RecordingError
+from protocol.errors import RecordingError, UsageError
 from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Result
 from protocol.streams import STREAMS
@@ -75,3 +82,25 @@ def publish(
         publishers[key](payload)
         if progress is not None:
             progress(min(1.0, now / duration) if duration > 0.0 else 1.0)
+
+
+def export(recording: Recording, path: Path) -> None:
+    """Write the recorded truths to `path`.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    step, truths = recording.scenario.time.step, recording.truths
+    frames: dict[tuple[int, ...], ros.Frames] = {}
+    try:
+        file = McapFile(path, LIBRARY, "ros2")
+        number = file.channel("/tf", file.schema(ros.NAME, ros.DEFINITION.encode(), "ros2msg"), {}, "cdr")
+        for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+            time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
+            robots = tuple(truths.robots[there].tolist())
+            if robots not in frames:
+                frames[robots] = ros.Frames(WORLD, [frame(robot) for robot in robots])
+            file.message(number, time, frames[robots].message(time, positions[there].tolist()))
+        file.finish({})
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error

@@ -1,9 +1,4 @@
-"""The trajectory of a recording, whole even where a truth was dropped on its way to the recorder.
-
-Truths are for whoever watches, and the network may drop them. Ticks it may not, and each says what
-its robot really did during the tick before, or that this was what it had commanded: added to where the disk
-was, that is where it was next, to the last bit.
-"""
+"""Trajectories of a recording as a table, and which robots took part."""
 
 from __future__ import annotations
 
@@ -18,6 +13,56 @@ from deploy.telemetry.recording.reading.reader import Recording
 from protocol.errors import RecordingError
 from protocol.messages import Command, Tick, Vector
 from world.judge.trajectory import TrajectoryDigest
+
+
+class Participant(NamedTuple):
+    """A robot that was there for some of the time.
+
+    Attributes:
+        robot: its id.
+        radius: m.
+        goal: m, where the scenario says; None for who was added by an operator, for no message says it.
+        path: m, shape (n, 2), by recorded tick; NaN where its disk was not there.
+    """
+
+    robot: int
+    radius: float
+    goal: Vector | None
+    path: np.ndarray
+
+    @property
+    def known(self) -> np.ndarray:
+        """The part of its path in which it was there."""
+        known: np.ndarray = self.path[~np.isnan(self.path[:, 0])]
+        return known
+
+
+def participants(recording: Recording) -> list[Participant]:
+    """In the order of ids."""
+    scenario, truths = recording.scenario, recording.truths
+    specs = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
+    robots: list[int] = truths.robots.tolist()
+    radii = _announced(recording, set(robots).difference(specs))
+    return [
+        Participant(
+            robot,
+            specs[robot].radius if robot in specs else radii.get(robot, 0.0),
+            specs[robot].goal if robot in specs else None,
+            truths.positions[:, index],
+        )
+        for index, robot in enumerate(robots)
+    ]
+
+
+def _announced(recording: Recording, robots: set[int]) -> dict[int, float]:
+    """Radii of robots that operators added, by the roster that others were told, m."""
+    radii: dict[int, float] = {}
+    for tick in recording.said(Tick) if robots else ():
+        members = () if tick.roster is None else tick.roster.members
+        radii.update({each.robot: each.radius for each in members if each.robot in robots})
+        if len(radii) == len(robots):
+            break
+    return radii
 
 
 class _Plane(NamedTuple):

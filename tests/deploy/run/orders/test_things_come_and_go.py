@@ -16,7 +16,7 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.telemetry.plot.things import stays
+from deploy.telemetry.plot.workspace import stays
 from deploy.telemetry.recording.reading.reader import read
 from protocol.bus.events import Request
 from protocol.errors import MessageError

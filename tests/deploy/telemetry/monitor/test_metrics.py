@@ -13,7 +13,7 @@ import pytest
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from deploy.telemetry.monitor.metrics import PHASES, export
-from deploy.telemetry.monitor.source import Source
+from deploy.telemetry.monitor.snapshot import Source
 from protocol.errors import UsageError
 from protocol.messages import Clock, Health, Truth
 from protocol.scenario.model import RobotSpec, Scenario

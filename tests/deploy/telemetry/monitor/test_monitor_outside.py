@@ -17,7 +17,7 @@ import zenoh
 
 from deploy.processes.router import listening
 from deploy.run.options import fresh_run_name
-from deploy.telemetry.monitor.attachment import attach
+from deploy.telemetry.monitor.watcher import attach
 from protocol.bus.connection import Connection
 from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.zenoh import ZenohBus

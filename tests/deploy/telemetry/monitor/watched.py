@@ -10,7 +10,7 @@ from math import cos, pi, sin
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.steerable import Steerable
+from deploy.telemetry.monitor.snapshot import Steerable
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.monitor.web.server import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork

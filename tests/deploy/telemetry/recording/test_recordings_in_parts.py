@@ -13,11 +13,10 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from deploy.telemetry.recording.parts import Parts
+from deploy.telemetry.recording.parts import Parts, Rotation, rotation
 from deploy.telemetry.recording.reading.reader import read
 from deploy.telemetry.recording.reading.replay import verify
 from deploy.telemetry.recording.reading.trajectory import trajectory
-from deploy.telemetry.recording.rotation import Rotation, rotation
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth

@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.mcap.contents import contents
 from deploy.telemetry.recording.reading.reader import read
-from deploy.telemetry.recording.reading.ros2 import export
+from deploy.telemetry.recording.reading.replay import export
 from deploy.telemetry.recording.reading.trajectory import trajectory
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.scene.fleet import TOPICS

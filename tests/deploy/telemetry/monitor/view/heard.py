@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from deploy.telemetry.monitor.view import snapshot as telling
-from deploy.telemetry.monitor.view.fleet import View
+from deploy.telemetry.monitor import snapshot as telling
+from deploy.telemetry.monitor.live import View
 from protocol.messages import Clock, Health, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Time
 

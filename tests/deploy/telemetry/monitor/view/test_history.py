@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.telemetry.monitor.view import snapshot as telling
-from deploy.telemetry.monitor.view.fleet import HISTORY
+from deploy.telemetry.monitor import snapshot as telling
+from deploy.telemetry.monitor.live import HISTORY
 from deploy.telemetry.scene.thinned import Thinned
 from tests.deploy.telemetry.monitor.view.heard import truth, view
 

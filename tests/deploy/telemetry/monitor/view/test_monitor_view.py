@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.telemetry.monitor.view import snapshot as telling
-from deploy.telemetry.monitor.view.fleet import View
+from deploy.telemetry.monitor import snapshot as telling
+from deploy.telemetry.monitor.live import View
 from protocol.messages import Clock, Errand, GoalStatus, Message, PartPlace, Standing, Truth
 from protocol.scenario.model import Order, Part, RobotSpec
 from tests.deploy.telemetry.monitor.view.heard import SCENARIO, clock, health, rows, run_to, truth, view

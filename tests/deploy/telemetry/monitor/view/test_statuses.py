@@ -6,8 +6,8 @@ import msgspec
 import pytest
 from rich.console import Console, RenderableType
 
+from deploy.telemetry.monitor import snapshot as telling
 from deploy.telemetry.monitor.terminal import table
-from deploy.telemetry.monitor.view import snapshot as telling
 from protocol.messages import Errand, GoalStatus, Standing
 from protocol.requests.steering import Steering
 from tests.deploy.telemetry.monitor.view.heard import (

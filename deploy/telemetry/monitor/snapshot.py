@@ -1,13 +1,19 @@
-"""A view in plain data, as the page and the terminal take it."""
+"""What viewers are told: the view as plain data, from any thread."""
 
 from __future__ import annotations
 
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any
 
-from deploy.telemetry.monitor.view.fleet import View
-from deploy.telemetry.monitor.view.robot import ALARMS, RobotView
+from deploy.telemetry.monitor.live import ALARMS, RobotView, View
 from protocol.geometry import Disk, Shape
 from protocol.messages import Thing, Truth
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.steering import Steer
 
 _SAMPLES = 8  # of the past that a snapshot carries, at most
 
@@ -98,3 +104,46 @@ def _sample(view: View, group: list[Truth]) -> list[Any]:
     ]
     clearance = min(truth.clearance for truth in group)
     return [last.tick, round(last.tick * view.scenario.time.step, 6), clearance, last.phi, places]
+
+
+class Source:
+    """A view with a lock: one thread writes, others look. They never wait for each other's network.
+
+    Every method may be called from any thread.
+    """
+
+    def __init__(self, run: str, clock: Callable[[], float] = time.monotonic) -> None:
+        self._view = View(run)
+        self._lock = threading.Lock()
+        self._clock = clock
+
+    def overview(self) -> dict[str, Any]:
+        """What does not change, and the past; see `deploy.telemetry.monitor.snapshot`."""
+        with self._lock:
+            return overview(self._view)
+
+    def snapshot(self, since: int = -1) -> dict[str, Any]:
+        """The present, and what happened after tick `since`."""
+        with self._lock:
+            return snapshot(self._view, self._clock(), since)
+
+    def change(self, what: Callable[[View, float], None]) -> None:
+        """Let `what` work on the view at the present time, while nobody looks."""
+        with self._lock:
+            what(self._view, self._clock())
+
+
+class Steerable(Source, ABC):
+    """A `Source` that passes on what its viewers ask for; every method may be called from any thread."""
+
+    @abstractmethod
+    def steer(self, steer: Steer) -> None:
+        """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
+
+    @abstractmethod
+    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
+        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
+
+    @abstractmethod
+    def halt(self, halt: bool) -> Future[str]:
+        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
