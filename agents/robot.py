@@ -15,7 +15,6 @@ from agents.hearing import Hearing
 from agents.laws import GuardedLaw, View
 from agents.laws.turns import turn_of
 from agents.localisation.estimate import Estimate
-from agents.localisation.reckoning import Reckoning
 from agents.movers.mover import Mover
 from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended
@@ -77,7 +76,6 @@ class Robot:
         self._mover = Mover(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known
         self._reports = scenario.is_external
-        self._reckoning = Reckoning(scenario.time.step) if scenario.hears_near else None
         self._desired = self._moved = STILL
         self._blind = True  # whether nothing is known of how far it went in the last tick
         self._halted = False  # an emergency stop is in force
@@ -96,8 +94,6 @@ class Robot:
         self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
         sense = tick.sense if sense is None else sense
-        if self._reckoning is not None:
-            sense = self._reckoning.sense(tick.tick, sense, went_as_commanded=tick.as_commanded)
         self._sense(sense)
         if tick.roster is not None:
             self._follow(tick.roster)
@@ -203,8 +199,6 @@ class Robot:
             if position is not None and not self._halted:
                 self._desired = self._wish(position)
                 velocity = filter_.velocity(self._desired, self._estimate)
-        if self._reckoning is not None:
-            self._reckoning.commanded(self.tick, velocity)
         report, norm = self._report() if self._reports else None, self._summed_up()
         return Command(
             self.robot,

@@ -156,8 +156,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the tick that begins
     active: tuple[Id, ...] | None  # who take part, and whose State is to be awaited; None: all who are near
     epoch: Epoch = 0  # of the coordinator
-    sense: Sense | None = None  # None: `as_commanded`, or its base speaks for itself
-    as_commanded: bool = False  # in place of a sense, large fleets: it went exactly as it commanded
+    sense: Sense | None = None  # None: its base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion

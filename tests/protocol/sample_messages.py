@@ -76,7 +76,6 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         st.none() | several(ids),
         epochs,
         senses,
-        st.booleans(),
         rosters,
         positions,
         st.booleans(),

@@ -24,7 +24,6 @@ from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.crowd.forwarding import Forwarding
 from world.coordinator.crowd.interest import Interest
-from world.coordinator.crowd.omission import Omission
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
@@ -69,7 +68,6 @@ class Coordinator:
         self.membership = Membership(scenario, self.lives, self.missions)
         self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
-        self._omission = Omission(scenario.time.step) if scenario.hears_near else None
         self._forwarding = Forwarding()
         self.schedule = Schedule(scenario)
 
@@ -222,14 +220,11 @@ class Coordinator:
 
     def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
         """Begin the tick, with what every robot senses: what is to be told."""
-        commanded, omitted = self.commands.velocities, frozenset[int]()
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
         if self._interest is not None:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
-        if self._omission is not None:
-            sensed, omitted = self._omission.sift(self.tick, sensed, commanded, self.lives.incarnations)
-        self.told = self._tell(self.active, sensed, self._forwarding.deliver(), self._interest, omitted)
+        self.told = self._tell(self.active, sensed, self._forwarding.deliver(), self._interest)
         return self.told
 
     def accept(self, command: Command) -> bool:
@@ -281,7 +276,6 @@ class Coordinator:
         sensed: Mapping[int, Sense] = MappingProxyType({}),
         letters: Mapping[int, tuple[Letter, ...]] = MappingProxyType({}),
         interest: Interest | None = None,
-        omitted: frozenset[int] = frozenset(),
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
         roster_for, goal, since = self.lives.roster_for, self.missions.goal, self.missions.since
@@ -294,7 +288,6 @@ class Coordinator:
                 self.tick,
                 active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
                 sense=sensed.get(robot),
-                as_commanded=robot in omitted,
                 roster=roster_for(robot),
                 goal=goal(robot) if life.is_new or life.heard < since(robot) else None,
                 halted=self.halted,

@@ -29,9 +29,7 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
         robot, sense = told.robot, told.sense
         if robot not in newest:
             continue
-        if told.as_commanded:  # its place is measured, and without error
-            newest[robot] = told.tick
-        elif sense is not None and sense.position is not None:
+        if sense is not None and sense.position is not None:
             newest[robot] = max(newest[robot], sense.stamp)
         if newest[robot] >= 0 and told.tick in row:
             ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]

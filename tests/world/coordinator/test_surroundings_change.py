@@ -139,7 +139,7 @@ def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
 def test_what_is_no_shape_is_dropped_on_arrival() -> None:
     tick = msgspec.to_builtins(Tick(1, 1, 0, (), roster=Roster(1, (), (Thing(1, "standing", BOX),))))
     for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
-        tick[8][2][0][2] = points
+        tick[7][2][0][2] = points
         with pytest.raises(MessageError):
             decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))
 

@@ -134,25 +134,18 @@ class _Moves:
         self._path = recording.path
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
-        self._as_commanded: set[tuple[int, int]] = set()
-        self._step = recording.scenario.time.step
         for _, _, message in recording.entries.of(Tick, Command):
             if isinstance(message, Command) and message.tick + 1 in ticks:
                 self._commanded[message.robot, message.tick] = message.velocity
-            elif isinstance(message, Tick) and message.tick in ticks:
-                if message.sense is not None:
-                    self._said[message.tick][message.robot] = message.sense.displacement
-                elif message.as_commanded:
-                    self._as_commanded.add((message.robot, message.tick))
+            elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
+                self._said[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
         after = []
         for robot, (x, y) in zip(before.robots, before.places, strict=True):
             move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
-            if (robot, tick) in self._as_commanded and velocity is not None:
-                move = velocity[0] * self._step, velocity[1] * self._step
-            elif move is None and velocity is not None:
+            if move is None and velocity is not None:
                 raise RecordingError(
                     f"{self._path}: the truth of tick {tick} was not recorded, nor what robot {robot} did "
                     f"before it, so the trajectory cannot be checked; record on a machine with less load"

@@ -29,7 +29,6 @@ _LINES = [
 _ROBOT = [
     "agents.peers.roster",
     "agents.localisation.estimate",
-    "agents.localisation.reckoning",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
     "agents.safety_filter",

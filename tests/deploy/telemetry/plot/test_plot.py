@@ -127,9 +127,13 @@ def test_age_of_measurements_is_the_injected_delay(faulty):
     assert np.allclose(ages[2 : ticks[-1]], 0.1)
 
 
-def test_a_measurement_is_as_old_as_its_tick_where_all_went_as_commanded_and_not_where_nothing_was_said():
+def test_a_measurement_is_as_old_as_its_tick_and_older_where_nothing_was_said():
     told = Tick(1, 1, 0, (1,), sense=Sense((0.0, 0.0), 0, 0.0, (0.0, 0.0)))
-    ticks = [told, replace(told, tick=1, sense=None, as_commanded=True), replace(told, tick=2, sense=None)]
+    ticks = [
+        told,
+        replace(told, tick=1, sense=Sense((0.0, 0.0), 1, 0.0, (0.0, 0.0))),
+        replace(told, tick=2, sense=None),
+    ]
     recording = SimpleNamespace(
         scenario=replace_field(load("swap-4"), network=Network("near")),
         truths=SimpleNamespace(ticks=np.arange(3)),

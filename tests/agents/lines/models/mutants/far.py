@@ -6,13 +6,11 @@ from tests.agents.lines.models.mutants.mutant import Mutant
 from tests.agents.lines.models.product import LARGE_ROOM
 from tests.interpreted import Edit
 
-_COORDINATOR = "world.coordinator.coordinator"
 _FAR = "agents.lines.negotiation.far"
 _INITIAL = "agents.lines.initial_lines"
 _LEDGER = "agents.lines.separating_lines"
 _LINE = "agents.lines.line"
 _PLACEMENT = "agents.lines.placement"
-_RECKONING = "agents.localisation.reckoning"
 _ROBOT = "agents.robot"
 
 FAR = (
@@ -62,16 +60,6 @@ FAR = (
         "a line that rested is looked at by itself again as soon as somebody may be near, or speaks of it",
         (*LARGE_ROOM, Edit(_LEDGER, "if pair is not None and not pair.rests:", "if pair is not None:")),
         model="skirmish",
-    ),
-    Mutant(
-        "silence-is-no-news",
-        "whoever is told nothing of how its robot went knows nothing of it: the command may have been void",
-        (
-            Edit(_COORDINATOR, "for robot in awaited if of[robot].fenced]", "for robot in awaited if of]"),
-            Edit(_RECKONING, "if went_as_commanded and self._place", "if told is None and self._place"),
-        ),
-        model="aftermath",
-        first=191,
     ),
 )
 
