@@ -97,8 +97,8 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
 	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/pictures/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
-	$(BIN)/python -m deploy.studies.paper.sampled > out/sampled.md
-	$(BIN)/python -m deploy.studies.certified --write
+	$(BIN)/python -m tests.benchmarks.theory.sampled > out/sampled.md
+	$(BIN)/python -m tests.benchmarks.theory.certified --write
 	for study in tightness tuning robustness arrival delay scale; do \
 	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
 	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png

@@ -13,7 +13,7 @@ from deploy.output import json_output
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
 
 if TYPE_CHECKING:
-    from deploy.theory.certify.session import Outcome
+    from deploy.theory.certify.prove import Outcome
     from deploy.theory.certify.verifier.replay import Replay
 
 _MINUTES = 10.0
@@ -84,8 +84,8 @@ def certify(
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
     if starts is not None:
         raise typer.Exit(_statistics(scenario, setting or [], (starts, seed or 0), json_file, silent))
-    from deploy.theory.certify.session import Request, to_json
-    from deploy.theory.certify.session import certify as perform
+    from deploy.theory.certify.prove import Request, to_json
+    from deploy.theory.certify.prove import certify as perform
 
     limit = _MINUTES if minutes is None else minutes
     outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))

@@ -10,7 +10,7 @@ from deploy.output import json_output
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from deploy.theory.check.report import Certified
+    from deploy.theory.check.check import Certified
     from protocol.scenario.model import Scenario
 
 
@@ -27,11 +27,9 @@ def check(
     Exit status: 0 valid (whatever the theory says), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check.check import report
+    from deploy.theory.check.check import report, to_json
     from deploy.theory.check.render import render
-    from deploy.theory.check.report import to_json
-    from deploy.theory.check.scope import theorem_for
-    from deploy.theory.check.surrounded import surrounded
+    from deploy.theory.check.surrounded import surrounded, theorem_for
 
     json_output.check(json_file)
     valid = load(scenario, setting or [], seed)
@@ -52,7 +50,7 @@ def check(
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
     """What lies beside the scenario."""
     from deploy.theory.certify.certificate import ProofError, path_for, stored
-    from deploy.theory.check.report import Certified
+    from deploy.theory.check.check import Certified
 
     path = str(path_for(name))
     try:

@@ -9,7 +9,7 @@ from pathlib import Path
 from agents.laws import require as require_law
 from deploy.library.names import build
 from deploy.library.trial import try_out
-from deploy.theory.gain.tuning import gain_for
+from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from deploy.run.options import Transport
-from deploy.studies.faults.arrival import arrival
-from deploy.studies.faults.delay import delay
-from deploy.studies.faults.robustness import robustness
-from deploy.studies.paper.experiments import tightness, tuning
+from deploy.studies.arrival import arrival
+from deploy.studies.delay import delay
+from deploy.studies.experiments import tightness, tuning
 from deploy.studies.peers.study import peers
+from deploy.studies.robustness import robustness
 from deploy.studies.scale import scale
 from deploy.studies.study import Study, StudyName
 

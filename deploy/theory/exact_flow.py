@@ -7,15 +7,15 @@ another path that descends too. The repulsive layer is stiff: SciPy's implicit B
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from scipy.integrate import BDF
 from scipy.optimize import brentq
 
-from deploy.theory.function import Array, Problem, reduced_gradient
-from deploy.theory.hessian import reduced_jacobian
+from deploy.theory.function import Array, Problem, reduced_gradient, reduced_jacobian
 
 Pace = Literal["common", "own"]
 
@@ -119,3 +119,23 @@ def _summary(problem: Problem, path: Array, arrived: bool) -> FlowResult:
     straight = np.linalg.norm(path[0] - problem.goals, axis=1).sum()
     nrl = float(lengths.sum() / straight) if straight > 0.0 else 1.0
     return FlowResult(arrived, path, lengths, nrl)
+
+
+def arrives_from_all(problem: Problem, starts: Sequence[Array]) -> bool:
+    """Whether the exact flow brings every one of these starts (p, 2) to the goal."""
+    return all(integrate(problem, start).arrived for start in starts)
+
+
+def arrival_threshold(
+    problem: Problem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
+) -> tuple[float, float]:
+    """(k at which some start fails, k at which all arrive), within a factor of `ratio`; ignores problem.k.
+
+    Bisection on log k between `low`, taken to fail, and `high`, taken to arrive. It finds one change from
+    failure to arrival; that arrival is monotone in k is observed, not proven.
+    """
+    while high > ratio * low:
+        middle = float(np.sqrt(low * high))
+        arrives = arrives_from_all(replace(problem, k=middle), starts)
+        low, high = (low, middle) if arrives else (middle, high)
+    return low, high

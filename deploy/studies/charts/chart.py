@@ -9,13 +9,12 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FormatStrFormatter, MaxNLocator, NullLocator
 
-from deploy.studies.charts.delays import delay, robustness
 from deploy.studies.charts.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
 from deploy.studies.charts.peers import peers
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import INK, RC, colour
+from deploy.telemetry.plot.style import FAINT, INK, RC, colour
 
 _SCALE = {
     "nrl_mean": "nrl",
@@ -23,7 +22,6 @@ _SCALE = {
     "cpu_per_robot_tick_us": "CPU per robot and tick, µs",
     "memory_mb": "memory, MB",
 }
-_OUTCOMES = ("arrived", "survivors_arrived", "barred", "not_arrived", "failed", "collisions")
 
 
 def draw_study(name: str, rows: Sequence[Row], target: Path) -> None:
@@ -69,25 +67,6 @@ def _paper(rows: Sequence[Row], axis: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _robustness(rows: Sequence[Row]) -> Figure:
-    return robustness(rows) if "filter" in rows[0] else _random_faults(rows)
-
-
-def _random_faults(rows: Sequence[Row]) -> Figure:
-    """How many runs came to what, in numbers too: the few that matter are too few to be seen."""
-    figure, ((axes,),) = panels(1, 1, 2.2)
-    names = [name.replace("_", " ") for name in _OUTCOMES]
-    bars = axes.barh(names, [rows[0][name] for name in _OUTCOMES], color=colour(0), height=0.6)
-    axes.bar_label(bars, fmt="%d", padding=3)
-    axes.invert_yaxis()
-    axes.margins(x=0.1)
-    axes.grid(visible=False, axis="y")
-    axes.tick_params(axis="y", length=0)
-    axes.set(xlabel="runs")
-    heading(figure, f"{runs(rows)} with random faults")
-    return figure
-
-
 def _scale(rows: Sequence[Row]) -> Figure:
     """What grows with the number of robots: a curve for every transport."""
     figure, grid = panels(2, 2, 2.6, sharex=True)
@@ -131,10 +110,80 @@ def _arrival(rows: Sequence[Row]) -> Figure:
     return figure
 
 
+_AXIS = "one-way delay, s"
+_FILTERS = {"separating-lines": "separating lines", "none": "bare law"}
+_SHARES = {"arrived": "runs that arrived, %", "collisions": "runs that touched, %"}
+_TIME = "time of arrival, s"
+
+
+def robustness(rows: Sequence[Row]) -> Figure:
+    """Arrivals, collisions and time, a column for every loss; noise and period as they mostly are."""
+    shown = [row for row in rows if row["noise"] == 0.0 and row["period"] == 0.05]
+    losses = sorted({row["loss"] for row in shown})
+    figure, grid = panels(3, len(losses), 1.9, sharex=True, sharey="row")
+    for column, loss in zip(grid.T, losses, strict=True):
+        own = [row for row in shown if row["loss"] == loss]
+        for axes, name in zip(column, (*_SHARES, "time"), strict=True):
+            for curve in _of_filters(own, name):
+                curve.draw(axes)
+        column[0].set_title(f"{100.0 * loss:g} % lost")
+        column[-1].set_xlabel(_AXIS)
+        column[-1].xaxis.set_major_locator(MaxNLocator(4, steps=(1, 2, 5, 10)))
+        column[-1].xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    for axes, words in zip(grid[:, 0], (*_SHARES.values(), _TIME), strict=True):
+        axes.set_ylabel(words)
+    for axes in grid[:2].flat:
+        axes.set_ylim(-7.0, 107.0)
+    heading(
+        figure,
+        f"{runs(shown)} a point, from the same starts; no noise, period 50 ms",
+        "time: mean of the runs that arrived, no mark where none did",
+    )
+    legend(figure)
+    return figure
+
+
+def _of_filters(rows: Sequence[Row], name: str) -> list[Curve]:
+    curves = []
+    for place, (filter_, words) in enumerate(_FILTERS.items()):
+        points = [
+            (row["delay"], row["time_mean"] if name == "time" else 100.0 * row[name] / row["runs"])
+            for row in rows
+            if row["filter"] == filter_
+        ]
+        curves.append(Curve(words, points, place, place, hollow=place > 0))
+    return curves
+
+
+def delay(rows: Sequence[Row]) -> Figure:
+    """Time over the delay, and against the same runs without: a colour a scenario, a line style a pace."""
+    figure, ((times, ratios),) = panels(1, 2, 3.4)
+    scenarios = list(dict.fromkeys(row["scenario"] for row in rows))
+    paces = list(dict.fromkeys(row["pace"] for row in rows))
+    for place, scenario in enumerate(scenarios):
+        for style, pace in enumerate(paces):
+            own = [row for row in rows if (row["scenario"], row["pace"]) == (scenario, pace)]
+            label, hollow = f"{scenario}, {pace} pace", style > 0
+            time = [(row["delay"], row["time_mean"]) for row in own]
+            ratio = [(row["delay"], row["ratio"], row["ratio_error"]) for row in own]
+            Curve(label, time, place, style, hollow).draw(times)
+            Curve(label, ratio, place, style, hollow).draw(ratios)
+    times.set(xlabel=_AXIS, ylabel=_TIME)
+    times.set_ylim(bottom=0.0)
+    ratios.axhline(1.0, color=FAINT, linewidth=0.6, zorder=1)
+    ratios.set(xlabel=_AXIS, ylabel="time against no delay")
+    heading(
+        figure,
+        f"{runs(rows)} a point, from the same starts; of those that arrived; standard error of the ratio",
+    )
+    legend(figure)
+    return figure
+
+
 _CHARTS: dict[str, Callable[[Sequence[Row]], Figure]] = {
     "tightness": _tightness,
     "tuning": _tuning,
-    "robustness": _robustness,
+    "robustness": robustness,
     "arrival": _arrival,
     "delay": delay,
     "scale": _scale,

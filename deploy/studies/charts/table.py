@@ -32,8 +32,6 @@ _WORDS = {
     "cpu_per_robot_tick_us": "CPU, µs/robot/tick",
     "memory_mb": "memory, MB",
     "memory_per_robot_mb": "MB/robot",
-    "survivors_arrived": "survivors arrived",
-    "not_arrived": "not arrived",
     "step_us": "step, µs",
 }
 

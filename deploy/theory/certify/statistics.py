@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from deploy.theory.configurations import random_configuration
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Problem
-from deploy.theory.sampling import random_configuration
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 

@@ -1,23 +1,179 @@
-"""`disknav check`: evaluates the theory for a scenario, and looks at what is seen in practice."""
+"""The report of `disknav check`: the theory for a scenario, and what is seen in practice at the k in use."""
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from deploy.theory.check.practice import practice
-from deploy.theory.check.report import Assumption, Certified, CheckReport, Free, Shortfall
+from deploy.theory.assumptions import Margins, Status, first_status, margins, second_status
+from deploy.theory.bounds import Bounds, best_bounds
+from deploy.theory.configurations import mirrored_triples, random_configuration
+from deploy.theory.equilibria import CriticalPoint, classify, equilibria, find_equilibrium, swapped_pairs
+from deploy.theory.exact_flow import FlowResult, integrate
 from deploy.theory.function import Array, Problem, displacements, in_free_space
-from deploy.theory.gain.assumptions import Margins, Status, first_status, margins, second_status
-from deploy.theory.gain.best_bound import best_bounds
-from deploy.theory.gain.tuning import automatic_k, density
-from deploy.theory.reachability import mirrored_triples
+from deploy.theory.tuning import automatic_k, density
+from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks
 from world.judge.goals import Goals
 from world.judge.measures import tight
+
+LARGEST = 32  # robots
+SEARCHED = 12  # robots up to which equilibria are looked for
+RANDOM_STARTS = 10
+
+
+@dataclass(frozen=True)
+class Practice:
+    """arrived, nrl, rest: from the scenario's own start; the random starts are drawn from its seed.
+
+    rest: the kind of equilibrium at which that start comes to rest, None when it arrives or nowhere rests.
+
+    equilibria: how many were found of each kind, such as "saddle of index 2", the goal left out; empty
+    when they were not looked for. other_minima: equilibria besides the goal that attract.
+    """
+
+    arrived: bool
+    nrl: float
+    rest: str | None
+    random_starts: int
+    random_arrived: int
+    searched: bool
+    equilibria: dict[str, int]
+    other_minima: int
+
+
+def practice(problem: Problem, start: Array, seed: int) -> Practice | None:
+    """Follow the flow and look for equilibria; None beyond 32 robots or when start or goal is not free."""
+    if problem.p > LARGEST or not (in_free_space(problem, start) and in_free_space(problem, problem.goals)):
+        return None
+    starts = _random_starts(problem, seed)
+    own, others = integrate(problem, start), [integrate(problem, b) for b in starts]
+    searched = problem.p <= SEARCHED
+    kinds = _kinds(problem, [own, *others], starts) if searched else Counter()
+    arrived = sum(flow.arrived for flow in others)
+    rest = None if own.arrived else _rest(problem, own)
+    return Practice(own.arrived, own.nrl, rest, len(starts), arrived, searched, dict(kinds), kinds["minimum"])
+
+
+def _rest(problem: Problem, flow: FlowResult) -> str | None:
+    b = find_equilibrium(problem, flow.path[-1])
+    return None if b is None else _name(classify(problem, b))
+
+
+def _random_starts(problem: Problem, seed: int) -> list[Array]:
+    draw = generator(seed, Purpose.STUDY)
+    count = RANDOM_STARTS if problem.p <= SEARCHED else 2
+    drawn = (random_configuration(draw, problem.radii, problem.workspace) for _ in range(count))
+    return [b for b in drawn if b is not None]
+
+
+def _kinds(problem: Problem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
+    """Equilibria reached from the ends of failed flows, from blocked pairs and from the random starts."""
+    ends = [flow.path[-1] for flow in flows if not flow.arrived]
+    refined = [b for end in ends if (b := find_equilibrium(problem, end)) is not None]
+    found = equilibria(problem, [*refined, *swapped_pairs(problem), *starts])[1:]
+    return Counter(_name(point) for point in found)
+
+
+def _name(point: CriticalPoint) -> str:
+    return f"saddle of index {point.index}" if point.kind == "saddle" else point.kind
+
+
+@dataclass(frozen=True)
+class Free:
+    """Whether a configuration is free, and its smallest clearance, m (negative is overlap)."""
+
+    free: bool
+    clearance: float
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A cluster for which an assumption is not shown. Ids, None when it stands for all clusters of its size.
+
+    margin: left-hand side minus right-hand side, m, not positive.
+    """
+
+    robots: tuple[int, ...] | None
+    size: int
+    margin: float
+    status: Status
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """One assumption over all clusters, in the limit of small eps; worst: the smallest margin, m."""
+
+    status: Status
+    worst: float
+    clusters: int
+    failing: int
+    shortfalls: tuple[Shortfall, ...]  # smallest clusters first, then the widest gap; at most LISTED
+
+
+@dataclass(frozen=True)
+class Certified:
+    """What a stored certificate proves, None when nothing yet, or why it was refused."""
+
+    file: str
+    k: float | None
+    refused: str | None = None
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """Everything `disknav check` says. Lengths in m, eps in m^2.
+
+    exact: every cluster was looked at and Lambda', Lambda'' are attained; else they are proven upper bounds.
+    bounds: at the best eps, None where the assumptions are not shown.
+    """
+
+    scenario: str
+    robots: int
+    density: float
+    tight: float | None
+    k: float
+    automatic: bool
+    automatic_k: float
+    start: Free
+    goal: Free
+    unreachable: tuple[tuple[int, int, int], ...]
+    every_cluster: bool
+    exact: bool
+    assumption_1: Assumption
+    assumption_2: Assumption
+    bounds: Bounds | None
+    practice: Practice | None
+    certificate: Certified | None
+
+    @property
+    def guaranteed(self) -> bool:
+        """Whether the theory covers the k in use."""
+        return self.bounds is not None and self.k > self.bounds.polar
+
+
+def to_json(found: CheckReport) -> dict[str, Any]:
+    """Plain data; an infinite number becomes None, since JSON has none."""
+    plain = finite(asdict(found)) | {"guaranteed": found.guaranteed}
+    if found.bounds is not None:
+        plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
+    return dict(plain)
+
+
+def finite(value: Any) -> Any:
+    """Plain data with None for every number that is not finite."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
 
 LISTED = 5  # shortfalls that are spelled out
 

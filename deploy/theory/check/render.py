@@ -6,7 +6,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.theory.check.report import Assumption, CheckReport, Free, Shortfall
+from deploy.theory.check.check import Assumption, CheckReport, Free, Shortfall
 
 CAVEAT = (
     "The conditions are sufficient and very conservative (the paper's own simulations never check them): "

@@ -1,9 +1,10 @@
-"""What `disknav check` says of robots among things, or in a room with straight walls."""
+"""The report of `disknav check` on robots among obstacles, or in a room with straight walls."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from rich.console import Group, RenderableType
@@ -13,15 +14,61 @@ from rich.text import Text
 from agents.movers.places import Floor
 from agents.movers.plan import Planner
 from agents.navigation.attraction import Attraction
-from deploy.theory.check.report import finite
-from deploy.theory.check.scope import Theorem, theorem_for
-from deploy.theory.gain.doors import Door, doors
-from deploy.theory.gain.tuning import crowd, gain_for
-from deploy.theory.reachability import Barrier, barriers
+from deploy.theory.check.check import finite
+from deploy.theory.configurations import Barrier, barriers
+from deploy.theory.doors import Door, doors
+from deploy.theory.tuning import crowd, gain_for
+from protocol.geometry import Disk
+from protocol.geometry.sphere_world import ROOM, obstructed
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
 from world.judge.goals import Goals
 from world.judge.measures import tight
+
+Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
+
+
+def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
+    """The theorem whose world a scenario is, and if there is none, why not.
+
+    - Robots alone in a disk: Karagoz, Bozma and Koditschek, Theorem 1.
+    - One robot in a disk among disks that stand apart, so that it passes between any two and between each and
+      the boundary: a sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with
+      boundary", 1990).
+    """
+    reasons = []
+    if not isinstance(scenario.workspace.shape, Disk):
+        reasons.append("the workspace is a polygon, and both theorems are about disks")
+    shapes = scenario.shapes
+    polygons = [number for number, shape in shapes.items() if not isinstance(shape, Disk)]
+    if polygons:
+        reasons.append(f"{_counted(len(polygons), 'thing')} among which robots move {_are(polygons)} no disk")
+    if scenario.parts:
+        reasons.append("no theorem is known for parts that are carried")
+    if shapes and len(scenario.robots) > 1:
+        reasons.append("no theorem is known for several robots among things that stand")
+    if shapes and not reasons:
+        reasons += _not_apart(scenario)
+    if reasons:
+        return None, tuple(reasons)
+    return ("Koditschek-Rimon" if shapes else "Karagoz-Bozma-Koditschek"), ()
+
+
+def _not_apart(scenario: Scenario) -> Iterator[str]:
+    """Things that one robot does not pass between."""
+    pairs = obstructed(scenario.workspace.shape, scenario.shapes, scenario.robots[0].radius)
+    for one, other in pairs:
+        between = f"thing {other} and the boundary" if one == ROOM else f"things {one} and {other}"
+        yield f"the robot does not pass between {between}"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _are(items: list[int]) -> str:
+    return "is" if len(items) == 1 else "are"
+
 
 _SAYS: dict[Theorem | None, str] = {
     "Koditschek-Rimon": (

@@ -9,8 +9,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.theory.check.scope import theorem_for
-from deploy.theory.check.surrounded import surrounded
+from deploy.theory.check.surrounded import surrounded, theorem_for
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
 

@@ -23,7 +23,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions, fresh_run_name
 from deploy.studies import execution
 from deploy.studies.execution import RunLog
-from deploy.studies.paper.experiments import tightness
+from deploy.studies.experiments import tightness
 from protocol.messages import Clock
 from tests.deploy.processes.children import row, wait
 from tests.deploy.processes.ports import free_ports

@@ -13,7 +13,7 @@ import pytest
 
 from deploy.studies import execution
 from deploy.studies.execution import RunLog, execute
-from deploy.studies.paper.experiments import tightness
+from deploy.studies.experiments import tightness
 from deploy.studies.study import Shard, Study
 from protocol.errors import ProcessError, UsageError
 from tests.deploy.telemetry.monitor.watched import until

@@ -13,14 +13,14 @@ from rich.console import Console
 
 from deploy.library.swaps import swap
 from deploy.software.provenance import provenance
+from deploy.studies.arrival import arrival, crowd, room
 from deploy.studies.charts.chart import draw_study
 from deploy.studies.charts.table import table
 from deploy.studies.execution import RunLog, execute
-from deploy.studies.faults.arrival import arrival, crowd, room
-from deploy.studies.faults.robustness import Conditions, grid, robustness
-from deploy.studies.paper.experiments import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import Request, perform
+from deploy.studies.robustness import Conditions, grid, robustness
 from deploy.studies.scale import scale
 from deploy.studies.statistics import deviation, growth
 from deploy.studies.study import Shard, Study

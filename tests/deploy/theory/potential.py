@@ -13,11 +13,12 @@ from deploy.theory.function import (
     beta_boundary,
     beta_pairs,
     gamma,
+    obstacle_curvature,
     obstacle_functions,
     reduced_gradient,
+    reduced_jacobian,
     weighted_obstacle_gradient,
 )
-from deploy.theory.hessian import obstacle_curvature, reduced_jacobian
 
 
 def _log(values: Array) -> Array:

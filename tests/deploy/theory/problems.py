@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from deploy.theory.configurations import random_configuration
 from deploy.theory.function import Array, Problem
-from deploy.theory.sampling import random_configuration
 from protocol.draws import Purpose, generator
 
 SIZES = (2, 3, 6)

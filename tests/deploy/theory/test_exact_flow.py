@@ -8,13 +8,11 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from deploy.theory.critical import classify
-from deploy.theory.equilibria import find_equilibrium
+from deploy.theory.configurations import mirrored_triples
+from deploy.theory.equilibria import classify, find_equilibrium
 from deploy.theory.exact_flow import Field, integrate
-from deploy.theory.function import Array, Problem, obstacle_functions, reduced_gradient
-from deploy.theory.gain.tuning import automatic_k
-from deploy.theory.hessian import reduced_jacobian
-from deploy.theory.reachability import mirrored_triples
+from deploy.theory.function import Array, Problem, obstacle_functions, reduced_gradient, reduced_jacobian
+from deploy.theory.tuning import automatic_k
 from tests.deploy.theory.clusters import circulation
 from tests.deploy.theory.potential import log_ratio
 from tests.deploy.theory.problems import admissible, crowded, free

@@ -7,18 +7,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from deploy.theory.critical import classify
-from deploy.theory.equilibria import equilibria, swapped_pairs
+from deploy.theory.equilibria import classify, equilibria, swapped_pairs
 from deploy.theory.function import (
     Array,
     Problem,
     beta_boundary,
     beta_pairs,
     gamma,
+    obstacle_curvature,
     obstacle_functions,
+    obstacle_outer,
     reduced_gradient,
+    reduced_jacobian,
 )
-from deploy.theory.hessian import obstacle_curvature, obstacle_outer, reduced_jacobian
 from tests.deploy.theory.clusters import circulation, clusters
 from tests.deploy.theory.potential import boundary_gradient, hessian, log_ratio, n2_at
 from tests.deploy.theory.problems import SIZES, admissible, crowded, free

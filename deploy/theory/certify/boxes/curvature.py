@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.certify.boxes.eigen import lowest, solve_into
-from deploy.theory.certify.boxes.intervals import Interval, add, down, middle, mul, square, sub, up
-from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.intervals import Interval, add, compiled, down, middle, mul, square, sub, up
+from deploy.theory.certify.boxes.newton import lowest, solve_into
 from deploy.theory.certify.boxes.scene import Box, Derived, Scene
 from deploy.theory.certify.boxes.turning import stiffness
 

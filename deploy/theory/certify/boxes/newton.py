@@ -4,6 +4,8 @@ Equations, with b0, lambda0 the midpoint: F_i = b_i - g_i - sum lambda_ij d_ij +
 F_q = lambda_q beta_q - kappa gamma. For every (b, lambda) in the box F(b, lambda) - F(b0, lambda0) =
 S (b - b0, lambda - lambda0), where the rows of S hold M(lambda0), d_q over the box, lambda0 (d + d0), beta_q
 over the box, and kappa (y + y0). That is tighter than a Jacobian over the box, and exact at contact.
+
+The dense linear algebra is NumPy's: what it finds is a proposal, never a bound.
 """
 
 from __future__ import annotations
@@ -11,14 +13,37 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.certify.boxes.eigen import solve_into
-from deploy.theory.certify.boxes.intervals import Interval, add, divide, middle, mul, square, sub
-from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.intervals import Interval, add, compiled, divide, middle, mul, square, sub
 from deploy.theory.certify.boxes.scene import Box, Derived, Scene, inverted, lower, upper
 
 Array = NDArray[np.float64]
 
-_HUGE = 1e50  # multipliers beyond might overflow below
+_HUGE = 1e100  # an inverse with such entries is of no use, and its products might overflow
+
+
+@compiled
+def lowest(matrix: Array, vector: Array) -> float:
+    """Smallest eigenvalue of a symmetric matrix, and its vector; +inf where an entry is not finite."""
+    if not np.isfinite(matrix).all():
+        return np.inf
+    values, vectors = np.linalg.eigh(matrix)
+    vector[:] = vectors[:, 0]
+    return float(values[0])
+
+
+@compiled
+def solve_into(matrix: Array, inverse: Array) -> bool:
+    """The inverse. False: singular, or as good as."""
+    if not np.isfinite(matrix).all():
+        return False
+    try:
+        inverse[:] = np.linalg.inv(matrix)
+    except Exception:  # noqa: BLE001  compiled code tells no more of it
+        return False
+    return bool((np.abs(inverse) < _HUGE).all())
+
+
+_LARGEST = 1e50  # multipliers beyond might overflow below
 
 
 @compiled
@@ -96,7 +121,7 @@ def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
     """Contract (b, lambda); nothing happens where a lambda is huge or the midpoint's S singular."""
     size = len(box) - 1
     for row in range(size):
-        if not box[row, 1] < _HUGE:
+        if not box[row, 1] < _LARGEST:
             return True
     at = np.empty(size)
     for row in range(size):

@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.certify.boxes.intervals import add, mul
-from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.intervals import add, compiled, mul
 from deploy.theory.function import Problem
 
 Box = NDArray[np.float64]

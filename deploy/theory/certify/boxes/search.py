@@ -5,15 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from deploy.theory.certify.boxes.contractors import (
+    contract_balance,
+    contract_distances,
+    contract_torque,
+    contract_work,
+    enclose,
+    enclose_work,
+)
 from deploy.theory.certify.boxes.curvature import falls
-from deploy.theory.certify.boxes.distances import contract_distances, enclose
-from deploy.theory.certify.boxes.forces import contract_balance, contract_torque
-from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.intervals import compiled
 from deploy.theory.certify.boxes.newton import contract_newton
 from deploy.theory.certify.boxes.scene import Box, Derived, Scene, derived
 from deploy.theory.certify.boxes.turning import circles, contract_rotation
-from deploy.theory.certify.boxes.work import contract_work, enclose_work
-from deploy.theory.certify.frontier import EMPTY, FALLS, Grown, Open
+from deploy.theory.certify.certificate import EMPTY, FALLS, Grown, Open
 
 OPEN = -1
 

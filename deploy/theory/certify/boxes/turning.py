@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from deploy.theory.certify.boxes.intervals import Interval, add, down, mul, square, sub, up
-from deploy.theory.certify.boxes.kernel import compiled
+from deploy.theory.certify.boxes.intervals import Interval, add, compiled, down, mul, square, sub, up
 from deploy.theory.certify.boxes.scene import Box, Derived, Scene, lower, upper
 
 

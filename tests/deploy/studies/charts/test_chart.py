@@ -14,8 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from deploy.studies.charts.chart import draw_study
-from deploy.studies.charts.delays import delay, robustness
+from deploy.studies.charts.chart import delay, draw_study, robustness
 from deploy.studies.charts.panels import HOLLOW, plain_numbers, runs
 from deploy.studies.charts.peers import peers
 from deploy.studies.peers.places import places

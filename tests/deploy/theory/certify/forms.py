@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from deploy.theory.certify.boxes.distances import enclose
+from deploy.theory.certify.boxes.contractors import enclose
 from deploy.theory.certify.boxes.scene import Derived, Scene, derived, scene_of
 from deploy.theory.function import Array
 from protocol.draws import Purpose, generator

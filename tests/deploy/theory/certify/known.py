@@ -8,11 +8,10 @@ from functools import cache
 
 import numpy as np
 
-from deploy.theory.critical import CriticalPoint, classify
-from deploy.theory.equilibria import find_equilibrium, swapped_pairs
+from deploy.theory.configurations import random_configuration
+from deploy.theory.equilibria import CriticalPoint, classify, find_equilibrium, swapped_pairs
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Array, Problem, gamma, obstacle_functions
-from deploy.theory.sampling import random_configuration
 from protocol.draws import Purpose, generator
 
 WORKSPACE = 0.3

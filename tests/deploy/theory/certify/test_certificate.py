@@ -10,8 +10,8 @@ import pytest
 
 from deploy.library.load import read
 from deploy.theory.certify.boxes.scene import scene_of
-from deploy.theory.certify.campaign import advance, beginning, ladder, prove
 from deploy.theory.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
+from deploy.theory.certify.prove import advance, beginning, ladder, prove
 from deploy.theory.certify.verifier.replay import replay
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from deploy.theory.certify.boxes.scene import scene_of
-from deploy.theory.critical import classify
-from deploy.theory.function import Array, Problem, gamma, obstacle_functions
-from deploy.theory.hessian import reduced_jacobian
+from deploy.theory.equilibria import classify
+from deploy.theory.function import Array, Problem, gamma, obstacle_functions, reduced_jacobian
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.forms import J, half_form
 from tests.deploy.theory.certify.known import Known, known

@@ -11,8 +11,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from deploy.theory.certify.boxes import intervals as i
-from deploy.theory.certify.boxes.eigen import solve_into
 from deploy.theory.certify.boxes.intervals import Interval
+from deploy.theory.certify.boxes.newton import solve_into
 from deploy.theory.certify.boxes.scene import derived, lower, scene_of, upper, whole
 from deploy.theory.certify.boxes.turning import stiffness
 from tests.deploy.theory.certify.known import known

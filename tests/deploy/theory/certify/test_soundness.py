@@ -9,8 +9,7 @@ from flint import arb
 from deploy.theory.certify.boxes.newton import contract_newton
 from deploy.theory.certify.boxes.scene import Derived, Scene, derived, scene_of, whole
 from deploy.theory.certify.boxes.search import OPEN, contract, grow, settle
-from deploy.theory.certify.certificate import Goals
-from deploy.theory.certify.frontier import EMPTY, FALLS, Open
+from deploy.theory.certify.certificate import EMPTY, FALLS, Goals, Open
 from deploy.theory.certify.verifier.conditions import Conditions
 from deploy.theory.certify.verifier.replay import Walk
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known

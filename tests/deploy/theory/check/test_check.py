@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from deploy.library.load import read
-from deploy.theory.check.check import report
+from deploy.library.load import load, read
+from deploy.theory.check.check import CheckReport, report, to_json
 from deploy.theory.check.render import render
-from deploy.theory.check.report import CheckReport, to_json
+from deploy.theory.check.surrounded import surrounded, theorem_for
 from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
 
 
@@ -122,3 +122,22 @@ def test_one_robot_and_forty_robots_are_checked_too() -> None:
     assert not many.every_cluster
     assert many.practice is None
     assert "not tried" in words(many)
+
+
+def test_parts_have_no_theorem_and_may_have_an_order() -> None:
+    found = surrounded(load("parts-4", [], 1))
+    assert (found.theorem, found.parts, found.order) == (None, 4, True)
+
+
+def test_two_parts_that_change_places_have_no_order() -> None:
+    drawn = load("parts-2", [], 0)
+    one, other = drawn.parts
+    swapped = (replace(one, goal=other.start), replace(other, goal=one.start))
+    assert surrounded(replace(drawn, parts=swapped)).order is False
+
+
+def test_a_single_robot_with_parts_is_in_no_sphere_world() -> None:
+    drawn = load("parts-2", [], 0)
+    theorem, reasons = theorem_for(replace(drawn, robots=drawn.robots[:1]))
+    assert theorem is None
+    assert "parts that are carried" in reasons[0]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.studies.paper.auto_k import MARKER, REPORT, auto_k_study, summary
-from deploy.studies.paper.smallest_k import smallest_k_study
+from tests.benchmarks.theory.auto_k import MARKER, REPORT, auto_k_study, summary
+from tests.benchmarks.theory.smallest_k import smallest_k_study
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
 
-Run `python -m deploy.studies.paper.auto_k --write` to measure again and rewrite docs/theory/auto-k.md.
+Run `python -m tests.benchmarks.theory.auto_k --write` to measure again and rewrite docs/theory/auto-k.md.
 """
 
 from __future__ import annotations
@@ -12,11 +12,39 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from deploy.studies.paper.instances import random_instance
+from deploy.theory.configurations import mirrored_triples, random_configuration
 from deploy.theory.exact_flow import integrate
-from deploy.theory.reachability import mirrored_triples
+from deploy.theory.function import Problem
+from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
+from protocol.errors import UsageError
+
+Array = NDArray[np.float64]
+
+
+def random_radii(draw: np.random.Generator, p: int, ratio: float) -> Array:
+    """(p,) radii, log-uniform between 1 and `ratio`, largest first."""
+    return np.asarray(np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1])
+
+
+def random_instance(draw: np.random.Generator, p: int, density: float, ratio: float) -> tuple[Problem, Array]:
+    """A problem, its k set by the automatic rule, and a start (p, 2).
+
+    density: area of the disks over area of the workspace; ratio: largest over smallest possible radius.
+
+    Raises:
+        UsageError: no free configuration was found at this density.
+    """
+    radii = random_radii(draw, p, ratio)
+    workspace = float(np.sqrt((radii**2).sum() / density))
+    goals = random_configuration(draw, radii, workspace)
+    start = random_configuration(draw, radii, workspace)
+    if goals is None or start is None:
+        raise UsageError(f"no free configuration of {p} disks found at density {density:g}; use a lower one")
+    return Problem(goals, radii, workspace, automatic_k(radii, workspace)), start
+
 
 ROBOTS = (3, 4, 6, 8, 12, 16, 24, 32)
 DENSITIES = (0.10, 0.20, 0.30, 0.35)
@@ -111,7 +139,7 @@ def summary(rows: Sequence[Row]) -> str:
 
 def main() -> None:
     """Measure, and print the tables or put them into docs/theory/auto-k.md below its marker."""
-    parser = argparse.ArgumentParser(prog="python -m deploy.studies.paper.auto_k", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.auto_k", description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
     parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")
     options = parser.parse_args()

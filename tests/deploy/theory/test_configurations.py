@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from deploy.theory.configurations import mirrored_triples
 from deploy.theory.function import Problem
-from deploy.theory.reachability import mirrored_triples
 
 
 @settings(max_examples=100, deadline=None)

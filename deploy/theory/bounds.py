@@ -1,7 +1,9 @@
-"""Lower bounds on k: K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2), for one eps.
+"""Lower bounds on k: K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2).
 
 Each is a maximum over configurations. What is returned is a proven upper bound of it, built from
 gamma <= sum (|g_i| + |b_i|)^2 and the stretch of a cluster; K1 comes with a lower end as well.
+
+Bounds are for one eps, or for the eps that proves most: the one with the smallest K.
 
 Two formulas of the report do not do what they claim, and are replaced:
 
@@ -20,13 +22,13 @@ and the set attracted by such strict saddles has measure zero, degenerate or not
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
+from deploy.theory.assumptions import Family, Margins, family, largest_eps, margins, smallest_contact
 from deploy.theory.function import Array, Problem, obstacle_functions
-from deploy.theory.gain.assumptions import Margins, margins
-from deploy.theory.gain.chains import smallest_contact
-from deploy.theory.gain.families import Family
 
 
 @dataclass(frozen=True)
@@ -142,3 +144,21 @@ def bounds(problem: Problem, eps: float, clusters: Family | None = None) -> Boun
         k3(problem, found, eps),
         problem.p + q,
     )
+
+
+def best_bounds(problem: Problem) -> Bounds | None:
+    """Bounds at the best eps; None when the assumptions fail for every eps.
+
+    K falls like 1/eps^2 for small eps and grows without limit where a margin vanishes.
+    """
+    clusters = family(problem)
+    limit = largest_eps(problem, clusters)
+    if limit is None:
+        return None
+
+    def polar(eps: float) -> float:
+        found = bounds(problem, eps, clusters)
+        return inf if found is None else found.polar
+
+    best = minimize_scalar(polar, bounds=(0.0, limit), method="bounded", options={"xatol": 1e-6 * limit})
+    return bounds(problem, float(best.x), clusters)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from deploy.theory.doors import RESERVE, doors
 from deploy.theory.function import Array
-from deploy.theory.gain.doors import RESERVE, doors
 from protocol.geometry import Disk, Shape
 from protocol.scenario.model import Scenario
 

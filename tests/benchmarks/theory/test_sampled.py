@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.studies.paper.sampled import PACES, Pace, Pair, row, sampled_study
+from tests.benchmarks.theory.sampled import PACES, Pace, Pair, row, sampled_study
 
 
 @pytest.mark.parametrize("pace", PACES)

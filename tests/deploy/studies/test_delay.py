@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from deploy.studies.charts.chart import draw_study
+from deploy.studies.delay import against, delay
 from deploy.studies.execution import RunLog, execute
-from deploy.studies.faults.delay import against, delay
 
 
 def test_times_are_compared_seed_by_seed() -> None:

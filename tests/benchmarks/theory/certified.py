@@ -1,6 +1,7 @@
 """k = "auto" beside the certified K and the k below which starts fail, for random goal sets.
 
-Run `python -m deploy.studies.certified --write` to measure again and rewrite docs/theory/certified-k.md.
+Run `python -m tests.benchmarks.theory.certified --write` to measure again and rewrite the table of
+docs/theory/certified-k.md.
 """
 
 from __future__ import annotations
@@ -13,16 +14,16 @@ from pathlib import Path
 import numpy as np
 
 from deploy.output.bar import bar
-from deploy.theory.certify.campaign import prove
 from deploy.theory.certify.certificate import Certificate, Goals
+from deploy.theory.certify.prove import prove
+from deploy.theory.configurations import random_configuration
+from deploy.theory.exact_flow import arrival_threshold, arrives_from_all
 from deploy.theory.function import Array, Problem
-from deploy.theory.gain.threshold import arrival_threshold, arrives_from_all
-from deploy.theory.gain.tuning import automatic_k
-from deploy.theory.sampling import random_configuration
+from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
 
 MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[2] / "docs" / "theory" / "certified-k.md"
+REPORT = Path(__file__).parents[3] / "docs" / "theory" / "certified-k.md"
 PICTURE = REPORT.parents[1] / "pictures" / "certified-k.png"
 RADIUS, WORKSPACE = 0.04, 0.30  # m
 STARTS = 10
@@ -122,7 +123,7 @@ def draw(found: Sequence[Row], path: Path) -> None:
 
 def main() -> None:
     """Measure, and print the table, or put it below the marker of the report, with the picture."""
-    parser = argparse.ArgumentParser(prog="python -m deploy.studies.certified", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.certified", description=__doc__)
     parser.add_argument("--sets", type=int, default=50, help="goal sets")
     parser.add_argument("--boxes", type=int, default=300_000, help="boxes for each")
     parser.add_argument("--write", action="store_true", help=f"replace the table in {REPORT.name}")

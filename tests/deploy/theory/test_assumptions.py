@@ -7,9 +7,16 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from deploy.theory.assumptions import (
+    Family,
+    chain,
+    family,
+    first_objective,
+    heavy_middle,
+    smallest_contact,
+    stretch,
+)
 from deploy.theory.function import Array, Problem
-from deploy.theory.gain.chains import chain, first_objective, heavy_middle, smallest_contact, stretch
-from deploy.theory.gain.families import Family, family
 from protocol.draws import Purpose, generator
 
 

@@ -1,6 +1,6 @@
 """What sampling costs: nrl of a fleet at its usual period against the exact continuous flow, run by run.
 
-Run `python -m deploy.studies.paper.sampled` to print the table of docs/theory/propositions.md. The filter
+Run `python -m tests.benchmarks.theory.sampled` to print the table of docs/theory/propositions.md. The filter
 is on, no faults and a period of 50 ms; the flow starts where the fleet does, at the same pace, and both end
 when every robot is within the scenario's tolerance of its goal.
 """
@@ -124,7 +124,7 @@ def row(letter: str, pace: Pace, pairs: Sequence[Pair]) -> Row:
 
 def main() -> None:
     """Print the table as Markdown."""
-    parser = argparse.ArgumentParser(prog="python -m deploy.studies.paper.sampled", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.sampled", description=__doc__)
     parser.add_argument("--runs", type=int, default=RUNS, help=f"starts of each goal set; {RUNS}")
     runs = parser.parse_args().runs
     print("| goal set | tight | pace | compared | nrl at 50 ms | exact flow | ratio ± error | largest |")

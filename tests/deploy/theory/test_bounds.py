@@ -7,12 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from deploy.theory.assumptions import (
+    _bounds,
+    _every,
+    family,
+    first_status,
+    largest_eps,
+    margins,
+    second_status,
+)
+from deploy.theory.bounds import best_bounds, bounds, k1, largest_gamma
 from deploy.theory.equilibria import equilibria, swapped_pairs
 from deploy.theory.function import Problem, gamma, obstacle_functions, reduced_gradient
-from deploy.theory.gain.assumptions import first_status, largest_eps, margins, second_status
-from deploy.theory.gain.best_bound import best_bounds
-from deploy.theory.gain.bounds import bounds, k1, largest_gamma
-from deploy.theory.gain.families import _bounds, _every, family
 from tests.deploy.theory.clusters import circulation, clusters
 from tests.deploy.theory.problems import SIZES, admissible, crowded, free
 

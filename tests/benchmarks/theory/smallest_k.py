@@ -1,6 +1,6 @@
 """The k below which other minima catch the exact flow, for the goal sets of figure 3.
 
-Run `python -m deploy.studies.paper.smallest_k` to print the table of docs/theory/propositions.md.
+Run `python -m tests.benchmarks.theory.smallest_k` to print the table of docs/theory/propositions.md.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import numpy as np
 from deploy.library.figures import RADIUS, WORKSPACE
 from deploy.library.goal_sets import figure_3, tightness
 from deploy.library.random_instances import random_starts
-from deploy.theory.exact_flow import integrate
+from deploy.theory.exact_flow import arrival_threshold, integrate
 from deploy.theory.function import Problem
-from deploy.theory.gain.threshold import arrival_threshold
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ import pytest
 
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from deploy.theory.gain.doors import doors
-from deploy.theory.gain.tuning import PAPER_K, gain_for
+from deploy.theory.doors import doors
+from deploy.theory.tuning import PAPER_K, gain_for
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
 

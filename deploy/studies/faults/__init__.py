@@ -1,1 +1,0 @@
-"""Studies of late, lost and noisy states, and of everything that may go wrong at once."""

@@ -1,1 +1,0 @@
-"""Studies of the paper: its figures, sampling against the exact flow, the data behind the rule for k."""

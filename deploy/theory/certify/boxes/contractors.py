@@ -1,0 +1,303 @@
+"""Contractors: what distances, balance and virtual work leave of a box.
+
+Distances: beta_q >= 0, beta_q = |d_q|^2 - rho_q^2, lambda_q beta_q = kappa gamma.
+
+Balance, for robots and sets of robots: y_i = sum_j lambda_ij d_ij - lambda_0i b_i.
+Summed over a set C of robots, forces inside C cancel, and so do their torques:
+sum_C y = sum over pairs (i in C, j not) lambda_ij d_ij - sum_C lambda_0i b_i, and
+sum_C b_i x g_i = sum over the same pairs lambda_ij b_i x b_j.
+
+Virtual work along y: sum_q lambda_q w_q = gamma and sum_q w_q / beta_q = k.
+w_q = y . grad beta_q / 2 is d_ij . y_ij for a pair and -b_i . y_i for a wall. Completing the square,
+w_ij = |d_ij - g_ij / 2|^2 - |g_ij|^2 / 4, an exact range over a box of d_ij.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from deploy.theory.certify.boxes.intervals import (
+    Interval,
+    add,
+    compiled,
+    divide,
+    down,
+    mul,
+    root_above,
+    root_below,
+    square,
+    sub,
+    up,
+    weigh,
+)
+from deploy.theory.certify.boxes.scene import Box, Derived, Scene, inverted, lower, upper
+
+
+@compiled
+def enclose(scene: Scene, box: Box, out: Derived) -> bool:
+    """Derive y, gamma, s, d_q, beta_q from b and kappa; contract lambda. False: the box holds nothing."""
+    n, last = len(scene.goals), len(box) - 1
+    gamma = (0.0, 0.0)
+    for row in range(n):
+        y = sub((box[row, 0], box[row, 1]), (scene.goals[row], scene.goals[row]))
+        out.pull[row] = y
+        gamma = add(gamma, square(y))
+    s = mul((box[last, 0], box[last, 1]), (max(0.0, gamma[0]), gamma[1]))
+    out.total[0] = max(0.0, gamma[0]), gamma[1]
+    out.total[1] = max(0.0, s[0]), s[1]
+    for q in range(len(scene.first)):
+        _separation(scene, box, out, q)
+        if out.beta[q, 0] > out.beta[q, 1]:
+            return False
+        if out.beta[q, 0] > 0.0:
+            upper(box, n + q, up(out.total[1, 1] / out.beta[q, 0]))
+        if out.beta[q, 1] > 0.0:
+            lower(box, n + q, down(out.total[1, 0] / out.beta[q, 1]))
+        if box[n + q, 0] > box[n + q, 1]:
+            return False
+        if box[n + q, 0] > 0.0:
+            upper(out.beta, q, up(out.total[1, 1] / box[n + q, 0]))
+        if box[n + q, 1] > 0.0:
+            lower(out.beta, q, down(out.total[1, 0] / box[n + q, 1]))
+        if out.beta[q, 0] > out.beta[q, 1]:
+            return False
+    return True
+
+
+@compiled
+def _separation(scene: Scene, box: Box, out: Derived, q: int) -> None:
+    i, j = scene.first[q], scene.second[q]
+    contact = (scene.contact[q, 0], scene.contact[q, 1])
+    for a in range(2):
+        own = (box[2 * i + a, 0], box[2 * i + a, 1])
+        out.apart[q, a] = own if j < 0 else sub(own, (box[2 * j + a, 0], box[2 * j + a, 1]))
+    far = add(
+        square((out.apart[q, 0, 0], out.apart[q, 0, 1])), square((out.apart[q, 1, 0], out.apart[q, 1, 1]))
+    )
+    beta = sub(contact, far) if j < 0 else sub(far, contact)
+    out.beta[q] = max(0.0, beta[0]), beta[1]
+
+
+@compiled
+def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
+    """Contract b to where every beta_q can have the values that it was enclosed in."""
+    for q in range(len(scene.first)):
+        i, j = scene.first[q], scene.second[q]
+        contact = (scene.contact[q, 0], scene.contact[q, 1])
+        beta = (out.beta[q, 0], out.beta[q, 1])
+        far = sub(contact, beta) if j < 0 else add(contact, beta)
+        for a in range(2):
+            other = square((out.apart[q, 1 - a, 0], out.apart[q, 1 - a, 1]))
+            rest = sub(far, other)
+            if rest[1] < 0.0:
+                return False
+            most, least = root_above(rest[1]), root_below(rest[0])
+            low, high = max(out.apart[q, a, 0], -most), min(out.apart[q, a, 1], most)
+            if low > -least:
+                low = max(low, least)
+            if high < least:
+                high = min(high, -least)
+            if low > high:
+                return False
+            out.apart[q, a] = low, high
+            if j < 0:
+                lower(box, 2 * i + a, low)
+                upper(box, 2 * i + a, high)
+            else:
+                one, two = 2 * i + a, 2 * j + a
+                moved = add((box[two, 0], box[two, 1]), (low, high))
+                lower(box, one, moved[0])
+                upper(box, one, moved[1])
+                moved = sub((box[one, 0], box[one, 1]), (low, high))
+                lower(box, two, moved[0])
+                upper(box, two, moved[1])
+    return not inverted(box, len(scene.goals))
+
+
+@compiled
+def _inside(members: int, robot: int) -> int:
+    return 1 if (members >> robot) & 1 else 0
+
+
+@compiled
+def _sign(scene: Scene, members: int, q: int) -> int:
+    """With which sign lambda_q d_q acts on the set: 0 when it does not, or acts inside."""
+    i, j = scene.first[q], scene.second[q]
+    if j < 0:
+        return -_inside(members, i)
+    return _inside(members, i) - _inside(members, j)
+
+
+@compiled
+def _term(box: Box, out: Derived, n: int, q: int, a: int, sign: int) -> Interval:
+    force = weigh((box[n + q, 0], box[n + q, 1]), (out.apart[q, a, 0], out.apart[q, a, 1]))
+    return force if sign > 0 else (-force[1], -force[0])
+
+
+@compiled
+def _force(scene: Scene, box: Box, out: Derived, members: int, a: int, without: int) -> Interval:
+    """Sum of what acts on the set from outside along one axis, leaving out one factor."""
+    n, total = len(scene.goals), (0.0, 0.0)
+    for q in range(len(scene.first)):
+        sign = 0 if q == without else _sign(scene, members, q)
+        if sign != 0:
+            total = add(total, _term(box, out, n, q, a, sign))
+    return total
+
+
+@compiled
+def contract_balance(scene: Scene, box: Box, out: Derived, members: int) -> bool:
+    """Balance of the set with bit pattern `members`, both axes: contracts b and lambda."""
+    n, factors = len(scene.goals), len(scene.first)
+    for a in range(2):
+        force = _force(scene, box, out, members, a, -1)
+        pull = (0.0, 0.0)
+        for i in range(n // 2):
+            if (members >> i) & 1:
+                pull = add(pull, (out.pull[2 * i + a, 0], out.pull[2 * i + a, 1]))
+        if force[0] > pull[1] or force[1] < pull[0]:
+            return False
+        for i in range(n // 2):
+            if (members >> i) & 1 and not _place(scene, box, out, members, force, 2 * i + a):
+                return False
+        for q in range(factors):
+            sign = _sign(scene, members, q)
+            if sign != 0 and not _weight(scene, box, out, members, pull, q, a, sign):
+                return False
+    return True
+
+
+@compiled
+def _place(scene: Scene, box: Box, out: Derived, members: int, force: Interval, row: int) -> bool:
+    """Contract one coordinate: y of this robot is the force less the others' y."""
+    rest = force
+    for other in range(row % 2, len(scene.goals), 2):
+        if other != row and (members >> (other // 2)) & 1:
+            rest = sub(rest, (out.pull[other, 0], out.pull[other, 1]))
+    lower(out.pull, row, rest[0])
+    upper(out.pull, row, rest[1])
+    b = add((out.pull[row, 0], out.pull[row, 1]), (scene.goals[row], scene.goals[row]))
+    lower(box, row, b[0])
+    upper(box, row, b[1])
+    return bool(out.pull[row, 0] <= out.pull[row, 1] and box[row, 0] <= box[row, 1])
+
+
+@compiled
+def _weight(
+    scene: Scene, box: Box, out: Derived, members: int, pull: Interval, q: int, a: int, sign: int
+) -> bool:
+    """Contract one lambda: its force is y less the other forces."""
+    n = len(scene.goals)
+    apart = (out.apart[q, a, 0], out.apart[q, a, 1])
+    if apart[0] <= 0.0 <= apart[1]:
+        return True
+    rest = sub(pull, _force(scene, box, out, members, a, q))
+    weight = divide(rest if sign > 0 else (-rest[1], -rest[0]), apart)
+    lower(box, n + q, weight[0])
+    upper(box, n + q, weight[1])
+    return bool(box[n + q, 0] <= box[n + q, 1])
+
+
+@compiled
+def _row(box: Box, row: int) -> Interval:
+    return box[row, 0], box[row, 1]
+
+
+@compiled
+def contract_torque(scene: Scene, box: Box, members: int) -> bool:
+    """Torque about the origin on a set: sum_C b_i x g_i = sum over crossing pairs lambda_ij b_i x b_j."""
+    n, p = len(scene.goals), len(scene.goals) // 2
+    torque = (0.0, 0.0)
+    for q in range(len(scene.first) - p):
+        i, j = scene.first[q], scene.second[q]
+        sign = _sign(scene, members, q)
+        if sign != 0:
+            cross = sub(
+                mul(_row(box, 2 * i), _row(box, 2 * j + 1)), mul(_row(box, 2 * i + 1), _row(box, 2 * j))
+            )
+            turn = weigh(_row(box, n + q), cross)
+            torque = add(torque, turn if sign > 0 else (-turn[1], -turn[0]))
+    return _linear(scene, box, members, torque)
+
+
+@compiled
+def _linear(scene: Scene, box: Box, members: int, value: Interval) -> bool:
+    """Contract b by sum_C b_i x g_i in `value`, which is linear in b."""
+    n = len(scene.goals)
+    for row in range(n):
+        if not (members >> (row // 2)) & 1:
+            continue
+        rest = value
+        for other in range(n):
+            if other != row and (members >> (other // 2)) & 1:
+                rest = sub(rest, _moment(scene, box, other))
+        arm = scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1]
+        if arm == 0.0:
+            if rest[0] > 0.0 or rest[1] < 0.0:
+                return False
+            continue
+        b = divide(rest, (arm, arm))
+        lower(box, row, b[0])
+        upper(box, row, b[1])
+        if box[row, 0] > box[row, 1]:
+            return False
+    return True
+
+
+@compiled
+def _moment(scene: Scene, box: Box, row: int) -> Interval:
+    """One term of b x g: b_x g_y or -b_y g_x."""
+    arm = scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1]
+    return mul(_row(box, row), (arm, arm))
+
+
+@compiled
+def enclose_work(scene: Scene, out: Derived) -> None:
+    """Derive w_q of every factor."""
+    for q in range(len(scene.first)):
+        i, j = scene.first[q], scene.second[q]
+        total = (0.0, 0.0)
+        for a in range(2):
+            goal = (scene.goals[2 * i + a], scene.goals[2 * i + a])
+            if j >= 0:
+                goal = sub(goal, (scene.goals[2 * j + a], scene.goals[2 * j + a]))
+            half = (0.5 * goal[0], 0.5 * goal[1])
+            moved = square(sub((out.apart[q, a, 0], out.apart[q, a, 1]), half))
+            total = add(total, sub(moved, square(half)))
+        out.work[q] = total if j >= 0 else (-total[1], -total[0])
+
+
+@compiled
+def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
+    """Contract lambda by sum lambda_q w_q = gamma; False also where k = sum w_q / beta_q is out of reach."""
+    n, factors, last = len(scene.goals), len(scene.first), len(box) - 1
+    k = 0.0
+    for q in range(factors):
+        most = out.work[q, 1]
+        beta = out.beta[q, 0] if most > 0.0 else out.beta[q, 1]
+        k = np.inf if most > 0.0 and beta == 0.0 else up(k + up(most / beta))
+    if up(k * box[last, 1]) < 1.0:
+        return False
+    gamma = (out.total[0, 0], out.total[0, 1])
+    for q in range(factors):
+        rest = gamma
+        for r in range(factors):
+            if r != q:
+                rest = sub(rest, _share(box, out, n, r))
+        work = (out.work[q, 0], out.work[q, 1])
+        if work[0] > 0.0 or work[1] < 0.0:
+            weight = divide(rest, work)
+            lower(box, n + q, weight[0])
+            upper(box, n + q, weight[1])
+            if box[n + q, 0] > box[n + q, 1]:
+                return False
+        else:
+            term = _share(box, out, n, q)
+            if term[0] > rest[1] or term[1] < rest[0]:
+                return False
+    return True
+
+
+@compiled
+def _share(box: Box, out: Derived, n: int, q: int) -> Interval:
+    return weigh((box[n + q, 0], box[n + q, 1]), (out.work[q, 0], out.work[q, 1]))
