@@ -18,9 +18,11 @@ from agents.localisation.estimate import Estimate
 from agents.movers.mover import Mover
 from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended
+from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd.interest import period
 from protocol.messages import (
+    LARGEST,
     Answer,
     Command,
     Handling,
@@ -155,13 +157,13 @@ class Robot:
 
     def _state(self) -> State:
         """What this robot says of itself."""
-        position = self._estimate.position
+        position, bound = self._known_place()
         proposals: tuple[Proposal, ...] = ()
         answers: tuple[Answer, ...] = ()
         gamma = slice_norm = 0.0
         if position is not None:
             gamma = (position[0] - self.goal[0]) ** 2 + (position[1] - self.goal[1]) ** 2
-            slice_norm = self._law.slice_norm(position, self.goal)
+            slice_norm = min(self._law.slice_norm(position, self.goal), LARGEST)
             if self._filter is not None and self._filter.obeyed:
                 proposals, answers = self._filter.lines.entries(self._desired)
         return State(
@@ -169,15 +171,22 @@ class Robot:
             self.incarnation,
             self.tick,
             position,
-            (self._estimate.bound or 0) if position is not None else 0,  # an integer takes one byte of nine
+            bound or 0,  # an integer takes one byte of nine
             gamma,
             slice_norm,
-            self._desired,
+            (_within(self._desired[0]), _within(self._desired[1])),
             self.epoch,
             proposals,
             answers,
             None if self._mover is None else self._mover.claim,
         )
+
+    def _known_place(self) -> tuple[Vector | None, float]:
+        """Where this robot is, m, and the error bound, m; no place if all that is known is implausible."""
+        position, bound = self._estimate.position, self._estimate.bound
+        if position is None or not plausible(self._scenario).locates(position, bound):
+            return None, 0.0
+        return position, bound
 
     # -- phase 2: hear, think, limit, command
 
@@ -243,8 +252,8 @@ class Robot:
 
     def _report(self) -> Report | None:
         """Where this robot knows itself to be."""
-        position = self._estimate.position
-        return None if position is None or self._estimate.lost else Report(position, self._estimate.bound)
+        position, bound = self._known_place()
+        return None if position is None or self._estimate.lost else Report(position, bound)
 
     # -- far peers
 
@@ -253,7 +262,7 @@ class Robot:
         position = self._estimate.position
         if self.hearing.everybody or position is None or (self.tick + 1) % period(self._scenario):
             return None
-        return self._law.slice_norm(position, self.goal)
+        return min(self._law.slice_norm(position, self.goal), LARGEST)
 
     def _letter(self, filter_: SafetyFilter) -> Letter | None:
         """What is to be said to far peers, if anything."""
@@ -333,14 +342,14 @@ class Robot:
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
         heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
-        position, bound = self._estimate.position, self._estimate.bound
+        _, bound = self._known_place()
         filter_ = self._filter
         lines = filter_.lines.obeyed_lines() if filter_ is not None and filter_.obeyed else ()
         return Health(
             self.robot,
             self.incarnation,
             max(self.tick, 0),
-            bound if position is not None else 0.0,
+            bound,
             published,
             received,
             rejected,
@@ -348,3 +357,8 @@ class Robot:
             lines,
             self.note,
         )
+
+
+def _within(number: float) -> float:
+    """The nearest number that may stand in a message."""
+    return min(max(number, -LARGEST), LARGEST)

@@ -23,10 +23,15 @@ HIGHEST_ID: Final = 999_999_999
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 Epoch = Annotated[int, Meta(ge=0, le=2**32 - 1)]
-Vector = tuple[float, float]
-Size = Annotated[float, Meta(ge=0)]
+LARGEST: Final = 1e15  # no number of a run comes near it, and sums of its squares are far from overflow
+Real = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]  # NaN is within no bounds
+Size = Annotated[float, Meta(ge=0, le=LARGEST)]
+Square = Annotated[float, Meta(ge=0, le=LARGEST**2)]
+UNIT: Final = 1.0 + 1e-6  # either part of a unit vector, up to rounding
+Cosine = Annotated[float, Meta(ge=-UNIT, le=UNIT)]
+Vector = tuple[Real, Real]
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
-Line = Annotated[tuple[Id, float, float, float], Meta(extra={"names": ("peer", "nx", "ny", "limit")})]
+Line = Annotated[tuple[Id, Cosine, Cosine, Real], Meta(extra={"names": ("peer", "nx", "ny", "limit")})]
 
 
 class Message(
@@ -41,9 +46,9 @@ class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
     peer: Id  # the follower, the higher id of the pair
     peer_incarnation: Count  # the life of the follower that is meant
     number: Count  # counts up per pair; anything not newer is ignored
-    nx: float  # x of the unit normal n, which points from owner to follower
-    ny: float  # y of n
-    offset: float  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
+    nx: Cosine  # x of the unit normal n, which points from owner to follower
+    ny: Cosine  # y of n
+    offset: Real  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
 
 
 class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -86,6 +91,10 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
     position: Vector | None = None  # m, centre of a disk that appears or stands
     bound: Size = 0.0  # m, the centre is at most this far from `position`
     founding: Count = 0  # the life that began the run at its start and knows the initial lines, 0 for none
+
+    def __post_init__(self) -> None:
+        if self.position is None and self.status in ("appearing", "standing"):
+            raise ValueError(f"robot {self.robot} is {self.status}, and has no place")
 
 
 Presence = Literal["appearing", "standing", "gone"]
@@ -133,7 +142,7 @@ class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """What a base says that it does as a tick begins, in the frame that it takes for the world's."""
 
     velocity: Vector  # m/s, of the robot's control point, the centre of its disk
-    heading: float  # rad, the direction that it faces
+    heading: Real  # rad, the direction that it faces
     stop: Vector  # m, from here to where it stands if it hears nothing more
 
 
@@ -189,7 +198,7 @@ class State(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the tick that this opens
     position: Vector | None  # m, own estimate; None before the first measurement
     bound: Size  # m, the truth is at most this far from `position`
-    gamma: Size  # m^2, squared distance to the own goal, gamma_i
+    gamma: Square  # m^2, squared distance to the own goal, gamma_i
     slice: Size  # m, norm of the own gradient slice D_i, for the common pace
     desired: Vector  # m/s, velocity that the law asks for, before the filter
     epoch: Epoch = 0  # of the coordinator that admitted this life
@@ -231,8 +240,8 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     standing: tuple[Standing, ...]  # robots that are fenced, or that no process has joined for
     verdict: str  # empty while the run goes on
     run_number: Count = 0  # which of the scenarios that this world judges one after another
-    clearance: float = 0.0  # m, smallest gap during the tick before; negative is overlap
-    phi: float = 0.0  # navigation function, 0 at the goal, 1 on the boundary
+    clearance: Real = 0.0  # m, smallest gap during the tick before; negative is overlap
+    phi: Real = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
     halted: bool = False  # whether an emergency stop is in force: everybody stands
@@ -262,8 +271,8 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the tick that begins
     robots: tuple[Id, ...]  # all whose disks are there, ascending
     positions: tuple[Vector, ...]  # m, in the order of `robots`
-    clearance: float  # m, smallest gap during the tick before, over continuous time; negative is overlap
-    phi: float  # navigation function, 0 at the goal, 1 on the boundary
+    clearance: Real  # m, smallest gap during the tick before, over continuous time; negative is overlap
+    phi: Real  # navigation function, 0 at the goal, 1 on the boundary
 
 
 class Health(Message, frozen=True, array_like=True, gc=False):

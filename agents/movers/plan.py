@@ -20,8 +20,8 @@ from agents.movers.reach import Reach
 from protocol.geometry import Disk
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
+from protocol.scenario.ranges import CELLS
 
-CELLS: Final = 4.0  # to the smallest radius
 _OTHER: Final = 7  # places on from one attempt to the next
 _TRIES: Final = 60  # spare places that are looked at
 _ORDERS: Final = 12  # of them, for which an order is looked for

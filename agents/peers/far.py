@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from agents.navigation.far_field import FarField, far_field
 from protocol.errors import MessageError
-from protocol.messages import AnyMessage, Summary, Vector
-from protocol.wire.codec import LARGEST, decode
+from protocol.messages import LARGEST, AnyMessage, Summary, Vector
+from protocol.wire.codec import decode
 
 Array = NDArray[np.float64]
 
@@ -68,9 +68,9 @@ class Places:
         self.x, self.y = _column(places, 0), _column(places, 1)
         self.gammas: Array = _numbers(summary.gammas)
         self.slices: Array = _numbers(summary.slices)
-        sound = (self.gammas >= 0.0).all() and (self.slices >= 0.0).all()
-        if not (sound and (np.abs(places) <= LARGEST).all()):
-            raise MessageError("not-finite", "summary: holds a number that is infinite, absurd or none")
+        sizes = np.concatenate((np.abs(places).ravel(), self.gammas, self.slices))
+        if not ((sizes >= 0.0) & (sizes <= LARGEST**2)).all():
+            raise MessageError("shape", "summary: holds a number that is infinite, absurd or none")
         robots, index = _ids(summary.robots, count)
         self.robots: NDArray[np.int64] = robots
         self.index: Mapping[int, int] = index

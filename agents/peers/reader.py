@@ -11,16 +11,16 @@ from typing import Final, final
 
 import msgspec
 
-from agents.peers.state import PeerState, addressed_to
+from agents.peers.state import PeerState, Plausible, addressed_to
 from protocol.errors import MessageError
-from protocol.messages import HIGHEST_ID, Answer, Proposal, State
+from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Proposal, State
 from protocol.streams import STREAMS
-from protocol.wire.codec import LARGEST, check_finite
 from protocol.wire.cursor import Cursor
 from protocol.wire.reader import Reader
 
 _COMPILED: Final = not __file__.endswith(".py")  # as Python, a cursor is slower than msgspec
 _LIMIT: Final = STREAMS["state"].limit
+_ANY: Final = Plausible(LARGEST, LARGEST, LARGEST**2, LARGEST)
 _FIELDS = 1 + len(State.__struct_fields__)  # the tag and all others
 
 
@@ -33,18 +33,21 @@ class PeerReader:
         peer: the speaker's.
         oldest: its first incarnation in this run.
         epoch: of the own coordinator.
+        limits: what a State can truly say.
 
     Attributes:
         oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_epoch", "_others", "_peer", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_epoch", "_limits", "_peer", "_reader", "_robot", "oldest")
 
-    def __init__(self, robot: int, peer: int, oldest: int = 0, epoch: int = 0) -> None:
+    def __init__(
+        self, robot: int, peer: int, oldest: int = 0, epoch: int = 0, limits: Plausible = _ANY
+    ) -> None:
         self._robot, self._peer, self._epoch = robot, peer, epoch
         self.oldest = oldest
         self._reader = Reader("state", peer)
-        self._others = 0.0  # sum of the magnitudes of all that is said of other pairs
+        self._limits = limits
         whole = msgspec.msgpack.encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])
         self._begin = whole[: 2 - _FIELDS]
 
@@ -52,8 +55,8 @@ class PeerReader:
         """What the State in `payload` says to this robot.
 
         Raises:
-            MessageError: it is none, or another robot's; or a number is infinite, absurd or none, whichever
-                pair it concerns: what one refuses all refuse, so that it is the speaker who is given up.
+            MessageError: it is none, another robot's, or says what cannot be, of any pair: what one refuses
+                all refuse, so that it is the speaker that is given up.
         """
         try:
             state = self._usual(payload) if _COMPILED else None
@@ -76,13 +79,12 @@ class PeerReader:
         vx, vy = cursor.number(), cursor.number()
         if cursor.count() != self._epoch:
             return None
-        self._others = 0.0
         proposals, answers = self._proposals(cursor), self._answers(cursor)
         if not cursor.none():
             return None
         if cursor.at != len(payload) or bound < 0.0 or gamma < 0.0 or slice_norm < 0.0:
             return None
-        if not self._others <= LARGEST:
+        if not (slice_norm <= LARGEST and abs(vx) <= LARGEST and abs(vy) <= LARGEST):
             return None
         state = PeerState(
             self._peer,
@@ -99,7 +101,7 @@ class PeerReader:
             proposals=proposals,
             answers=answers,
         )
-        return state if state.is_finite else None
+        return state if self._limits.allows(state) else None
 
     def _proposals(self, cursor: Cursor) -> tuple[Proposal, ...]:
         """Those to this robot."""
@@ -108,10 +110,10 @@ class PeerReader:
             cursor.enter(6)
             peer, life, number = _identity(cursor), cursor.count(), cursor.count()
             nx, ny, offset = cursor.number(), cursor.number(), cursor.number()
+            if not (abs(nx) <= UNIT and abs(ny) <= UNIT and abs(offset) <= LARGEST):
+                raise IndexError("no line")
             if peer == self._robot:
                 found = (*found, Proposal(peer, life, number, nx, ny, offset))
-            else:
-                self._others += abs(nx) + abs(ny) + abs(offset)
         return found
 
     def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
@@ -129,8 +131,12 @@ class PeerReader:
         assert isinstance(message, State)
         if message.epoch != self._epoch:
             raise MessageError("epoch", f"state: of epoch {message.epoch}, this robot is of {self._epoch}")
-        check_finite("state", message)
-        return addressed_to(self._robot, message)
+        state = addressed_to(self._robot, message)
+        if not self._limits.allows(state):
+            raise MessageError("shape", f"state of robot {self._peer}: it cannot be where it says")
+        if state.claim is not None and state.claim.radius > self._limits.part:
+            state.claim = msgspec.structs.replace(state.claim, radius=self._limits.part)
+        return state
 
 
 def _identity(cursor: Cursor) -> int:

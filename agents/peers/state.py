@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import final
+import math
+from typing import NamedTuple, final
 
 from mypy_extensions import mypyc_attr
 
 from agents.navigation.slice import Peer
 from protocol.messages import Answer, Claim, Letter, Proposal, State, Vector
-from protocol.wire.codec import LARGEST
+from protocol.process.newest import keeps_newest
+from protocol.scenario.model import Scenario
 
 
 @final
@@ -87,13 +89,40 @@ class PeerState(Peer):
         """As in the State, m/s."""
         return self.vx, self.vy
 
-    @property
-    def is_finite(self) -> bool:
-        """Whether all numbers together are sane (`codec.LARGEST`), which they are only if each of them is."""
-        total = abs(self.x) + abs(self.y) + self.bound + self.gamma + self.slice + abs(self.vx) + abs(self.vy)
-        for line in self.proposals:
-            total += abs(line.nx) + abs(line.ny) + abs(line.offset)
-        return total <= LARGEST
+
+class Plausible(NamedTuple):
+    """What a State can truly say in a scenario; a robot that says more is sick, or lies.
+
+    Attributes:
+        place: of either coordinate, m.
+        bound: m.
+        gamma: m^2.
+        part: radius of the largest part, m; 0 if there is none.
+    """
+
+    place: float
+    bound: float
+    gamma: float
+    part: float
+
+    def allows(self, state: PeerState) -> bool:
+        """Whether all that it says is plausible."""
+        place = self.place
+        near = -place <= state.x <= place and -place <= state.y <= place
+        return near and state.bound <= self.bound and state.gamma <= self.gamma
+
+    def locates(self, position: Vector, bound: float) -> bool:
+        """Whether a robot knows where it is, if all that it knows is this."""
+        return abs(position[0]) <= self.place and abs(position[1]) <= self.place and bound <= self.bound
+
+
+@keeps_newest
+def plausible(scenario: Scenario) -> Plausible:
+    """Of a scenario: twice as far as its workspace reaches, and what follows from that."""
+    around = scenario.workspace.shape.around
+    reach = math.hypot(around.x, around.y) + around.radius
+    part = max((each.radius for each in scenario.parts), default=0.0)
+    return Plausible(2.0 * reach, 4.0 * reach, (4.0 * reach) ** 2, part)
 
 
 def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:

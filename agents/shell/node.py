@@ -244,9 +244,11 @@ class RobotNode:
             self._rejoin(core)
         elif core.has_ended(tick) or tick.incarnation > core.incarnation:
             self._rejoin(core)  # fenced, or replaced by another process
+        elif tick.incarnation < core.incarnation:
+            return  # said to a life before this one, which others took part with
         elif tick.tick == core.tick:
             self._repeat(core, tick)
-        elif tick.incarnation == core.incarnation and tick.tick > core.tick:
+        elif tick.tick > core.tick:
             self._open(core, tick)
 
     def _open(self, core: Robot, tick: Tick) -> None:

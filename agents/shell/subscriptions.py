@@ -7,6 +7,7 @@ from typing import Final, final
 
 from agents.peers.fleet import fleet_of
 from agents.peers.reader import PeerReader
+from agents.peers.state import plausible
 from protocol.bus.bus import Bus
 from protocol.keys import robot_key
 from protocol.messages import Roster
@@ -43,6 +44,7 @@ class Subscriptions:
     def begin(self, admission: Admission) -> None:
         """An incarnation begins: hear everybody, unless the world will say who is near."""
         scenario = admission.scenario
+        self._limits = plausible(scenario)
         self._fleet = fleet_of(scenario.robots).ids
         self._oldest, self._epoch, self._near = admission.oldest, admission.epoch, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
@@ -98,7 +100,9 @@ class Subscriptions:
     def _know(self, peer: int) -> str:
         """Be ready to read the States of a peer; their key."""
         key = self._key(peer)
-        self.readers[key] = PeerReader(self._robot, peer, self._oldest.get(peer, 0), self._epoch)
+        self.readers[key] = PeerReader(
+            self._robot, peer, self._oldest.get(peer, 0), self._epoch, self._limits
+        )
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:

@@ -24,7 +24,7 @@ from msgspec import Meta
 
 from protocol.errors import MessageError
 from protocol.keys import SESSION
-from protocol.messages import Count, Epoch, GoalStatus, Health, Id
+from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
@@ -53,7 +53,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     lockstep: bool
     scenario: Scenario
     oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
-    away: float = 0.0  # s that the world may be gone and still come back; 0 if it never does
+    away: Size = 0.0  # s that the world may be gone and still come back; 0 if it never does
     founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
     run_number: Count = 0  # a Summary with any other is of another run
     epoch: Epoch = 0  # of the coordinator: what another one says does not count
@@ -68,7 +68,7 @@ class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
 class Wait(msgspec.Struct, frozen=True, tag="wait", tag_field="reply"):
     """Ask again in `after` seconds."""
 
-    after: float
+    after: Size
     text: str = ""
 
 

@@ -13,6 +13,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from protocol.messages import Size
 from protocol.requests.form import read_request
 
 LIMIT = 1024  # bytes of a request
@@ -23,7 +24,7 @@ class Steer(msgspec.Struct, frozen=True):
 
     pause: bool | None = None
     step: Annotated[int, Meta(ge=0, le=1_000_000)] | None = None
-    speed: Annotated[float, Meta(ge=0)] | None = None
+    speed: Size | None = None
 
 
 class Steering(msgspec.Struct):

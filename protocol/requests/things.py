@@ -9,7 +9,6 @@ in the form of the request.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 import msgspec
@@ -18,7 +17,7 @@ from msgspec import Meta
 from protocol.errors import MessageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
-from protocol.messages import Count, Id, Thing, Vector
+from protocol.messages import Count, Id, Size, Thing, Vector
 from protocol.requests.form import read_request
 from protocol.scenario.ranges import FARTHEST
 
@@ -30,7 +29,7 @@ class ThingOrder(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A thing to be put up: a disk (`center`, `radius`) or a convex polygon (`points`), m."""
 
     center: Vector | None = None
-    radius: float | None = None
+    radius: Size | None = None
     points: Annotated[tuple[Vector, ...], Meta(max_length=MOST_CORNERS)] = ()
 
     def defect(self) -> str:
@@ -38,12 +37,12 @@ class ThingOrder(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if self.points:
             if self.center is not None or self.radius is not None:
                 return "is a disk, with `center` and `radius`, or a polygon, with `points`, not both"
-            if not _is_finite(*(part for point in self.points for part in point)):
+            if not _is_near(*(part for point in self.points for part in point)):
                 return "has a coordinate that is no number of reasonable size"
             return defect(self.points)
         if self.center is None or self.radius is None:
             return "needs `center` and `radius`, or `points`"
-        if not (_is_finite(*self.center, self.radius) and self.radius > 0.0):
+        if not (_is_near(*self.center, self.radius) and self.radius > 0.0):
             return "has a number that is not of reasonable size"
         return ""
 
@@ -96,5 +95,5 @@ def decode_thing_change(payload: bytes) -> ThingChange | None:
     return change
 
 
-def _is_finite(*numbers: float) -> bool:
-    return all(math.isfinite(number) and abs(number) <= FARTHEST for number in numbers)
+def _is_near(*numbers: float) -> bool:
+    return all(abs(number) <= FARTHEST for number in numbers)

@@ -16,5 +16,7 @@ NonNegative = Annotated[float, Ge(0), Le(1e6)]
 Share = Annotated[float, Ge(0), Le(0.9)]
 Angle = Annotated[float, Ge(-1e3), Le(1e3)]
 HalfTurn = Annotated[float, Ge(0), Le(0.5)]
+CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smallest radius
+MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 
 STRICT = {"extra": "forbid", "allow_inf_nan": False, "alias_generator": lambda name: name.rstrip("_")}

@@ -49,7 +49,7 @@ class Reader:
         self._speaks = "robot" in declared.message.__struct_fields__
 
     def read(self, payload: bytes) -> AnyMessage:
-        """The message that `payload` is; its numbers may be infinite, or none.
+        """The message that `payload` is.
 
         Raises:
             MessageError: it is none, or another robot's.

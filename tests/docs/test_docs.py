@@ -21,10 +21,33 @@ def test_every_path_is_there(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_link_leads_somewhere(page: Path) -> None:
-    links = re.findall(r"\]\((?!https?:)([^)#\s]+)", page.read_text())
-    made = {path.with_suffix(".md") for path in (ROOT / "docs/reference").glob("*.py")}  # with the site
-    targets = {link: (page.parent / link).resolve() for link in links}
-    assert [link for link, target in targets.items() if target not in made and not target.exists()] == []
+    links = set(re.findall(r"\]\((?!https?:)([^)\s]+)", page.read_text()))
+    assert [link for link in sorted(links) if not leads_somewhere(page, link)] == []
+
+
+def leads_somewhere(page: Path, link: str) -> bool:
+    """Whether the file is there, and in it the heading, if the link names one."""
+    path, _, anchor = link.partition("#")
+    target = (page.parent / path).resolve() if path else page
+    made = {file.with_suffix(".md") for file in (ROOT / "docs/reference").glob("*.py")}  # with the site
+    if target in made:
+        return True
+    return target.exists() and (not anchor or anchor in anchors(target))
+
+
+def anchors(page: Path) -> set[str]:
+    """Of all headings of a page, as GitHub and the site make them."""
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    plain = [re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower() for heading in headings]
+    return {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading).strip()) for heading in plain}
+
+
+def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("# One `thing`, two\n```\n# no heading\n```\n")
+    links = ("#one-thing-two", "page.md#one-thing-two", "page.md", "#no-heading", "page.md#two", "other.md")
+    assert [leads_somewhere(page, link) for link in links] == [True, True, True, False, False, False]
 
 
 def test_every_module_to_run_is_there() -> None:

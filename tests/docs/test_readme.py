@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
-
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.scenario.file import parse_toml
@@ -19,11 +17,6 @@ def test_the_scenario() -> None:
     (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
     (report,) = LocalFleet([resolved(parse_toml(text, "README"))]).execute()
     assert report["verdict"] == "arrived"
-
-
-@pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\(([^)#:]+)\)", README))))
-def test_a_link(target: str) -> None:
-    assert (ROOT / target).exists()
 
 
 def test_the_python() -> None:

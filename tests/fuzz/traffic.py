@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import replace
 from functools import cache
+from unittest.mock import patch
 
 from deploy.library.demonstrations import crash
 from deploy.run.local import LocalFleet
@@ -16,6 +17,7 @@ from protocol.wire.codec import encode
 from tests.campaigns.faults import fault_scenario
 from tests.protocol.sample_messages import ONE
 
+EPOCH = 7  # of all coordinators, so that what one run says counts in another
 _KEPT = 40  # valid messages a stream
 
 
@@ -35,7 +37,8 @@ def traffic() -> dict[str, list[tuple[str, bytes]]]:
             """Nothing is due."""
 
     for scenario in (fault_scenario(1), crash(0), replace(crash(0), network=Network("near"))):
-        fleet = LocalFleet([scenario], speed=0.0)
+        with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
+            fleet = LocalFleet([scenario], speed=0.0)
         bus = fleet.network.connect()
         bus.subscribe(everything(fleet.run))
         bus.node = Ear()

@@ -7,6 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from protocol.messages import (
+    LARGEST,
     Answer,
     BaseMotion,
     Claim,
@@ -30,8 +31,9 @@ from protocol.messages import (
     Truth,
 )
 
-numbers = st.floats(-1e100, 1e100)
-sizes = st.floats(0, 1e100)
+numbers = st.floats(-LARGEST, LARGEST)
+sizes = st.floats(0, LARGEST)
+cosines = st.floats(-1.0, 1.0)
 ids = st.integers(1, 999_999_999)
 counts = st.integers(0, 2**53)
 epochs = st.integers(0, 2**32 - 1)
@@ -45,19 +47,11 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
 
 downs = several(st.builds(Standing, ids, counts, vectors))
 members = several(
-    st.builds(
-        Member,
-        ids,
-        counts,
-        st.sampled_from(["live", "appearing", "standing", "gone"]),
-        sizes,
-        positions,
-        sizes,
-        counts,
-    )
+    st.builds(Member, ids, counts, st.sampled_from(["live", "gone"]), sizes, positions, sizes, counts)
+    | st.builds(Member, ids, counts, st.sampled_from(["appearing", "standing"]), sizes, vectors, sizes)
 )
 rosters = st.none() | st.builds(Roster, counts, members)
-proposals = several(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers))
+proposals = several(st.builds(Proposal, ids, counts, counts, cosines, cosines, numbers))
 answers = several(st.builds(Answer, ids, counts, counts, counts))
 motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
 senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
@@ -126,7 +120,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         counts,
         st.dictionaries(st.text(max_size=9), counts, max_size=2),
         several(st.tuples(ids, counts)),
-        several(st.tuples(ids, numbers, numbers, numbers)),
+        several(st.tuples(ids, cosines, cosines, numbers)),
         st.text(max_size=9),
     ),
     "goalstatus": st.builds(

@@ -6,7 +6,6 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,6 @@ from protocol.keys import Address, parse
 from protocol.messages import VERSION, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.codec import check_finite
 from protocol.wire.reader import Reader
 
 LIBRARY = "disknav"
@@ -113,16 +111,10 @@ class RecordingFile:
         return channels, messages
 
     def _add(self, channels: list[_Channel], messages: list[Any]) -> None:
-        """Record messages, each under its channel, but for those that hold what is no number."""
+        """Record messages, each under its channel."""
         lines = _JSON.encode_lines(
             [channel.form(message) for channel, message in zip(channels, messages, strict=True)]
         )
-        # What is no number is null in JSON; to look at every number first costs as much as decoding.
-        if _hold_null(lines):
-            finite = list(map(self._is_finite, channels, messages))
-            if not all(finite):
-                self._add(list(compress(channels, finite)), list(compress(messages, finite)))
-                return
         ticks = np.array([message.tick for message in messages], np.float64)
         times = np.rint(ticks * self._step * 1e9).clip(max=_LATEST).astype(np.uint64)
         self._file.messages([channel.number for channel in channels], times, lines)
@@ -132,14 +124,6 @@ class RecordingFile:
                 self._robots = self._robots.union(message.robots)  # an operator added some
         if self._pictures is not None:
             self._pictures.hear(messages)
-
-    def _is_finite(self, channel: _Channel, message: Any) -> bool:
-        try:
-            check_finite(channel.stream, message)
-        except MessageError as error:
-            self.rejected[error.reason] += 1
-            return False
-        return True
 
     def _open(self, key: str) -> _Channel | None:
         """The channel of a key; None for streams that are no part of a recording."""
@@ -200,9 +184,3 @@ class RecordingFile:
             yield
         except OSError as error:
             raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
-
-
-def _hold_null(lines: bytes) -> bool:
-    """No field has two l in its name, and arrays find these sooner than a search finds the word."""
-    found = np.frombuffer(lines, np.uint8) == ord("l")
-    return bool((found[1:] & found[:-1]).any()) and b"null" in lines

@@ -8,6 +8,7 @@ from protocol.geometry import Disk, Shape
 from protocol.scenario.checks.bodies import fields_of, robots_of
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.checks.space import Placed, shapes_of
+from protocol.scenario.ranges import CELLS, MOST_CELLS
 from protocol.scenario.shape import Finding
 
 _ENDS = ("start", "goal")
@@ -19,6 +20,7 @@ def part_findings(sound: Sound, room: Shape | None, robots: Iterable[Placed]) ->
     placed, things = list(robots), list(shapes_of(sound))
     if sound.size("parts"):
         yield from _carriers(sound)
+        yield from _cells(sound, room, placed)
     for end in _ENDS:
         others: list[tuple[str, Shape]] = [
             (each.name, each.disk) for each in placed if each.name.startswith(f"the {end} of")
@@ -46,6 +48,23 @@ def _carriers(sound: Sound) -> Iterator[Finding]:
             yield (*robot, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
     if sound.get("network", "interest") == "near":
         yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
+
+
+def _cells(sound: Sound, room: Shape | None, robots: Iterable[Placed]) -> Iterator[Finding]:
+    """What makes the grid too large on which each robot plans."""
+    found = [sound.get("parts", index, "radius") for index in range(sound.size("parts"))]
+    radii = [radius for radius in (*found, *(each.disk.radius for each in robots)) if radius is not None]
+    if room is None or not radii:
+        return
+    (left, low), (right, high) = room.box
+    smallest = min(radii)
+    cells = (right - left) * (high - low) / (smallest / CELLS) ** 2
+    if cells > MOST_CELLS:
+        yield (
+            ("workspace",),
+            f"is too large to carry disks of {smallest:g} m in: to plan on a grid of {CELLS:g} cells to a "
+            f"radius takes {cells:.2g} of them, at most {MOST_CELLS:.0e} fit; use larger disks or less room",
+        )
 
 
 def _texts(disk: Disk, room: Shape | None, others: Sequence[tuple[str, Shape]]) -> Iterator[str]:

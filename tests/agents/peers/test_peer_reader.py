@@ -26,8 +26,9 @@ counts = st.one_of(
 )
 numbers = st.floats(-1e3, 1e3)
 sizes = st.floats(0.0, 1e3)
+cosines = st.floats(-1.0, 1.0)
 vectors = st.tuples(numbers, numbers)
-proposals = st.lists(st.builds(Proposal, ids, counts, counts, numbers, numbers, numbers), max_size=18)
+proposals = st.lists(st.builds(Proposal, ids, counts, counts, cosines, cosines, numbers), max_size=18)
 answers = st.lists(st.builds(Answer, ids, counts, counts, counts), max_size=18)
 states = st.builds(
     State,
@@ -108,7 +109,7 @@ def test_damage_is_seen_as_by_anybody_else(
 @pytest.mark.parametrize("number", [math.nan, math.inf, -1e200])
 def test_what_one_refuses_all_refuse(robot: int, number: float) -> None:
     state = said([Proposal(3, 1, 1, number, 0.0, 0.0)])
-    with pytest.raises(MessageError, match="infinite, absurd or none"):
+    with pytest.raises(MessageError, match="float"):
         PeerReader(robot, 1).read(encode(state))
 
 
@@ -132,14 +133,14 @@ def changed(place: int, value: Any) -> bytes:
         (changed(0, f"command/{VERSION}"), "type"),
         (changed(1, 9), "identity"),
         (changed(1, 0), "shape"),
-        (changed(4, (0.0, math.inf)), "not-finite"),
+        (changed(4, (0.0, math.inf)), "shape"),
         (changed(5, -1.0), "shape"),
-        (changed(8, (math.nan, 0.0)), "not-finite"),
+        (changed(8, (math.nan, 0.0)), "shape"),
         (changed(10, [[2, 1, 1, "n", 0.0, 0.0]]), "shape"),
         (changed(10, [[3, 1, 1, "n", 0.0, 0.0]]), "shape"),
         (changed(10, [[0, 1, 1, 1.0, 0.0, 0.0]]), "shape"),
         (changed(11, [[3, 1, -1, 1]]), "shape"),
-        (changed(10, [[2, 1, 1, 1.0, 0.0, math.inf]]), "not-finite"),
+        (changed(10, [[2, 1, 1, 1.0, 0.0, math.inf]]), "shape"),
     ],
 )
 def test_damage_is_refused_for_its_reason(payload: bytes, reason: str) -> None:

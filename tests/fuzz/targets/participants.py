@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from random import Random
+from unittest.mock import patch
 
 from agents.shell.node import RobotNode
 from deploy.library.load import load
@@ -19,7 +20,7 @@ from tests.deploy.telemetry.monitor.watched import watch_local
 from tests.fuzz.mutation import damaged_message, damaged_text
 from tests.fuzz.target import Target
 from tests.fuzz.targets.joining import requests, steers
-from tests.fuzz.traffic import traffic
+from tests.fuzz.traffic import EPOCH, traffic
 from world.shell.node import WorldNode
 
 _RUN = "local"  # the name of a run in one process
@@ -68,7 +69,8 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     """A world, a robot, a watcher and a launcher live through it, and the world counts what is nobody's."""
     network = LocalNetwork()
     bus = network.connect()
-    world = bus.node = WorldNode(bus, _RUN, [_participants_of()])
+    with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
+        world = bus.node = WorldNode(bus, _RUN, [_participants_of()])
     robots = network.connect()
     robot = robots.node = RobotNode(robots, _RUN, 1)
     robot.wake(0.0)

@@ -146,3 +146,11 @@ def test_partitions_that_no_message_has_room_for_are_refused() -> None:
     assert found == {
         "link.partition": "the groups of all partitions name 50002 robots; at most 50000 are allowed"
     }
+
+
+def test_a_room_in_which_no_robot_could_plan_for_parts_is_refused() -> None:
+    part = "[[parts]]\nradius = {0}\nstart = [0, 20.0]\ngoal = [0, -20.0]\n"
+    room = "[workspace]\nradius = 1000.0\n"
+    (path, text), *others = problems(room + part.format(0.04) + ROBOTS).items()
+    assert (path, others) == ("workspace", [])
+    assert "too large to carry disks of 0.04 m" in text

@@ -103,7 +103,7 @@ def test_replaced_elements_never_let_a_bad_number_in(message: AnyMessage, data: 
         assert all(map(math.isfinite, floats_of(msgspec.to_builtins(accepted))))
 
 
-@given(messages, st.sampled_from([math.nan, math.inf, -math.inf, 1e101, -1e101]), st.data())
+@given(messages, st.sampled_from([math.nan, math.inf, -math.inf, 1e31, -1e31]), st.data())
 def test_a_number_that_is_not_finite(message: AnyMessage, bad: float, data: st.DataObject) -> None:
     content = msgspec.msgpack.decode(encode(message))
     places: list[tuple[Any, int]] = []
@@ -119,7 +119,7 @@ def test_a_number_that_is_not_finite(message: AnyMessage, bad: float, data: st.D
     if places:
         array, n = data.draw(st.sampled_from(places))
         array[n] = bad
-        assert refused(key_of(message), msgspec.msgpack.encode(content)) in ("not-finite", "shape")
+        assert refused(key_of(message), msgspec.msgpack.encode(content)) == "shape"
 
 
 @given(messages, st.integers(0, 99))
