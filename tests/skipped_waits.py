@@ -1,8 +1,8 @@
-"""A clock for runs in which nobody outside is waited for: time that would be slept through is skipped.
+"""A clock for runs within one process: time that a process would sleep through is skipped.
 
 World and robots give each other seconds of wall time where a network may have lost something. Within one
-process nothing comes later by itself, so that whoever would sleep may as well be told that it has: waits
-cost nothing, and what comes of them does not depend on how busy the machine is.
+process nothing arrives later by itself, so that a wait may as well be over at once: it costs nothing, and its
+outcome does not depend on the load of the machine.
 """
 
 from __future__ import annotations

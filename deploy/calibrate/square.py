@@ -41,7 +41,7 @@ class Row(NamedTuple):
     """A place at a time, by odometry or by a pose."""
 
     time: float  # s, when it arrived
-    stamp: float  # s, by the clock of whoever said it
+    stamp: float  # s, by the clock of its publisher
     x: float  # m
     y: float
     yaw: float  # rad, without jumps

@@ -122,7 +122,7 @@ def attempt(campaign: Campaign, dice: Dice) -> Outcome:
     try:
         with _within(campaign.patience):
             return campaign.run(dice)
-    except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
+    except Exception as error:  # noqa: BLE001  any exception is what the campaign searches for
         place = traceback.extract_tb(error.__traceback__)[-1].name
         text = traceback.format_exc(limit=-12)
         return Outcome(f"{type(error).__name__} in {place}", str(error), text)

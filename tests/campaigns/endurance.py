@@ -1,6 +1,6 @@
 """Fleets that never rest: what their processes hold on to, and whether the fleet survives their deaths.
 
-One run is 16 robots on real processes at 20 Hz, who change places over and over for ten minutes. In every
+One run is 16 robots on real processes at 20 Hz, which change places over and over for ten minutes. In every
 other run a process is killed each half minute, by lot a robot, the router or the world. Judged: nothing
 touches; without kills no command is missed; with them every process is started again, and no robot is down at
 the end; memory that no file backs, file handles and threads of a process that lives for long do not grow.

@@ -90,7 +90,7 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
 
 
 def _standing(world: World) -> dict[int, Vector]:
-    """Where parts stand that nobody has, m."""
+    """Where the parts are that no robot carries, m."""
     known = world.coordinator.lives.things.standing
     places = world.coordinator.parts.places
     return {

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from deploy.run.local import LocalFleet
 from protocol.bus.events import Event, Sample
 from protocol.keys import every_robot, world_key
-from protocol.messages import Clock, Command, State
+from protocol.messages import Clock, Command, Health, State
 from protocol.scenario.model import Scenario
 from protocol.wire.codec import decode
 from tests.skipped_waits import skipped_waits
@@ -23,6 +23,7 @@ _HOLDUP, _HOLDUPS = 0.7, 80  # s after which a tick is told again; most of them 
 _OFTEN = 0.05  # of the messages after which the machine is busy
 _GRACE = 0.01  # s after the verdict for the robots' reports
 _EXPECTED = "down for good"  # the one reason for which the judge aborts
+_REFUTED = "a stated bound is wrong"
 _CONTACTS = {1: "contact", 0: "wall", -1: "obstacle"}
 
 
@@ -30,8 +31,9 @@ class Violation(NamedTuple):
     """What no run may show, whatever its scenario.
 
     kind: contact, wall, obstacle (a robot overlaps a robot, the boundary, an obstacle); aborted (the world
-    gives up although every robot may come back); endless; order (the trajectory depends on the order in
-    which robots join); bus (the trajectory on real processes differs).
+    gives up although every robot may come back); endless; contradiction (a robot knows that a bound is
+    wrong, though all bounds hold); order (the trajectory depends on the order in which robots join); bus
+    (the trajectory on real processes differs).
     """
 
     kind: str
@@ -43,6 +45,7 @@ class Observation:
     """What came of a run."""
 
     report: dict[str, Any]
+    notes: dict[int, str]  # by robot, of what it notices about itself
 
     @property
     def trajectory(self) -> str:
@@ -51,8 +54,9 @@ class Observation:
 
     @property
     def violations(self) -> list[Violation]:
-        """What is wrong with the run."""
-        return violations(self.report)
+        """What is wrong with the run, if all stated bounds hold."""
+        told = [f"robot {robot}: {note}" for robot, note in self.notes.items() if _REFUTED in note]
+        return [*violations(self.report), *(Violation("contradiction", each) for each in told[:1])]
 
 
 def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: int = 0) -> Observation:
@@ -71,7 +75,7 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
         fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
         watch.drain()
     (report,) = fleet.reports
-    return Observation(report)
+    return Observation(report, watch.notes)
 
 
 def violations(report: Mapping[str, Any]) -> list[Violation]:
@@ -113,6 +117,7 @@ class Watch:
     def __init__(self, busy: int = 0) -> None:
         self.finished = False
         self.deadline = math.inf
+        self.notes: dict[int, str] = {}
         self._judged = False
         self._moments = Random(busy) if busy else None
         self._holdups, self._held_up = _HOLDUPS, -1
@@ -121,7 +126,7 @@ class Watch:
         """The run of this fleet begins now."""
         self._fleet = fleet
         bus = self._bus = fleet.network.connect()
-        bus.subscribe(world_key(fleet.run, "clock"))
+        bus.subscribe(world_key(fleet.run, "clock"), every_robot(fleet.run, "health"))
         if self._moments is not None:
             bus.subscribe(every_robot(fleet.run, "state"), every_robot(fleet.run, "command"))
         bus.node = self
@@ -131,7 +136,9 @@ class Watch:
         if not isinstance(event, Sample):
             return
         message = decode(event.key, event.payload)
-        if isinstance(message, Clock) and message.verdict and not self._judged:
+        if isinstance(message, Health) and message.note:
+            self.notes[message.robot] = message.note
+        elif isinstance(message, Clock) and message.verdict and not self._judged:
             self._judged, self.deadline = True, time.monotonic() + _GRACE
         if self._moments is not None and isinstance(message, State | Command):
             self._hold_up(self._moments)

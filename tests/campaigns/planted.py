@@ -69,7 +69,7 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 
 def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A follower adopts whatever it is offered, though its own disk is on the wrong side."""
+    """A follower adopts every line that it is offered, though its own disk is on the wrong side."""
     follower = modules["agents.lines.ends"].Follower
     before = follower.on_proposal
     follower.on_proposal = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
@@ -100,7 +100,7 @@ def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A robot moves before everybody is behind something."""
+    """A robot moves before it has a line towards every peer."""
     modules["agents.lines.separating_lines"].SeparatingLines.ready = True
 
 
@@ -162,10 +162,10 @@ def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
 FAULTS: dict[Fault, int] = {  # those that random scenarios show, and a seed that does
     half_the_error: 4,
     trusting_the_estimate: 4,
-    adopting_blindly: 40,
-    trusting_initial_lines: 2,
+    adopting_blindly: 137,
+    trusting_initial_lines: 17,
     forgetting_the_dead: 28,
-    growing_blindly: 0,
+    growing_blindly: 787,
     not_waiting: 0,
     drawing_as_it_comes: 0,
     failing: 0,

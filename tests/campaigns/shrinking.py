@@ -1,4 +1,4 @@
-"""From the choices of a run that shows something to simpler ones that still do, whatever they are about."""
+"""From the choices of a run that shows something to simpler ones that still do, whichever run it is."""
 
 from __future__ import annotations
 

@@ -27,9 +27,9 @@ from tests.skipped_waits import skipped_waits
 
 RUNS = 8  # from a seed that shows it on
 KINDS = {
-    planted.half_the_error: {"contact", "wall"},
+    planted.half_the_error: {"contact", "wall", "contradiction"},
     planted.trusting_the_estimate: {"wall"},
-    planted.adopting_blindly: {"contact", "wall"},
+    planted.adopting_blindly: {"contact", "wall", "contradiction"},
     planted.trusting_initial_lines: {"contact"},
     planted.forgetting_the_dead: {"contact"},
     planted.growing_blindly: {"contact"},

@@ -34,7 +34,7 @@ def read(dice: Dice) -> Outcome:
         target.read(given)
     except target.declared:
         return Outcome(f"{name}, refused")
-    except Exception as error:  # noqa: BLE001  whatever it is, it is what is looked for
+    except Exception as error:  # noqa: BLE001  any exception is what the campaign searches for
         where = traceback.extract_tb(error.__traceback__)[-1]
         said = f"{name}, {type(error).__name__} at {where.filename}:{where.lineno}"
         return Outcome(said, str(error), f"{given!r}\n\n{traceback.format_exc(limit=-12)}")

@@ -18,7 +18,7 @@ from protocol.scenario.model import Link, Scenario
 Group = Literal["fresh", "late", "RVO2", "boxes"]
 
 LIMIT = 60.0  # s of simulated time
-DEADLOCK = 10.0  # s without anybody moving
+DEADLOCK = 10.0  # s in which no robot moves
 DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3)  # s, one way
 CROWD_DELAYS = (0.1, 0.3)
 DENSITIES = (0.05, PAPER_DENSITY, 0.2)

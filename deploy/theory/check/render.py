@@ -54,10 +54,10 @@ def _assumption(name: str, found: Assumption) -> list[str]:
 
 def _shortfall(entry: Shortfall) -> str:
     if entry.robots is None:
-        who = f"some {entry.size} robots"
+        robots = f"some {entry.size} robots"
     else:
-        who = "robots " + ", ".join(map(str, entry.robots))
-    return f"  {who}: {entry.status}, short by {-entry.margin:.4f} m"
+        robots = "robots " + ", ".join(map(str, entry.robots))
+    return f"  {robots}: {entry.status}, short by {-entry.margin:.4f} m"
 
 
 def _method(found: CheckReport) -> str:

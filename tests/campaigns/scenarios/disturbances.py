@@ -11,7 +11,7 @@ from tests.campaigns.dice import Dice
 
 @dataclass(frozen=True)
 class Scale:
-    """How long a run is, ticks; what a tick takes, s; how large its smallest robot is, m; who there is."""
+    """Length of a run, ticks; of a tick, s; radius of the smallest robot, m; ids of the robots."""
 
     ticks: int
     step: float
@@ -65,14 +65,14 @@ def link(dice: Dice, scale: Scale) -> Link:
 
 
 def network(dice: Dice, scale: Scale) -> Network:
-    """Who hears whom: everybody in most runs, near ones only in others."""
+    """Which peers a robot receives States from: all in most runs, near ones only in others."""
     if dice.chance(0.7):
         return Network()
     return Network("near", dice.pick((None, scale.radius * dice.log_uniform(0.01, 30.0))))
 
 
 def partition(dice: Dice, scale: Scale) -> Partition:
-    """One to three groups that do not hear each other; whoever is in none hears nobody."""
+    """One to three groups without links between them; a robot in none has no link at all."""
     begin = dice.pick((0, dice.whole(0, scale.ticks)))
     end = begin + dice.whole(1, max(1, scale.ticks // 2))
     groups: list[list[int]] = [[] for _ in range(dice.whole(1, 3))]

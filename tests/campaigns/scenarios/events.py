@@ -1,4 +1,4 @@
-"""Process faults: who is killed, frozen and started again, and in which ticks."""
+"""Events of a run: process faults, and the orders of an operator."""
 
 from __future__ import annotations
 
@@ -82,13 +82,13 @@ def sensible(faults: Iterable[ProcessFault]) -> tuple[ProcessFault, ...]:
 
 _ROBOTS = ("goal", "goal", "guest", "guest", "guest", "leaves", "comes back", "comes back", "meets")
 _KINDS = (*_ROBOTS, "thing", "thing", "thing and away", "taken", "halt")
-_GAPS = (1e-9, 1e-6, 1e-3, 0.3)  # of the radius, between a guest and whom it begins beside
+_GAPS = (1e-9, 1e-6, 1e-3, 0.3)  # of the radius, between the starts of a guest and of the robot beside it
 _SOON = (0, 1, 1, 2, 3, 5, 10)  # ticks
 
 
 @dataclass(frozen=True)
 class Fleet:
-    """What orders are about: who is there, what stands, and in which room that is."""
+    """What orders are about: robots, static obstacles, and the room."""
 
     robots: tuple[RobotSpec, ...]
     things: tuple[Thing, ...]
@@ -150,7 +150,7 @@ def _of_robots(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -
     match kind:
         case "goal":
             yield 0, Order(0.0, goal=_journey(dice, fleet, robot))
-        case "meets":  # everybody to one place
+        case "meets":  # all robots to one place
             point = _somewhere(dice, fleet)
             for each in known:
                 yield later * dice.whole(0, 1), Order(0.0, goal=Journey(each.id, (point,)))
@@ -198,7 +198,7 @@ def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
 
 
 def _somewhere(dice: Dice, fleet: Fleet) -> Point:
-    """Where somebody begins or is to be, or anywhere."""
+    """The start or goal of a robot, or anywhere."""
     robot = dice.pick(fleet.robots)
     x, y = anywhere(dice, 0.95 * fleet.reach)
     return dice.pick((robot.start, robot.goal, (fleet.centre[0] + x, fleet.centre[1] + y)))

@@ -176,7 +176,7 @@ def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[
 
 
 def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Thing, ...]:
-    """None in most scenarios; else a few disks and polygons on which nobody begins or is to be.
+    """None in most scenarios; else a few disks and polygons that cover no start and no goal.
 
     Half of them stand right beside a robot. `workspace` is its radius, m.
     """
@@ -266,7 +266,7 @@ def loads(
 
 
 def by_points(scenario: Scenario) -> Scenario:
-    """Where there are parts, robots that are points and hear everybody: others cannot carry them."""
+    """Where there are parts, robots that are points and receive all States: others cannot carry them."""
     if not scenario.parts:
         return scenario
     robots = tuple(replace(robot, body=None) for robot in scenario.robots)

@@ -65,7 +65,7 @@ def _events(scenario: Scenario, event: str) -> list[ProcessFault]:
 
 
 def _late(scenario: Scenario) -> bool:
-    """Somebody is killed at 0 and started later, and somebody else is restarted in between."""
+    """A robot is killed at 0 and started later, and another one is restarted in between."""
     return any(
         killed.at == 0.0 and up.robot == killed.robot and other.robot != up.robot and other.at < up.at
         for killed in _events(scenario, "kill")
@@ -159,7 +159,7 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "goals": lambda s: any(order.goal for order in s.orders),
     "guests": lambda s: any(spec.id not in s.ids for spec in s.newcomers),
     "guests that fail": lambda s: any(fault.robot not in s.ids for fault in s.process),
-    "who leaves and comes back": lambda s: any(spec.id in s.ids for spec in s.newcomers),
+    "robots that leave and come back": lambda s: any(spec.id in s.ids for spec in s.newcomers),
     "things that come": lambda s: any(order.place for order in s.orders),
     "things that go": lambda s: any(order.take for order in s.orders),
     "a halt and its release": lambda s: {True, False} <= {order.halt for order in s.orders},

@@ -124,7 +124,7 @@ def test_gamma_is_the_squared_distance_from_the_goal() -> None:
 
 
 def contacts(p: int, unequal: bool) -> tuple[Problem, Array]:
-    """A configuration in which robots 0 and 1 touch exactly, along the x axis, and nobody else."""
+    """A configuration in which robots 0 and 1 touch exactly, along the x axis, and no others."""
     problem = crowded(p, unequal, k=1.5)
     for seed in range(50):
         b = free(problem, seed)

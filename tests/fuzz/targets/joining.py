@@ -1,4 +1,4 @@
-"""Requests of those who want to join or to steer, and the replies that robots get."""
+"""Requests to join and to steer, and the replies that robots get."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever may happen to those who take part: tokens that come and go, messages, requests."""
+"""Events of the participants of a run: tokens that come and go, messages, requests."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _deaf(_: bytes) -> None:
 
 
 def _take_part(drawn: list[_Drawn]) -> bool:
-    """A world, a robot, a watcher and a launcher live through it, and the world counts what is nobody's."""
+    """World, robot, watcher and launcher handle them; the world counts those of unknown robots."""
     network = LocalNetwork()
     bus = network.connect()
     with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
@@ -77,7 +77,12 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     watcher = watch_local(network, _RUN)
     watcher.wake(0.0)
     launcher = Fleet([_participants_of()], RunOptions())
-    everybody: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
+    handlers: list[Callable[[Event], object]] = [
+        robot.handle,
+        watcher.handle,
+        launcher._take,
+        world.handle,
+    ]
     for happens, key, payload in drawn:
         event: Event
         if happens == "published":
@@ -86,7 +91,7 @@ def _take_part(drawn: list[_Drawn]) -> bool:
             event = Request(key, payload, _deaf)
         else:
             event = Presence(key, happens == "appears")
-        for handle in everybody[-1:] if happens == "asked" else everybody:
+        for handle in handlers[-1:] if happens == "asked" else handlers:
             handle(event)
     watcher.snapshot()
     watcher.overview()

@@ -1,4 +1,4 @@
-"""`disknav certify`: exit statuses, files, what it prints; and who takes the K that it proves."""
+"""`disknav certify`: exit statuses, files, output; and where the proven K is used."""
 
 from __future__ import annotations
 
