@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import hypot
 from typing import Final
 
-from agents.bodies.choice import body_of
+from agents.bodies.body import body_of
 from agents.hearing import Hearing
 from agents.laws import GuardedLaw, View
 from agents.laws.turns import turn_of

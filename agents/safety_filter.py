@@ -74,7 +74,7 @@ class SafetyFilter:
             speed=speed,
             period=scenario.time.step,
             reach=body.reach,
-            berth=body.berth,
+            berth=body.standoff,
             members=members,
             starts=starts if founding else None,
             urgent=urgent(scenario) if scenario.hears_near else None,

@@ -14,7 +14,7 @@ from deploy.library.names import catalogue
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
-from world.plants.choice import require as require_plant
+from world.plants.plant import require as require_plant
 
 Settings = Mapping[str, Any]
 Source = Scenario | str | Path

@@ -9,8 +9,8 @@ from mypy_extensions import mypyc_attr
 
 from protocol.messages import Command, Sense, Vector
 from protocol.scenario.model import Scenario
-from world.plants.choice import plant_of
 from world.plants.integrator import STANDING
+from world.plants.plant import plant_of
 from world.sensing.odometry import Odometer
 from world.sensing.position import Sensor
 

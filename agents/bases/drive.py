@@ -1,6 +1,6 @@
-"""What a base is told from moment to moment, so that it does what `protocol.bodies.base` says of a body.
+"""What a base is told from moment to moment, so that it does what `protocol.bodies` says of a body.
 
-A tick's command becomes `STEPS` velocities; the last one is held until the next tick, but not for ever: after
+A tick's command becomes several velocities; the last one is held until the next tick, but not for ever: after
 the tick and the patience, or when the lease ends, whichever is earlier, the robot has the base brake. If this
 process dies instead, the base brakes by itself when its own timeout is over.
 """
@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from protocol.bodies.base import STEPS, Arc, Motion, chord, turned
-from protocol.bodies.base import Base as Kinematics
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.base import Base
 from protocol.scenario.body import Body
@@ -36,7 +35,8 @@ class Drive:
         self.told: Vector = _STILL
         self.due = math.inf
         self._kinematics = Kinematics(body, period)
-        self._hold, self._grace, self._part = body.hold, period + base.patience, period / STEPS
+        self._hold, self._grace = body.hold, period + base.patience
+        self._part = period / self._kinematics.steps
         self._alone = base.timeout + base.latency  # s that the base goes on if this process dies
         self._late = base.age + 2.0 * base.latency  # s for which wheels may do what was told before
         self._plan: deque[tuple[float, Vector]] = deque()
@@ -93,7 +93,7 @@ class Drive:
             ahead, aside = self._kinematics.limited(motion, velocity)
             arcs = self._kinematics.drive(motion, ahead, aside)
             plan = [(now + n * self._part, (arc.ahead, arc.aside)) for n, arc in enumerate(arcs)]
-            plan.append((now + STEPS * self._part, (ahead, aside)))
+            plan.append((now + len(arcs) * self._part, (ahead, aside)))
             plan = [step for step in plan if step[0] < self._until]
         else:
             self._until = now

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from agents.bases.odometer import Odometer, Place, planar_yaw, wrapped
 from agents.bases.ros_messages import NANO, decode_odometry, decode_pose
-from protocol.bodies.base import turned
+from protocol.bodies.kinematics import turned
 from protocol.errors import MessageError
 from protocol.messages import BaseMotion, Sense, Vector
 from protocol.scenario.base import Base

@@ -1,14 +1,15 @@
 """A body that does not stop at once: a velocity is commanded only if all that follows from it is allowed.
 
 What follows is the sweep of the tick, of the time that the base holds the velocity if it hears nothing, and
-of braking. If it lies in everything that must be obeyed, then so does what is left of it after the tick, and
-braking, which leads along the same way, ends sooner. So braking is always allowed, and is what remains if no
-velocity is (docs/safety.md, step 2).
+of braking (`protocol.bodies.sweep`). If it lies in everything that must be obeyed, then so does what is left
+of it after the tick, and braking, which leads along the same way, ends sooner. So braking is always allowed,
+and is what remains if no velocity is (docs/safety.md, step 2).
 
 The candidate comes from a convex program in the place where the base would stand, as if its arcs were
 straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
-solved again. Too near an edge nothing leads on, because lag and play are there before any way is made: so the
-program keeps a berth, and where no velocity is left, the body first makes room.
+solved again. An error in metres is there before any way is made, so that nothing leads away from an edge
+that is nearer: the program keeps a standoff, and where the candidate does not fit, slower ones are tried, and
+ones that make room.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import nearest, wedge
-from protocol.bodies.base import Base, Motion
-from protocol.bodies.sweep import Miss, Sweep, sweep
+from protocol.bodies.kinematics import Kinematics, Motion
+from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.messages import BaseMotion, Vector
 
 _TRIES: Final = 6  # programs that are solved in a tick
-_SHARES: Final = (0.5, 0.2)  # of the way from the present velocity to the last candidate, tried at last
+_SHARES: Final = (0.5, 0.2, 0.05)  # of the way from the present velocity to the last candidate
 _STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
 _FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
@@ -37,23 +38,26 @@ STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 @final
 class InertialBody:
-    """See `agents.bodies.body.Body`.
+    """Implements `agents.bodies.body.Body`.
 
     Args:
-        base: the body's kinematics.
+        kinematics: of the body.
         speed: speed limit of the control point, m/s.
-        miss: by how much the control point may miss where it is sent, if it faces as it says.
-        heading: rad, by which the direction that it says it has may be off.
+        tolerance: by how much the control point may be off its nominal way.
+        longest: no way leads farther, m.
     """
 
-    def __init__(self, base: Base, speed: float, miss: Miss, heading: float = 0.0) -> None:
-        turned_by = 2.0 * math.sin(0.5 * heading)  # of all that it does
-        miss = self._miss = Miss(miss.error + turned_by, miss.lag, miss.play)
-        self.reach = base.reach(speed) * (1.0 + miss.error) + miss.lag * speed + miss.play
+    def __init__(
+        self, kinematics: Kinematics, speed: float, tolerance: Tolerance, longest: float = math.inf
+    ) -> None:
+        self._kinematics, self._tolerance = kinematics, tolerance
+        self._speed = min(speed, kinematics.top_speed)
+        forth, back = Motion(0.0, self._speed), (-self._speed, 0.0)
+        way = kinematics.reach(self._speed) * (1.0 + tolerance.error) + tolerance.slip(forth, back)
+        self.reach = min(way, longest)
         self.swept: Sweep | None = None
-        self._base, self._speed = base, speed
         self._motion = Motion(0.0)
-        self.berth = self._least_room()
+        self.standoff = self._least_room()
 
     def _least_room(self) -> float:
         """How far it can stand off an edge and still leave it straight on, whichever way it faces, m."""
@@ -62,23 +66,20 @@ class InertialBody:
             angle = math.pi * part / _FACING
             nx, ny = math.cos(angle), math.sin(angle)
             ax, ay = self._limited((-self._speed * nx, -self._speed * ny))
-            room = self._passed((ax, ay)).extent(nx, ny)
-            for share in _SHARES:
-                room = min(room, self._passed((share * ax, share * ay)).extent(nx, ny))
-            most = max(most, room)
+            rooms = [self._passed((share * ax, share * ay)).extent(nx, ny) for share in (1.0, *_SHARES)]
+            most = max(most, min(rooms))
         return most
 
     def on_motion(self, motion: BaseMotion | None) -> None:
-        """See `agents.bodies.body.Body`."""
+        """Take in what the base says that it does as a tick begins; None: it stands."""
         if motion is None:
             self._motion = Motion(0.0)
         else:
-            self._motion = self._base.motion(motion.velocity, motion.heading, motion.stop)
+            self._motion = self._kinematics.motion(motion.velocity, motion.heading, motion.stop)
         if self._motion.stands:
             self.swept = None
-            return
-        arcs = [self._base.halt(self._motion)]
-        self.swept = sweep(self._base, self._motion, arcs, miss=self._miss, rise=0)
+        else:
+            self.swept = sweep(self._kinematics, self._motion, self._tolerance)
 
     def velocity(
         self,
@@ -88,7 +89,7 @@ class InertialBody:
         boundary: Boundary,
         shape: Polygon | None,
     ) -> Vector:
-        """See `agents.bodies.body.Body`."""
+        """The velocity to command, m/s: `agents.bodies.body.Body.velocity`."""
         x, y = position
         sides = []
         for each in half_planes:
@@ -115,12 +116,13 @@ class InertialBody:
             if cut is not None:
                 cuts.append(cut)
             last = command
-        return self._less(last, sides, boundary, x, y, shape)
+        return self._less(last, sides, cuts, boundary, x, y, shape)
 
     def _less(
         self,
         command: Vector,
         sides: Sequence[HalfPlane],
+        cuts: Sequence[HalfPlane],
         boundary: Boundary,
         x: float,
         y: float,
@@ -128,7 +130,7 @@ class InertialBody:
     ) -> Vector:
         """A part of a command that is too much, or away from where it leads; at last, to brake."""
         vx, vy = self._motion.velocity
-        away = self._away(command, sides)
+        away = self._away(command, [*sides, *cuts])
         targets = [(command, share) for share in _SHARES]
         if away != STILL:
             targets += [(away, share) for share in (1.0, *_SHARES)]
@@ -158,40 +160,37 @@ class InertialBody:
         self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
     ) -> Vector:
         """The velocity whose place to stand is nearest to the desired one's, as if all ways were straight."""
-        base, motion, miss = self._base, self._motion, self._miss
+        kinematics, motion, tolerance = self._kinematics, self._motion, self._tolerance
         excess = max(1.0, math.hypot(*desired) / self._speed)
-        want = base.lead(motion, (desired[0] / excess, desired[1] / excess))
+        want = kinematics.lead(motion, (desired[0] / excess, desired[1] / excess))
         vx, vy = motion.velocity
-        mx, my = 0.5 * base.period * vx, 0.5 * base.period * vy
-        margin = miss.error * math.hypot(mx, my) + miss.lag * math.hypot(vx, vy) + miss.play
+        mx, my = 0.5 * kinematics.period * vx, 0.5 * kinematics.period * vy
+        slip = tolerance.slip(motion, (motion.ahead, motion.aside))
+        margin = tolerance.error * math.hypot(mx, my) + slip
         limits = []
         for index, side in enumerate(sides):
-            room = side.limit - side.nx * mx - side.ny * my - margin - self.berth - taken[index]
+            room = side.limit - side.nx * mx - side.ny * my - margin - self.standoff - taken[index]
             limits.append(HalfPlane(side.nx, side.ny, max(0.0, room)))
         for cut in cuts:
             limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))
-        if miss.error > 0.0:
-            limits = [half for limit in limits for half in wedge(limit, min(miss.error, _STEEPEST))]
-        ux, uy = base.velocity_for(motion, nearest(want, limits, self.reach))
+        if tolerance.error > 0.0:
+            steepness = min(tolerance.error, _STEEPEST)
+            limits = [half for limit in limits for half in wedge(limit, steepness)]
+        ux, uy = kinematics.velocity_for(motion, nearest(want, limits, self.reach))
         excess = max(1.0, math.hypot(ux, uy) / self._speed)
         return ux / excess, uy / excess
 
     def _limited(self, velocity: Vector) -> Vector:
         """What the base can make of a velocity in this tick, m/s."""
-        ahead, aside = self._base.limited(self._motion, velocity)
+        ahead, aside = self._kinematics.limited(self._motion, velocity)
         return Motion(self._motion.heading, ahead, aside).velocity
 
     def _passed(self, command: Vector) -> Sweep:
         """Everything that follows from a command if nothing more is heard."""
-        base, motion = self._base, self._motion
+        kinematics, motion = self._kinematics, self._motion
         if command == STILL:
-            arcs = [base.halt(base.braking(motion))]
-            return sweep(base, motion, arcs, miss=self._miss, rise=0)
-        ahead, aside = base.limited(motion, command)
-        arcs = base.drive(motion, ahead, aside)
-        rise = len(arcs)
-        arcs.append(base.halt(base.driven(motion, ahead, aside)))
-        return sweep(base, motion, arcs, miss=self._miss, rise=rise)
+            return sweep(kinematics, kinematics.braking(motion), self._tolerance)
+        return sweep(kinematics, motion, self._tolerance, kinematics.limited(motion, command))
 
 
 def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:

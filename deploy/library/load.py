@@ -15,7 +15,7 @@ from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
 from protocol.scenario.shape import Document
-from world.plants.choice import require as require_plant
+from world.plants.plant import require as require_plant
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:

@@ -1,22 +1,66 @@
-"""Everything that a control point passes on its way, as a set around where it is now."""
+"""What a body may do within a tick: the one definition that plant, filter, proof and tests share.
+
+A tick begins with the control point q at q(0) and the nominal velocity v0, in the frame of the body, and its
+command leads to v1; without one, v1 = v0. The nominal way (`protocol.bodies.kinematics`), drawn from q(0),
+is at p(t) after a length w(t). Until the base takes another velocity than zero,
+
+    |q(t) - p(t)| <= error w(t) + lag d + play,        d = max(|v0|, |v1|, |v1 - v0|),
+
+from the first instant on. d is the largest change of velocity between rest and the two ends of the tick: a
+wheel that follows what it is told with a time constant T is behind by T times the change. A base that stands
+stays where it is.
+
+The sweep is the set of all such q(t) - q(0) until the base stands. An arc lies in the triangle of its ends
+and of the point where its tangents meet, and for the point after the share u of it, the first end counts in
+that triangle for at most 1 - u. So the sweep lies in the convex hull of finitely many disks.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from protocol.bodies.base import Arc, Base, Motion, chord, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, Vector, chord, turned
+from protocol.scenario.body import Body
 
 _TURN: Final = 0.5  # rad; an arc that turns further is cut
 
 
 @final
 @mypyc_attr(acyclic=True)
+class Tolerance:
+    """How far a control point may be from its nominal way.
+
+    Args:
+        body: which states that.
+        noise: what is added to its `error`, a share of the way.
+        heading: rad, by which the direction may be off in which the nominal way is drawn.
+    """
+
+    __slots__ = ("_lag", "_play", "error")
+
+    def __init__(self, body: Body, noise: float = 0.0, heading: float = 0.0) -> None:
+        self.error = body.error + noise + 2.0 * math.sin(0.5 * heading)
+        self._lag, self._play = body.lag, body.play
+
+    def slip(self, motion: Motion, to: Vector) -> float:
+        """The part that does not grow with the way, m, of a tick that leads from a motion to a velocity."""
+        ahead, aside = to
+        change = max(
+            math.hypot(motion.ahead, motion.aside),
+            math.hypot(ahead, aside),
+            math.hypot(ahead - motion.ahead, aside - motion.aside),
+        )
+        return self._lag * change + self._play
+
+
+@final
+@mypyc_attr(acyclic=True)
 class Sweep:
-    """The convex hull of the origin and of disks around points (xs[i], ys[i]), m, of radius `margins[i]`.
+    """The convex hull of disks around points (xs[i], ys[i]), m, of radius `margins[i]`; the first is the
+    origin, as the others are seen from there.
 
     Attributes:
         radius: of a disk around the origin that contains it, m.
@@ -28,9 +72,9 @@ class Sweep:
 
     def __init__(self, xs: list[float], ys: list[float], margins: list[float]) -> None:
         self.xs, self.ys, self.margins = xs, ys, margins
-        mx, my = (0.5 * xs[-1], 0.5 * ys[-1]) if xs else (0.0, 0.0)
+        mx, my = 0.5 * xs[-1], 0.5 * ys[-1]
         self.middle = mx, my
-        self.radius, self.spread = 0.0, math.hypot(mx, my)
+        self.radius = self.spread = 0.0
         for index, x in enumerate(xs):
             y, margin = ys[index], margins[index]
             self.radius = max(self.radius, math.hypot(x, y) + margin)
@@ -44,68 +88,60 @@ class Sweep:
         return most
 
 
-@final
-@mypyc_attr(acyclic=True)
-class Miss:
-    """By how much a control point may miss where it is sent: having gone a way L, at a speed of at most v so
-    far, by at most `error` L + `lag` v + `play`. `error` is a share, `lag` in s, `play` in m."""
-
-    __slots__ = ("error", "lag", "play")
-
-    def __init__(self, error: float = 0.0, lag: float = 0.0, play: float = 0.0) -> None:
-        self.error, self.lag, self.play = error, lag, play
-
-
-def sweep(base: Base, motion: Motion, arcs: Sequence[Arc], *, miss: Miss, rise: int) -> Sweep:
-    """What the control point passes along arcs, one after another, if it may miss them.
-
-    Of the lag and the play there is only an even share in each of the first `rise` arcs; with none, all of it
-    at once. Each arc lies in the triangle of its ends and of the point where its tangents meet; one that goes
-    around more than once, in its circle, with the margin of its end all around.
+def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vector | None = None) -> Sweep:
+    """What the control point passes from the beginning of a tick until it stands, if nothing more is heard.
 
     Args:
-        base: that describes them.
-        motion: what it does as it begins.
-        miss: by how much it may be off.
-        rise: in how many arcs lag and play become what they are.
+        kinematics: of the body.
+        motion: what it does as the tick begins.
+        tolerance: by how much it may be off.
+        to: velocity that the tick leads to, ahead and aside, which the base can reach; None: it hears nothing
+            in this tick either.
     """
-    xs: list[float] = []
-    ys: list[float] = []
-    margins: list[float] = []
+    if to is None:
+        slip = tolerance.slip(motion, (motion.ahead, motion.aside))
+        arcs = [kinematics.halt(motion)]
+    else:
+        slip = tolerance.slip(motion, to)
+        arcs = kinematics.drive(motion, *to)
+        arcs.append(kinematics.halt(kinematics.driven(motion, *to)))
+    return _hull(kinematics, motion.heading, arcs, tolerance.error, slip)
+
+
+def _hull(kinematics: Kinematics, heading: float, arcs: list[Arc], error: float, slip: float) -> Sweep:
+    """Arcs, one after another, with what is around them. One that goes around more than once lies in its
+    circle, with the margin of its end all around."""
+    xs, ys, margins = [0.0], [0.0], [slip]
     x = y = way = 0.0
-    heading, fastest = motion.heading, math.hypot(motion.ahead, motion.aside)
-    for index, arc in enumerate(arcs):
+    for arc in arcs:
         speed = math.hypot(arc.ahead, arc.aside)
-        if arc.duration == 0.0 or (speed == 0.0 and rise == 0):
-            continue  # what stands has no lag; while it turns back, lag and play grow
-        whole = abs(base.turn(arc))
+        if arc.duration == 0.0 or speed == 0.0:
+            continue
+        whole = abs(kinematics.turn(arc))
         around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # of the arc that a circle is
         pieces = 1 + int(around * whole / _TURN)
         piece = Arc(arc.ahead, arc.aside, around * arc.duration / pieces)
-        turn = base.turn(piece)
+        turn = kinematics.turn(piece)
         step = speed * piece.duration
         if around < 1.0:
             way, step = way + speed * arc.duration, 0.0
-        fastest = max(fastest, speed)
-        late = (miss.lag * fastest + miss.play) * (min(1.0, (index + 1) / rise) if rise > 0 else 1.0)
-        if late > 0.0 and rise == 0 and not xs:
-            xs, ys, margins = [0.0], [0.0], [late]
         for _ in range(pieces):
             way += step
+            margin = error * way + slip
             cx, cy = chord(piece, turn)
             dx, dy = turned(cx, cy, heading)
             if turn != 0.0:
                 tangent = piece.duration * math.tan(0.5 * turn) / turn
                 tx, ty = turned(piece.ahead * tangent, piece.aside * tangent, heading)
-                _append(xs, ys, margins, x + tx, y + ty, miss.error * way + late)
+                _append(xs, ys, margins, x + tx, y + ty, margin)
             x, y, heading = x + dx, y + dy, heading + turn
-            _append(xs, ys, margins, x, y, miss.error * way + late)
+            _append(xs, ys, margins, x, y, margin)
         if around < 1.0:  # the rest, from where the circle began
             rest = Arc(arc.ahead, arc.aside, (1.0 - around) * arc.duration)
-            cx, cy = chord(rest, base.turn(rest))
+            cx, cy = chord(rest, kinematics.turn(rest))
             dx, dy = turned(cx, cy, heading)
-            x, y, heading = x + dx, y + dy, heading + base.turn(rest)
-            _append(xs, ys, margins, x, y, miss.error * way + late)
+            x, y, heading = x + dx, y + dy, heading + kinematics.turn(rest)
+            _append(xs, ys, margins, x, y, error * way + slip)
     return Sweep(xs, ys, margins)
 
 

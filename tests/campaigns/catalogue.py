@@ -23,6 +23,11 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "aftermath": ("a broken invariant after a skirmish", "campaigns.models:AFTERMATH"),
     "bodies": ("a body that leaves its swept disk or its lines", "campaigns.models:BODIES"),
     "plants": ("contact of wheels in MuJoCo, under late, lost and noisy messages", "campaigns.models:PLANTS"),
+    "adversary": (
+        "a touch in formulas, by a law that wants one, with errors at their worst",
+        "campaigns.models:ADVERSARY",
+    ),
+    "adversary-mujoco": ("the same in MuJoCo", "campaigns.models:ADVERSARY_MUJOCO"),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "campaigns.laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "campaigns.movers:MOVERS"),
     "movers-kill": ("the same while a robot dies with a part", "campaigns.movers:KILL"),

@@ -17,7 +17,8 @@ from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.agents.lines.models.small_model import Bounds, search
 from tests.campaigns.campaign import Campaign, Mutant, Outcome
 from tests.campaigns.dice import Dice
-from tests.world.plants.fleet import drive, varied
+from tests.world.plants.fleet import BODIES as CARRIERS
+from tests.world.plants.fleet import PERIODS, drive, hostile, varied
 
 _product, _ride_product = cache(Product), cache(RideProduct)
 
@@ -63,6 +64,18 @@ def _drive(dice: Dice, naive: bool = False) -> Outcome:
     return Outcome(report["verdict"], violation, figures=figures)
 
 
+def _attack(plant: str, dice: Dice) -> Outcome:
+    """A fleet whose law wants a touch; bodies and periods take turns."""
+    names = [name for name in CARRIERS if plant == "integrator" or isinstance(CARRIERS[name], str)]
+    name = names[dice.seed % len(names)]
+    period = PERIODS[dice.seed // len(names) % len(PERIODS)]
+    setting = hostile(name, period, plant, dice.seed)
+    report = drive(setting)
+    touches = report["min_clearance"] < 0.0 or bool(report.get("plant", {}).get("contacts"))
+    figures = {"ticks": float(report["ticks"] * setting.robots), "smallest gap, m": report["min_clearance"]}
+    return Outcome(f"{name}, {period:g} s", f"touch: {setting}" if touches else "", figures=figures)
+
+
 def _naive() -> tuple[int, str]:
     for seed in range(10):
         if violation := _drive(Dice(seed), naive=True).violation:
@@ -76,3 +89,5 @@ SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, 
 AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))
 BODIES = Campaign(_ride, 30_000, _ride_mutants)
 PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])
+ADVERSARY = Campaign(partial(_attack, "integrator"), 4_000)
+ADVERSARY_MUJOCO = Campaign(partial(_attack, "mujoco"), 300, patience=600.0)

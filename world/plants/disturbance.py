@@ -49,3 +49,16 @@ class Uniforms:
             source = generator(seed, purpose, robot, number)
             self._number, self._block = number, source.random((_BLOCK, self._columns)).tolist()
         return self._block[row]
+
+
+class UnitDisk:
+    """Random vectors of one robot, evenly distributed in a disk whose radius is a little less than one."""
+
+    def __init__(self, seed: int, purpose: Purpose, robot: int) -> None:
+        self._draws = Uniforms(seed, purpose, robot, 2)
+
+    def at(self, tick: int) -> Vector:
+        """The vector of one tick."""
+        size, direction = self._draws.at(tick)
+        length, angle = math.sqrt(size) * _INSIDE, 2.0 * math.pi * direction
+        return length * math.cos(angle), length * math.sin(angle)

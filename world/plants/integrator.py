@@ -1,20 +1,22 @@
 """Formulas: points are single integrators with a speed limit and imperfect actuation, b' = v + |v| w, held
-for one tick; other bodies move as `protocol.bodies` says."""
+for one tick; other bodies go their nominal way, but for an error within their tolerance (`protocol.bodies`).
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
 from mypy_extensions import mypyc_attr
 
-from protocol.bodies.base import STEPS
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
+from protocol.bodies.sweep import Tolerance
 from protocol.draws import Purpose
 from protocol.messages import Vector
 from protocol.scenario.body import PRESETS
 from protocol.scenario.model import RobotSpec, Scenario
-from world.plants.base import SimulatedBase
-from world.plants.disturbance import Uniforms, truncated_normal
+from world.plants.disturbance import Uniforms, UnitDisk, truncated_normal
 from world.plants.plant import Report
 
 STANDING: Vector = (0.0, 0.0)
@@ -69,6 +71,91 @@ class Actuation:
         return (x * self._step, y * self._step)
 
 
+class Errors(Protocol):
+    """The direction and size of a base's error, as a vector in the unit disk."""
+
+    def at(self, tick: int) -> Vector:
+        """The error that a command of `tick` brings."""
+        ...
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class SimulatedBase:
+    """One robot's base. From a command on, and from the first part of its tick, it is off its nominal way by
+    one vector of the unit disk times what its tolerance allows.
+
+    Args:
+        kinematics: of the body.
+        tolerance: of the body.
+        motion: with which it begins.
+        errors: the vectors.
+
+    Attributes:
+        motion: what it does at the start of the tick to come.
+        way: that it went in the tick before, m.
+    """
+
+    def __init__(self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: Errors) -> None:
+        self.motion, self.way = motion, 0.0
+        self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
+        self._error = self._off = STANDING  # vector of the unit disk, and what it amounts to, m
+        self._way = self._slip = 0.0  # m, since the last command
+
+    @property
+    def stop(self) -> Vector:
+        """From where the control point is to where it stands if the base hears nothing more, m."""
+        arc = self._kinematics.halt(self.motion)
+        dx, dy = chord(arc, self._kinematics.turn(arc))
+        return turned(dx, dy, self.motion.heading)
+
+    def move(self, velocity: Vector | None, tick: int) -> list[Vector]:
+        """Go through a tick, with a commanded velocity (m/s) or none; displacement in each part of it, m."""
+        heading = self.motion.heading
+        steps = []
+        for arc in self._arcs(velocity, tick):
+            turn = self._kinematics.turn(arc)
+            cx, cy = chord(arc, turn)
+            dx, dy = turned(cx, cy, heading)
+            heading += turn
+            self._way += math.hypot(arc.ahead, arc.aside) * arc.duration
+            size = self._tolerance.error * self._way + self._slip
+            bx, by = self._off
+            ex, ey = self._off = size * self._error[0], size * self._error[1]
+            steps.append((dx + ex - bx, dy + ey - by))
+        self.way = math.fsum(math.hypot(*step) for step in steps)
+        return steps
+
+    def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
+        """The parts of the nominal way in a tick; what the base does goes on to its end."""
+        kinematics, motion = self._kinematics, self.motion
+        part = kinematics.period / kinematics.steps
+        if velocity is None or (velocity[0] == 0.0 and velocity[1] == 0.0):
+            arcs = []
+            coasting = motion if velocity is None else kinematics.braking(motion)
+            for _ in range(kinematics.steps):
+                arcs.append(kinematics.coast(coasting, part))
+                coasting = kinematics.coasted(coasting, part)
+            self.motion = coasting
+            return arcs
+        to = kinematics.limited(motion, velocity)
+        self._error, self._off = self._errors.at(tick), STANDING
+        self._way, self._slip = 0.0, self._tolerance.slip(motion, to)
+        self.motion = kinematics.driven(motion, *to)
+        arcs = kinematics.drive(motion, *to)
+        return arcs if len(arcs) > 1 else [Arc(*to, part)] * kinematics.steps
+
+
+def simulated_base(scenario: Scenario, robot: int) -> SimulatedBase:
+    """The base of one robot of a scenario, with random errors."""
+    body = scenario.body_of(robot)
+    return SimulatedBase(
+        Kinematics(body, scenario.time.step),
+        Tolerance(body, scenario.actuation.bound),
+        Motion(scenario.spec(robot).heading),
+        UnitDisk(scenario.seed, Purpose.ACTUATION, robot),
+    )
+
+
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Integrator:
     """Where every disk really is, by formulas; see `world.plants.plant.Plant`.
@@ -90,10 +177,10 @@ class Integrator:
         self.between: list[tuple[Vector, ...]] = []
         self._actuation = Actuation(scenario)
         self._based = {
-            robot: SimulatedBase(scenario, robot) for robot in self.ids if not scenario.body_of(robot).ideal
+            robot: simulated_base(scenario, robot) for robot in self.ids if not scenario.body_of(robot).ideal
         }
         self._bases = self._by_index()
-        self.parts = STEPS if self._bases else 1
+        self.parts = steps_of(scenario.time.step) if self._bases else 1
 
     def _by_index(self) -> dict[int, SimulatedBase]:
         return {self.ids.index(robot): base for robot, base in self._based.items()}
@@ -102,9 +189,10 @@ class Integrator:
         """See `world.plants.plant.Plant`."""
         base = self._bases.get(index)
         if base is None:
-            return Report(self.displacements[index])
+            displacement = self.displacements[index]
+            return Report(displacement, math.hypot(*displacement))
         motion = base.motion
-        return Report(self.displacements[index], motion.velocity, motion.heading, base.stop)
+        return Report(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
 
     def stands(self, index: int) -> bool:
         """See `world.plants.plant.Plant`."""
@@ -133,7 +221,7 @@ class Integrator:
         self.lengths = [length for _, _, length in kept]
         self._actuation.recast(scenario)
         self._based = {
-            robot: self._based.get(robot) or SimulatedBase(scenario, robot)
+            robot: self._based.get(robot) or simulated_base(scenario, robot)
             for robot in self.ids
             if not scenario.body_of(robot).ideal
         }
@@ -178,8 +266,8 @@ class Integrator:
     ) -> list[tuple[Vector, ...]]:
         """All disks at the ends of the parts of a tick but the last; points move evenly."""
         between = []
-        for part in range(STEPS - 1):
-            share = (part + 1) / STEPS
+        for part in range(self.parts - 1):
+            share = (part + 1) / self.parts
             between.append(
                 tuple(
                     parts[index][part]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
+from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.model import RobotSpec, Scenario
 
@@ -13,6 +15,7 @@ class Report(NamedTuple):
     """What a robot's base says of itself at the start of a tick, in the world's frame."""
 
     displacement: Vector  # m, of the control point in the tick before, by odometry
+    way: float  # m, that it went then
     velocity: Vector = (0.0, 0.0)  # m/s, of the control point
     heading: float = 0.0  # rad
     stop: Vector | None = None  # m, from here to where it stands if it hears nothing more; None: it stands
@@ -61,3 +64,31 @@ class Plant(Protocol):
     def touched(self) -> Sequence[tuple[int, int]]:
         """Pairs of ids whose disks touched in the last tick, if the plant itself can tell."""
         ...
+
+
+def require(plant: str) -> None:
+    """Find out whether a plant's library is there, without loading it.
+
+    Raises:
+        UsageError: it is not installed; says how to.
+    """
+    if plant == "mujoco" and find_spec("mujoco") is None:
+        raise UsageError(
+            'world.plant = "mujoco" needs MuJoCo, which is not installed: pip install "disknav[mujoco]"'
+        )
+
+
+def plant_of(scenario: Scenario) -> Plant:
+    """The plant of `scenario.world.plant`.
+
+    Raises:
+        UsageError: its library is not installed.
+    """
+    require(scenario.world.plant)
+    if scenario.world.plant == "mujoco":
+        from world.plants.mujoco import Physics  # the engine is loaded only where it is asked for
+
+        return Physics(scenario)
+    from world.plants.integrator import Integrator  # it imports this module
+
+    return Integrator(scenario)

@@ -6,7 +6,7 @@ import math
 
 from mypy_extensions import mypyc_attr
 
-from protocol.bodies.base import turned
+from protocol.bodies.kinematics import turned
 from protocol.draws import Purpose
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.model import Scenario
@@ -44,10 +44,10 @@ class Odometer:
         dx, dy = displacement
         if not self._slips:
             size, direction, _ = self._draws.at(tick)
-            off = math.sqrt(size) * _INSIDE * (self._share * math.hypot(dx, dy) + self._drift)
+            off = math.sqrt(size) * _INSIDE * (self._share * report.way + self._drift)
             dx += off * math.cos(2.0 * math.pi * direction)
             dy += off * math.sin(2.0 * math.pi * direction)
-        bound = (self._share * math.hypot(dx, dy) + self._drift) / (1.0 - self._share)
+        bound = (self._share * report.way + self._drift) / (1.0 - self._share)
         if report.stop is None:
             return (dx, dy), bound, None
         askew = self._askew(tick)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from protocol.scenario.body import PRESETS, Body, Preset
+from protocol.scenario.body import BRISKEST, LONGEST, PRESETS, SHORTEST, Body, Preset
 from protocol.scenario.checks.sound import Sound
 from protocol.scenario.model import RobotSpec
 from protocol.scenario.shape import Document, Finding, Steps, written
@@ -42,14 +42,21 @@ def body_findings(sound: Sound) -> Iterator[Finding]:
     """Everything that is wrong with bodies."""
     yield from _wheels(("body",), fields_of(sound.get("body")))
     physics = sound.get("world", "plant") == "mujoco"
+    step = sound.get("time", "step")
+    if physics and step is not None and not SHORTEST <= step <= LONGEST:
+        yield (
+            ("time", "step"),
+            f"must be from {SHORTEST:g} to {LONGEST:g} s in MuJoCo: "
+            "with other periods the errors of bodies were not measured",
+        )
     for robot in robots_of(sound):
         steps: Steps = (*robot, "body")
         own = sound.get(*steps)
         yield from _wheels(steps, fields_of(own))
         body = fields_of(sound.get("body") if own is None else own)
         yield from _hull((*robot, "radius"), body, sound.get(*robot, "radius"))
-        if physics and body and body.get("kind") != "differential-drive":
-            yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
+        if physics and body:
+            yield from _physical(steps, body)
 
 
 def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
@@ -82,6 +89,14 @@ def _wheels(steps: Steps, body: dict[str, Any]) -> Iterator[Finding]:
         for key in ("offset", "track"):
             if not body.get(key):
                 yield (*steps, key), "must be above 0 for a body on two wheels"
+
+
+def _physical(steps: Steps, body: dict[str, Any]) -> Iterator[Finding]:
+    """Why a body cannot be had in MuJoCo."""
+    if body.get("kind") != "differential-drive":
+        yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
+    elif body.get("acceleration", BRISKEST + 1.0) > BRISKEST:
+        yield (*steps, "acceleration"), f"must be at most {BRISKEST:g} in MuJoCo, or wheels slip"
 
 
 def _hull(steps: Steps, body: dict[str, Any], radius: float | None) -> Iterator[Finding]:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from tests.agents.bodies.ride import ROUNDING, Product, excess_of
 from tests.interpreted import Edit
 
-_BASE, _SWEEP, _INERTIAL, _OWN_SET = (
-    "protocol.bodies.base",
+_KINEMATICS, _SWEEP, _INERTIAL, _OWN_SET = (
+    "protocol.bodies.kinematics",
     "protocol.bodies.sweep",
     "agents.bodies.inertial",
     "agents.lines.own_set",
@@ -52,7 +52,7 @@ MUTANTS = (
         "omnidirectional",
         (
             Edit(
-                _BASE,
+                _KINEMATICS,
                 "return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))",
                 "return Arc(motion.ahead, motion.aside, 0.5 * self._stopping(motion))",
             ),
@@ -64,7 +64,7 @@ MUTANTS = (
         "omnidirectional",
         (
             Edit(
-                _BASE,
+                _KINEMATICS,
                 "return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))",
                 "return Arc(motion.ahead, motion.aside, motion.hold)",
             ),
@@ -95,15 +95,15 @@ MUTANTS = (
         (
             Edit(
                 _INERTIAL,
-                "        ahead, aside = base.limited(motion, command)\n",
-                "        ahead, aside = turned(*command, -motion.heading)\n",
+                "self._tolerance, kinematics.limited(motion, command))",
+                "self._tolerance, turned(*command, -motion.heading))",
             ),
             Edit(
                 _INERTIAL,
-                "        ahead, aside = self._base.limited(self._motion, velocity)\n",
+                "        ahead, aside = self._kinematics.limited(self._motion, velocity)\n",
                 "        ahead, aside = turned(*velocity, -self._motion.heading)\n",
             ),
-            Edit(_INERTIAL, "import Base, Motion\n", "import Base, Motion, turned\n"),
+            Edit(_INERTIAL, "import Kinematics, Motion\n", "import Kinematics, Motion, turned\n"),
         ),
     ),
     Mutant(
@@ -112,7 +112,7 @@ MUTANTS = (
         "differential-drive",
         (
             Edit(
-                _BASE,
+                _KINEMATICS,
                 "        return Motion(heading, motion.ahead * left, motion.aside * left, 0.0)\n",
                 "        across = motion.aside * self._half_track / self._offset\n"
                 "        slower = self._acceleration * rest\n"
@@ -127,43 +127,53 @@ MUTANTS = (
         "arcs",
         "a body that turns describes arcs",
         "differential-drive",
-        (Edit(_SWEEP, "        turn = base.turn(piece)\n", "        turn = 0.0\n"),),
+        (Edit(_SWEEP, "        turn = kinematics.turn(piece)\n", "        turn = 0.0\n"),),
     ),
     Mutant(
         "turning",
         "where a body that turns by more than half a circle will stand does not say how far it goes",
         "spinning",
-        (Edit(_BASE, "0.5 * self._stopping(still)) > _TURNING:", "0.5 * self._stopping(still)) > 1e9:"),),
-    ),
-    Mutant(
-        "tangents",
-        "an arc bulges beyond its chord",
-        "differential-drive",
-        (Edit(_SWEEP, "            if turn != 0.0:\n", "            if turn > 9.0:\n"),),
+        (
+            Edit(
+                _KINEMATICS, "0.5 * self._stopping(still)) > _TURNING:", "0.5 * self._stopping(still)) > 1e9:"
+            ),
+        ),
     ),
     Mutant(
         "error",
         "a base misses what it is told by a share of its way",
         "omnidirectional",
+        (Edit(_SWEEP, "arcs, tolerance.error, slip)", "arcs, 0.0, slip)"),),
+    ),
+    Mutant(
+        "slip",
+        "and by its lag and play",
+        "omnidirectional",
+        (Edit(_SWEEP, "arcs, tolerance.error, slip)", "arcs, tolerance.error, 0.0)"),),
+    ),
+    Mutant(
+        "at-once",
+        "which are there before it has gone any way",
+        "omnidirectional",
+        (Edit(_SWEEP, "[0.0], [0.0], [slip]", "[0.0], [0.0], [0.0]"),),
+    ),
+    Mutant(
+        "change",
+        "lag counts for the velocity that it had, even if the one commanded is small",
+        "omnidirectional",
         (
             Edit(
                 _SWEEP,
-                "        fastest = max(fastest, speed)\n",
-                "        fastest, miss = max(fastest, speed), Miss(0.0, miss.lag, miss.play)\n",
+                "        slip = tolerance.slip(motion, to)\n",
+                "        slip = tolerance.slip(Motion(0.0), to)\n",
             ),
         ),
-    ),
-    Mutant(
-        "lag",
-        "and by its lag",
-        "omnidirectional",
-        (Edit(_SWEEP, "        fastest = max(fastest, speed)\n", "        fastest = 0.0\n"),),
     ),
     Mutant(
         "heading",
         "a base that takes itself to face elsewhere goes elsewhere",
         "differential-drive",
-        (Edit(_INERTIAL, "turned_by = 2.0 * math.sin(0.5 * heading)", "turned_by = 0.0 * heading"),),
+        (Edit(_SWEEP, "2.0 * math.sin(0.5 * heading)", "0.0 * heading"),),
     ),
     Mutant(
         "sides-tested",

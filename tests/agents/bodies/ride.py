@@ -1,42 +1,45 @@
 """One body amid peers that move their lines, on a network that loses commands.
 
-Body, lines and boundary are the product's. The model is the rest: a law that drives at whatever is there, a
-base that misses what it is told by as much as it may, an estimate that is off by as much as it may, lines
-that are offered anywhere, most of them where the body just passes them. What goes wrong is measured along
-the true way, within ticks too.
+Body, plant, lines and boundary are the product's. The model is the rest: a law that drives at whatever is
+there, errors of the base as large as they may be, most of them towards the nearest edge, an estimate that is
+off by as much as it may, lines that are offered anywhere, most of them where the body just passes them. What
+goes wrong is measured along the true way, within ticks too.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from random import Random
 from types import ModuleType
 from typing import Any
 
+from agents.lines.line import HalfPlane
 from agents.lines.polygon import around
 from agents.peers.state import PeerState
+from protocol.bodies.kinematics import turned
 from protocol.messages import BaseMotion, Member, Proposal
 from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted
 
 TICKS = 200
 ROOMS = (0.3, 0.6, 2.0)  # m, largest distance of the own place from the middle
-PARTS = 3  # places at which each arc is looked at
 PEERS = (1, 2, 3)
 OWN = 4
 KINDS = ("point", "omnidirectional", "differential-drive", "spinning", "turtlebot3-burger", "e-puck")
+PERIODS = (0.01, 0.02, 0.05, 0.1, 0.2, 1.0)  # s
 ROUNDING = 1e-12  # m
 
 Vector = tuple[float, float]
 
 _MODULES = (
-    "protocol.bodies.base",
+    "protocol.bodies.kinematics",
     "protocol.bodies.sweep",
     *(f"agents.lines.{name}" for name in ("line", "own_set", "boundary", "ends", "tangent", "robot_pair")),
     "agents.lines.separating_lines",
     "agents.lines.safe_velocity",
     "agents.bodies.inertial",
+    "world.plants.integrator",
 )
 
 
@@ -56,43 +59,48 @@ class Product:
         self.boundary: Any = loaded["agents.lines.boundary"]
         self.inertial: Any = loaded["agents.bodies.inertial"]
         self.sweep: Any = loaded["protocol.bodies.sweep"]
-        self.base: Any = loaded["protocol.bodies.base"]
+        self.kinematics: Any = loaded["protocol.bodies.kinematics"]
+        self.plant: Any = loaded["world.plants.integrator"]
 
 
 def _imported(name: str) -> ModuleType:
     return __import__(name, fromlist=["*"])
 
 
-def excess_of(seed: int, kind: str, product: Product, ticks: int = TICKS) -> float:
+def excess_of(
+    seed: int, kind: str, product: Product, ticks: int = TICKS, period: float | None = None
+) -> float:
     """The most by which the body is ever beyond what it must obey, m; negative if it never is."""
-    ride = Ride(seed, kind, product)
+    ride = Ride(seed, kind, product, period)
     return max(ride.tick() for _ in range(ticks))
 
 
 class Ride:
     """One run, all of it drawn from its seed."""
 
-    def __init__(self, seed: int, kind: str, product: Product) -> None:
+    def __init__(self, seed: int, kind: str, product: Product, period: float | None = None) -> None:
         rng = self.rng = Random(f"{kind} {seed}")
         self.product = product
-        self.period = rng.choice((0.02, 0.05, 0.1, 0.2))
+        self.period = rng.choice(PERIODS) if period is None else period
         self.body = drawn(kind, rng)
         self.speed = rng.choice((0.05, 0.1, 0.3))
         sloppy = rng.random() < 0.5
         self.askew = rng.choice((0.0, 0.02, 0.2)) if sloppy else 0.0
         self.bound = rng.choice((0.0, 1e-3, 1e-2)) if sloppy else 0.0
         self.loss = rng.choice((0.0, 0.1, 0.5, 0.9))
-        self.base = product.base.Base(self.body, self.period)
+        kinematics = product.kinematics.Kinematics(self.body, self.period)
         self.filter = product.inertial.InertialBody(
-            self.base,
-            self.speed,
-            product.sweep.Miss(self.body.error, self.body.lag, self.body.play),
-            self.askew,
+            kinematics, self.speed, product.sweep.Tolerance(self.body, heading=self.askew)
+        )
+        self.base = product.plant.SimulatedBase(
+            kinematics,
+            product.sweep.Tolerance(self.body),
+            product.kinematics.Motion(rng.uniform(-4.0, 4.0)),
+            errors=self,
         )
         self.radius = rng.choice((0.05, 0.15))
         self.boundary = product.boundary.RoundBoundary(rng.choice(ROOMS))
         self.x = self.y = 0.0
-        self.motion = product.base.Motion(rng.uniform(-4.0, 4.0))
         self.angle, self.number, self.now = 0.0, 0, 0
         self.restless = 0.5 if kind == "spinning" else 0.1  # how often it is to go elsewhere
         self.lines = self._lines()
@@ -132,15 +140,28 @@ class Ride:
         velocity = self.filter.velocity(self._desired(), at, self.lines.half_planes(), self.boundary, shape)
         if rng.random() < self.loss:
             return self._moved(None)
-        return self._moved(self.product.base.turned(*velocity, -askew))
+        return self._moved(turned(*velocity, -askew))
+
+    def at(self, tick: int) -> Vector:
+        """The error of a command: as large as it may be, or none; ahead, anywhere, or to the nearest edge."""
+        rng = self.rng
+        size = rng.choice((0.0, 1.0, 1.0, 1.0)) * (1.0 - 1e-9)
+        turn = rng.choice((self.angle, rng.uniform(0.0, math.tau), None, None))
+        if turn is None:
+            edge = min(self._sides(), key=lambda side: side.slack(self.x, self.y))
+            return size * edge.nx, size * edge.ny
+        return size * math.cos(turn), size * math.sin(turn)
+
+    def _sides(self) -> list[HalfPlane]:
+        """Everything that is obeyed."""
+        away = math.hypot(self.x, self.y) or 1.0
+        wall = HalfPlane(self.x / away, self.y / away, self.boundary.radius)
+        return [wall, *(side for pair in self.lines._each for side in pair.half_planes)]
 
     def _said(self, askew: float) -> BaseMotion:
         """What the base says of itself; its direction is off."""
-        motion, base = self.motion, self.base
-        arc = base.halt(motion)
-        dx, dy = self.product.base.chord(arc, base.turn(arc))
-        stop = self.product.base.turned(dx, dy, motion.heading + askew)
-        velocity = self.product.base.turned(*motion.velocity, askew)
+        motion = self.base.motion
+        velocity, stop = turned(*motion.velocity, askew), turned(*self.base.stop, askew)
         return BaseMotion(velocity, motion.heading + askew, stop)
 
     def _propose(self) -> None:
@@ -171,52 +192,12 @@ class Ride:
         """Execute a tick."""
         worst = -math.inf
         sides = [side for pair in self.lines._each for side in pair.half_planes]
-        for dx, dy in self._way(velocity):
+        for dx, dy in self.base.move(velocity, self.now):
             self.x += dx
             self.y += dy
             beyond = math.hypot(self.x, self.y) - self.boundary.radius
             worst = max(worst, beyond, *(-side.slack(self.x, self.y) for side in sides))
         return worst
-
-    def _way(self, velocity: Vector | None) -> Iterator[Vector]:
-        """The true displacements of a tick, one after another, each with its share of the error."""
-        base, heading = self.base, self.motion.heading
-        self.before = self.motion
-        arcs, commanded = self._arcs(velocity)
-        arc_type = self.product.base.Arc
-        rng, body = self.rng, self.body
-        size = rng.choice((0.0, 1.0)) * (1.0 - 1e-9)
-        turn = rng.choice((self.angle, rng.uniform(0.0, math.tau)))
-        ex, ey = size * math.cos(turn), size * math.sin(turn)
-        fastest, late, done = math.hypot(self.before.ahead, self.before.aside), 0.0, 0
-        for arc in arcs:
-            part = arc_type(arc.ahead, arc.aside, arc.duration / PARTS)
-            fastest = max(fastest, math.hypot(part.ahead, part.aside))
-            way = math.hypot(part.ahead, part.aside) * part.duration
-            for _ in range(PARTS):
-                done += 1
-                later = (body.lag * fastest + body.play) * done / (len(arcs) * PARTS) if commanded else 0.0
-                missed, late = body.error * way + later - late, later
-                turn = base.turn(part)
-                dx, dy = self.product.base.turned(*self.product.base.chord(part, turn), heading)
-                heading += turn
-                yield dx + missed * ex, dy + missed * ey
-
-    def _arcs(self, velocity: Vector | None) -> tuple[list[Any], bool]:
-        """What the base does in this tick, and whether that is a command."""
-        base, motion = self.base, self.motion
-        if velocity is not None and velocity != (0.0, 0.0):
-            ahead, aside = base.limited(motion, velocity)
-            self.motion = base.driven(motion, ahead, aside)
-            return base.drive(motion, ahead, aside), True
-        arcs, parts = [], 4
-        if velocity is not None:
-            motion = base.braking(motion)
-        for _ in range(parts):
-            arcs.append(base.coast(motion, self.period / parts))
-            motion = base.coasted(motion, self.period / parts)
-        self.motion = motion
-        return arcs, False
 
 
 def drawn(kind: str, rng: Random) -> Body:

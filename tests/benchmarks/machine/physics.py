@@ -19,7 +19,7 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Scenario
-from world.plants.choice import plant_of
+from world.plants.plant import plant_of
 
 ASKED = {6: 10.0, 16: 4.0, 32: 2.0}  # times real time
 KINDS = {

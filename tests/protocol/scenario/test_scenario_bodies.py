@@ -54,3 +54,17 @@ def test_what_is_wrong_is_named() -> None:
     )
     assert problems(ONE)["robots[0].radius"] == "is missing"
     assert list(problems('[world]\nplant = "mujoco"\n' + ROBOTS)) == ["robots[0].body", "robots[1].body"]
+
+
+def test_mujoco_moves_bodies_only_as_their_errors_were_measured() -> None:
+    def written(body: str, step: str) -> str:
+        return f'body = {body}\n[world]\nplant = "mujoco"\n[time]\nstep = {step}\n{WIDE}{ONE}radius = 0.2\n'
+
+    burger = '"turtlebot3-burger"'
+    wheels = '{ kind = "differential-drive", offset = 0.05, track = 0.16, acceleration = %s }'
+    for body, step in ((burger, "0.01"), (burger, "0.033"), (burger, "1.0"), (wheels % "1.5", "0.05")):
+        assert parse_toml(written(body, step)).world.plant == "mujoco"
+    for step in ("0.009", "1.01"):
+        assert problems(written(burger, step))["time.step"].startswith("must be from 0.01 to 1 s")
+    for body in (wheels % "1.6", wheels.replace(", acceleration = %s", "")):
+        assert "at most 1.5" in problems(written(body, "0.05"))["robots[0].body.acceleration"]

@@ -30,13 +30,13 @@ _ROBOT = [
     "agents.peers.roster",
     "agents.localisation.estimate",
     "agents.lines.safe_velocity",
-    *(f"agents.bodies.{name}" for name in ("point", "inertial", "choice")),
+    *(f"agents.bodies.{name}" for name in ("inertial", "body")),
     "agents.safety_filter",
     *("agents.hearing", "agents.robot"),
 ]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "parts", "coordinator")),
-    *("world.plants.integrator", "world.plants.choice", "world.simulation", "world.world"),
+    *("world.plants.plant", "world.plants.integrator", "world.simulation", "world.world"),
 ]
 # As if the models' little room were large: lines rest in it until somebody comes near.
 LARGE_ROOM = (

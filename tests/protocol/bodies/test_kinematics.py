@@ -9,16 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from protocol.bodies.base import STEPS, Arc, Base, Motion, chord, turned
-from protocol.bodies.sweep import Miss, sweep
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
 from protocol.scenario.body import PRESETS, Body
 
 BURGER = replace(PRESETS["turtlebot3-burger"], hold=0.12)
 WHEELLESS = Body("omnidirectional", acceleration=0.5, hold=0.12)
 PERIOD = 0.05
 FINE = 2000  # steps of the other integration
-
-SPINNING = Body("differential-drive", 0.1, 0.02, 0.05, 1.0, 0.5, 20.0)  # several circles until it stands
 speeds = st.integers(-150_000, 150_000).map(lambda number: number * 1e-6)  # in um/s: none is next to nothing
 angles = st.floats(-math.pi, math.pi)
 Vector = tuple[float, float]
@@ -45,7 +42,7 @@ def rolled(body: Body, heading: float, profile: list[Vector], duration: float) -
     return (x - start[0], y - start[1]), heading
 
 
-def along(base: Base, motion: Motion, arcs: list[Arc]) -> tuple[Vector, float]:
+def along(base: Kinematics, motion: Motion, arcs: list[Arc]) -> tuple[Vector, float]:
     """The same of arcs."""
     x = y = 0.0
     heading = motion.heading
@@ -59,7 +56,7 @@ def along(base: Base, motion: Motion, arcs: list[Arc]) -> tuple[Vector, float]:
 @given(angles, speeds, speeds, st.floats(0.0, 0.12), st.floats(0.0, 0.6))
 @settings(max_examples=40, deadline=None)
 def test_coasting_holds_and_then_brakes_both_wheels_by_one_factor(heading, ahead, aside, hold, duration):
-    base, motion = Base(BURGER, PERIOD), Motion(heading, ahead, aside, hold)
+    base, motion = Kinematics(BURGER, PERIOD), Motion(heading, ahead, aside, hold)
     left, right = wheels(BURGER, ahead, aside)
     fastest = max(abs(left), abs(right))
     profile = []
@@ -79,7 +76,7 @@ def test_coasting_holds_and_then_brakes_both_wheels_by_one_factor(heading, ahead
 
 @given(angles, speeds, speeds, speeds, speeds)
 def test_a_command_ends_in_what_it_asks_for_within_what_wheels_can_do(heading, ahead, aside, vx, vy):
-    base, motion = Base(BURGER, PERIOD), Motion(heading, ahead, aside, 0.0)
+    base, motion = Kinematics(BURGER, PERIOD), Motion(heading, ahead, aside, 0.0)
     to = base.limited(motion, (vx, vy))
     changes = [b - a for a, b in zip(wheels(BURGER, ahead, aside), wheels(BURGER, *to), strict=True)]
     assert max(map(abs, changes)) <= BURGER.acceleration * PERIOD * (1.0 + 1e-9)
@@ -93,7 +90,7 @@ def test_a_command_ends_in_what_it_asks_for_within_what_wheels_can_do(heading, a
         BURGER, heading, [wheels(BURGER, a.ahead, a.aside) for a in arcs for _ in range(200)], PERIOD
     )
     found, turned_to = along(base, motion, arcs)
-    assert len(arcs) == STEPS
+    assert len(arcs) == base.steps == steps_of(PERIOD)
     assert found == pytest.approx(expected, abs=1e-6)
     assert turned_to == pytest.approx(faces)
     assert base.driven(motion, *to).heading == pytest.approx(turned_to)
@@ -101,54 +98,36 @@ def test_a_command_ends_in_what_it_asks_for_within_what_wheels_can_do(heading, a
 
 @given(angles, speeds, speeds, st.floats(0.0, 0.12), st.sampled_from([BURGER, WHEELLESS]))
 def test_velocity_direction_and_place_to_stand_say_all_of_a_motion(heading, ahead, aside, hold, body):
-    base, motion = Base(body, PERIOD), Motion(heading, ahead, aside, hold)
+    base, motion = Kinematics(body, PERIOD), Motion(heading, ahead, aside, hold)
     stop, _ = along(base, motion, [base.halt(motion)])
     again = base.motion(motion.velocity, heading, stop)
     assert (again.ahead, again.aside) == pytest.approx((ahead, aside), abs=1e-15)
     assert base.halt(again).duration == pytest.approx(base.halt(motion).duration, abs=1e-6) or motion.stands
 
 
-@given(angles, speeds, speeds, speeds, speeds, angles, st.sampled_from([BURGER, WHEELLESS, SPINNING]))
-def test_a_sweep_contains_the_way(heading, ahead, aside, vx, vy, towards, body):
-    base, motion = Base(body, PERIOD), Motion(heading, ahead, aside, 0.05)
-    to = base.limited(motion, (vx, vy))
-    arcs = [*base.drive(motion, *to), base.halt(base.driven(motion, *to))]
-    passed = sweep(base, motion, arcs, miss=Miss(), rise=STEPS)
-    nx, ny = math.cos(towards), math.sin(towards)
-    x = y = farthest = way = 0.0
-    for arc in arcs:
-        parts = 8 + 8 * int(abs(base.turn(arc)))
-        part = Arc(arc.ahead, arc.aside, arc.duration / parts)
-        turn = base.turn(part)
-        way += math.hypot(arc.ahead, arc.aside) * arc.duration
-        for _ in range(parts):
-            dx, dy = turned(*chord(part, turn), heading)
-            x, y, heading = x + dx, y + dy, heading + turn
-            farthest = max(farthest, nx * x + ny * y)
-            assert math.hypot(x, y) <= passed.radius + 1e-14
-            assert math.hypot(x - passed.middle[0], y - passed.middle[1]) <= passed.spread + 1e-14
-    assert farthest <= passed.extent(nx, ny) + 1e-14
-    assert passed.extent(nx, ny) <= farthest + 0.25 * way + 1e-14
-
-
-def test_a_body_that_turns_back_may_be_off_by_more_when_it_has_stood_in_between():
-    base, motion, play = Base(WHEELLESS, PERIOD), Motion(0.0, 0.01), 1e-4
-    arcs = base.drive(motion, -0.01, 0.0)
-    passed = sweep(base, motion, arcs, miss=Miss(play=play), rise=STEPS)
-    forth = sum(arc.ahead * arc.duration for arc in arcs[:3])
-    assert arcs[2].ahead == 0.0
-    assert passed.extent(1.0, 0.0) >= forth + 0.6 * play
-
-
 @given(speeds, speeds, st.sampled_from([BURGER, WHEELLESS]))
 def test_the_place_to_stand_gives_back_the_velocity(vx, vy, body):
-    base, motion = Base(body, PERIOD), Motion(0.3)
+    base, motion = Kinematics(body, PERIOD), Motion(0.3)
     assert base.velocity_for(motion, base.lead(motion, (vx, vy))) == pytest.approx((vx, vy), abs=1e-12)
 
 
 @given(speeds, speeds, st.sampled_from([BURGER, WHEELLESS]))
 def test_reach_bounds_every_way(vx, vy, body):
-    base, motion = Base(body, PERIOD), Motion(0.0, vx, vy)
-    arcs = [*base.drive(motion, vx, vy), base.halt(base.driven(motion, vx, vy))]
+    base, motion = Kinematics(body, PERIOD), Motion(0.0, vx, vy)
+    to = base.limited(motion, (vx, vy))
+    arcs = [*base.drive(motion, *to), base.halt(base.driven(motion, *to))]
     way = sum(math.hypot(arc.ahead, arc.aside) * arc.duration for arc in arcs)
-    assert way <= base.reach(math.hypot(vx, vy)) * (1.0 + 1e-12)
+    if base.rim(vx, vy) <= body.speed:
+        assert way <= base.reach(math.hypot(vx, vy)) * (1.0 + 1e-12)
+
+
+def test_no_way_is_longer_than_wheels_can_make_it_whatever_speed_is_asked_for():
+    base = Kinematics(BURGER, PERIOD)
+    assert base.reach(1e6) == base.reach(base.top_speed)
+    assert base.reach(1e6) < 0.22 * (PERIOD + BURGER.hold + 0.5 * 0.22 / BURGER.acceleration) + 1e-12
+
+
+@given(st.floats(0.001, 2.0))
+def test_no_arc_of_a_tick_is_longer_than_a_servo_needs_to_follow(period):
+    assert period / steps_of(period) <= 0.02 * (1.0 + 1e-9)
+    assert steps_of(period) >= 5

@@ -1,11 +1,12 @@
-"""A base that holds its velocity, brakes in finite time, and turns as its wheels make it.
+"""The nominal motion of a body: a base that holds its velocity, brakes in finite time, and turns as its
+wheels make it.
 
 Its velocity is that of the control point q, in the frame of the body: ahead, and aside to the left. On two
 wheels, q lies a distance l ahead of the axle's middle, so that the body's speed is `ahead` and its turning
 rate `aside / l`: any velocity of q can be had at once, but for the limits. While both stay the same, q
 describes an arc. A base of another kind does not turn, and its arcs are straight.
 
-A tick that brings a command consists of `STEPS` arcs, whose velocities lead evenly to the one commanded. The
+A tick that brings a command consists of equal arcs, whose velocities lead evenly to the one commanded. The
 zero velocity means to brake. A tick without a command goes on as it was for the rest of the hold time, and
 then brakes. Braking scales both wheels by one factor, so that it leads along the same circle.
 
@@ -21,7 +22,8 @@ from mypy_extensions import mypyc_attr
 
 from protocol.scenario.body import Body
 
-STEPS: Final = 5  # velocities that the wheels are given in a tick, one after another
+_STEPS: Final = 5  # velocities that the wheels are given one after another, in a tick or in `_RAMP`
+_RAMP: Final = 0.1  # s; longer ticks have more of them, so that no step is larger than servos can follow
 _TURNING: Final = 3.0  # rad; arcs that turn further can have the chord of a shorter one
 _TINY: Final = 1e-100  # m, m/s: what is less is none, and what is not can be divided by
 _NEARLY: Final = 1.0 + 1e-12  # rounding of a velocity that was limited before
@@ -68,17 +70,37 @@ class Arc:
         return Arc, (self.ahead, self.aside, self.duration)
 
 
+def steps_of(period: float) -> int:
+    """Number of arcs in a tick of `period`, s."""
+    return _STEPS * max(1, math.ceil(period / _RAMP - 1e-9))
+
+
 @final
 @mypyc_attr(acyclic=True)
-class Base:
+class Kinematics:
     """The kinematics of one body.
 
     Args:
         body: that moves.
         period: of one tick, s.
+
+    Attributes:
+        steps: arcs in a tick.
+        top_speed: of the control point, m/s.
     """
 
-    __slots__ = ("_acceleration", "_body", "_half_track", "_hold", "_instant", "_offset", "_speed", "period")
+    __slots__ = (
+        "_acceleration",
+        "_body",
+        "_half_track",
+        "_hold",
+        "_instant",
+        "_offset",
+        "_speed",
+        "period",
+        "steps",
+        "top_speed",
+    )
 
     def __init__(self, body: Body, period: float) -> None:
         wheeled = body.kind == "differential-drive"
@@ -87,9 +109,11 @@ class Base:
         self._offset = body.offset if wheeled else 0.0
         self._half_track = 0.5 * body.track
         self._speed, self._acceleration, self._hold = body.speed, body.acceleration, body.hold
+        self.steps = steps_of(period)
+        self.top_speed = self._speed * max(1.0, self._offset / self._half_track if wheeled else 1.0)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Base, (self._body, self.period)
+        return Kinematics, (self._body, self.period)
 
     def turn(self, arc: Arc) -> float:
         """Angle by which an arc turns the body, rad."""
@@ -122,9 +146,9 @@ class Base:
             return [Arc(ahead, aside, self.period)]
         more, less = ahead - motion.ahead, aside - motion.aside
         arcs = []
-        for step in range(STEPS):
-            part = (step + 0.5) / STEPS
-            arcs.append(Arc(motion.ahead + part * more, motion.aside + part * less, self.period / STEPS))
+        for step in range(self.steps):
+            part = (step + 0.5) / self.steps
+            arcs.append(Arc(motion.ahead + part * more, motion.aside + part * less, self.period / self.steps))
         return arcs
 
     def driven(self, motion: Motion, ahead: float, aside: float) -> Motion:
@@ -197,11 +221,17 @@ class Base:
         return 2.0 * lead[0] / (time + root), 2.0 * lead[1] / (time + root)
 
     def reach(self, speed: float) -> float:
-        """The longest way from the beginning of a tick until it stands, at a speed of at most `speed`, m."""
+        """The longest way from the beginning of a tick until the body stands, m.
+
+        Args:
+            speed: that is never commanded to be exceeded, m/s.
+        """
+        speed = min(speed, self.top_speed)
         if self._instant:
             return speed * self.period
         wheels = math.hypot(1.0, self._half_track / self._offset) if self._offset > 0.0 else 1.0
-        return speed * (self.period + self._hold + 0.5 * wheels * speed / self._acceleration)
+        stopping = min(wheels * speed, self._speed) / self._acceleration
+        return speed * (self.period + self._hold + 0.5 * stopping)
 
     @property
     def _held_for(self) -> float:

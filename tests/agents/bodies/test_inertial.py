@@ -1,0 +1,89 @@
+"""Beside an edge, where lag and play are there before any way is made, a body makes itself room."""
+
+from __future__ import annotations
+
+import pytest
+
+from agents.bodies.inertial import InertialBody, _cut
+from agents.lines.boundary import RoundBoundary
+from agents.lines.line import HalfPlane
+from protocol.bodies.kinematics import Kinematics, Motion
+from protocol.bodies.sweep import Sweep, Tolerance
+from protocol.messages import BaseMotion
+from protocol.scenario.body import PRESETS, Body
+from world.plants.integrator import STANDING, SimulatedBase
+
+PERIOD, SPEED = 0.05, 0.1
+WHEELED = [name for name in PRESETS if name != "point"]
+FACING = [0.1 * n for n in range(63)]
+ROOM = RoundBoundary(10.0)
+
+
+class Exact:
+    """A base without errors."""
+
+    def at(self, tick: int) -> tuple[float, float]:
+        return STANDING
+
+
+class Track:
+    """A body that drives beside the edge x = 0 of the half-plane x < 0, and begins some standoffs off it."""
+
+    def __init__(self, name: str, standoffs: float, heading: float) -> None:
+        kinematics, tolerance = Kinematics(PRESETS[name], PERIOD), Tolerance(PRESETS[name])
+        self.body = InertialBody(kinematics, SPEED, tolerance)
+        self.base = SimulatedBase(kinematics, tolerance, Motion(heading), Exact())
+        self.x, self.y = -standoffs * self.body.standoff, 0.0
+
+    def tick(self, desired: tuple[float, float]) -> tuple[float, float]:
+        """Go through a tick; what is commanded."""
+        motion = self.base.motion
+        self.body.on_motion(BaseMotion(motion.velocity, motion.heading, self.base.stop))
+        edge = HalfPlane(1.0, 0.0, 0.0)
+        command = self.body.velocity(desired, (self.x, self.y), [edge], ROOM, None)
+        for dx, dy in self.base.move(command, 0):
+            self.x, self.y = self.x + dx, self.y + dy
+        return command
+
+
+@pytest.mark.parametrize("name", WHEELED)
+def test_a_body_leaves_an_edge_from_its_standoff_whichever_way_it_faces(name):
+    for heading in FACING:
+        track = Track(name, 1.01, heading)
+        track.tick((-SPEED, 0.0))
+        assert track.x < -1.01 * track.body.standoff, heading
+
+
+@pytest.mark.parametrize("name", WHEELED)
+def test_and_nearer_than_half_of_it_some_way_of_facing_holds_it(name):
+    """The standoff is no larger than it has to be."""
+    held = 0
+    for heading in FACING:
+        track = Track(name, 0.5, heading)
+        held += track.tick((-SPEED, 0.0)) == (0.0, 0.0)
+    assert held > 0
+
+
+@pytest.mark.parametrize("name", WHEELED)
+def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
+    for heading in FACING[::6]:
+        track = Track(name, 1.1, heading)
+        for _ in range(60):
+            track.tick((0.0, SPEED))
+        assert track.y > 0.5 * 60 * PERIOD * SPEED, heading
+
+
+def test_a_body_that_comes_back_to_where_it_began_may_still_miss_that_place():
+    back = Sweep([0.0, 0.0], [0.0, 0.0], [0.0, 0.002])
+    assert _cut(ROOM, ROOM.radius - 0.001, 0.0, None, back) is not None
+    assert _cut(ROOM, ROOM.radius - 0.003, 0.0, None, back) is None
+
+
+def test_no_body_reaches_farther_than_its_wheels_or_the_room_allow():
+    """However large the speed limit is, which a robot keeps to only as far as its base can."""
+    burger = PRESETS["turtlebot3-burger"]
+    body = InertialBody(Kinematics(burger, PERIOD), 1e6, Tolerance(burger))
+    assert body.reach < 0.22 * (PERIOD + burger.hold + 0.5 * 0.22 / burger.acceleration) * 1.1 + 0.01
+    fast = Body("omnidirectional", speed=1e6, acceleration=0.1)
+    body = InertialBody(Kinematics(fast, PERIOD), 1e6, Tolerance(fast), longest=4.0)
+    assert body.reach == 4.0
