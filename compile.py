@@ -14,15 +14,16 @@ from mypyc.build import mypycify
 from setuptools import setup
 from setuptools._distutils import ccompiler
 
-FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/geometry", "protocol/wire", "agents", "world")
+FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/geometry", "agents", "world")
+FILES = ("protocol/codec.py", "protocol/cursor.py")
 LEFT_OUT = ("agents/bases", "agents/movers", "world/shell/persistence")  # not run for every message
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 
 
 def modules() -> list[str]:
-    """Every module of the folders but `__init__` and those that declare structs of msgspec, which mypyc
-    would make plain classes of."""
-    found = [path for folder in FOLDERS for path in sorted(Path(folder).rglob("*.py"))]
+    """The files, and every module of the folders but `__init__` and those that declare structs of msgspec,
+    which mypyc would make plain classes of."""
+    found = [*map(Path, FILES), *(path for each in FOLDERS for path in sorted(Path(each).rglob("*.py")))]
     return [
         path.as_posix()
         for path in found

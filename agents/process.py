@@ -7,8 +7,7 @@ from pathlib import Path
 
 from agents.shell.node import RobotNode
 from agents.shell.world_session import PATIENCE
-from protocol.bus.connection import Connection
-from protocol.bus.credentials import credentials
+from protocol.bus.connection import Connection, credentials
 from protocol.bus.drive import Stop, drive, stop_on_signal
 from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus

@@ -9,10 +9,9 @@ from typing import Any
 from protocol.scenario.model import Order, Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.lives import Lives
-from world.judge.contacts import Contact
-from world.judge.measures import normalised_length
+from world.judge.contacts import Contact, Touches
+from world.judge.goals import normalised_length
 from world.judge.record import Record
-from world.judge.touches import Touches
 from world.sensing.position import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message

@@ -31,7 +31,7 @@ from world.coordinator.inputs import (
     checksum,
 )
 from world.external import External
-from world.judge.referee import Referee
+from world.judge.verdict import Referee
 from world.report import report
 from world.simulation import Simulation
 

@@ -17,9 +17,9 @@ from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
 from agents.navigation.far_field import FarField, far_field
+from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, AnyMessage, Summary, Vector
-from protocol.wire.codec import decode
 
 Array = NDArray[np.float64]
 

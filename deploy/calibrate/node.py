@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 
 from deploy.calibrate.square import Driver
-from protocol.bus.bus import Bus
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Bus, Event, Sample
 from protocol.errors import BusError
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import deploy
 from deploy.run.options import Mode
 from deploy.security.roster import ROSTER, Roster, robot_role
-from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
+from protocol.bus.connection import AUTHORITY, certificate_file, key_file
 
 SCENARIO = "scenario.toml"
 KEYS = "keys"  # the folder of keys beside the files

@@ -88,6 +88,6 @@ def encode_news(news: News) -> bytes:
 
 
 def decode_news(payload: bytes) -> News:
-    """The reverse; raises one of `protocol.wire.reader.DAMAGED`."""
+    """The reverse; raises one of `protocol.codec.DAMAGED`."""
     decoded: News = _decoder.decode(payload)
     return decoded

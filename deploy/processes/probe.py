@@ -6,12 +6,12 @@ import time
 from contextlib import closing
 
 from deploy.security.roster import ROUTER, WORLD
+from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.errors import BusError, UsageError
 from protocol.keys import robot_key, world_key
-from protocol.wire.codec import decode
 
 
 def probed_key(run: str, role: str) -> str:

@@ -112,7 +112,7 @@ def _check_links(connection: Connection) -> None:
     """Say that a router refuses this one: zenoh would go on trying without a word."""
     if connection.credentials is None:
         return
-    from protocol.bus.tls_refusal import refusal  # only where it may be needed
+    from protocol.bus.diagnose import refusal  # only where it may be needed
 
     for endpoint in connection.connect:
         if (why := refusal(endpoint, connection.credentials)) is not None:

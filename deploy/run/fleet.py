@@ -22,15 +22,15 @@ from deploy.run.outcome.reports import Report, Reports
 from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
 from deploy.run.topology import Topology
 from deploy.telemetry.recording.writer_process import Writer
+from protocol.bus.bus import Event, Sample
 from protocol.bus.drive import uninterrupted
-from protocol.bus.events import Event, Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.wire.codec import decode
 
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short

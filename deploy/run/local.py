@@ -22,15 +22,14 @@ from deploy.run.interruption import undisturbed
 from deploy.run.outcome.unjudged import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import WriterProcess
-from protocol.bus.bus import Bus, Node
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Bus, Event, Node, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.codec import decode
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.requests.joining import decode_reply
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.wire.codec import decode
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume

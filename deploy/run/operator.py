@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import msgspec
 
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.errors import BusError, MessageError
 from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member, Thing
@@ -23,7 +23,6 @@ from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
 from protocol.requests.things import ThingOrder, ThingReply
 from protocol.scenario.model import RobotSpec
-from protocol.wire.codec import decode
 
 ANSWER = 5.0  # s within which a router is reached, and a world answers
 _LOOK = 0.05  # s between looks at the roster

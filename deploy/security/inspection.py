@@ -10,7 +10,7 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.serialization import load_pem_private_key
 from cryptography.x509.oid import NameOID
 
-from protocol.bus.credentials import Credentials
+from protocol.bus.connection import Credentials
 from protocol.errors import CertificateError
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
-from protocol.bus.credentials import AUTHORITY, certificate_file, key_file
+from protocol.bus.connection import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from deploy.security.access import access_control
 from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
-from protocol.bus.connection import Connection
-from protocol.bus.credentials import AUTHORITY, Credentials, credentials, key_file
+from protocol.bus.connection import AUTHORITY, Connection, Credentials, credentials, key_file
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError
 from protocol.keys import checked_run

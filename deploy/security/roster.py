@@ -8,9 +8,9 @@ from pathlib import Path
 
 import msgspec
 
+from protocol.codec import DAMAGED
 from protocol.errors import CertificateError
 from protocol.keys import checked_run
-from protocol.wire.reader import DAMAGED
 
 ROSTER = "roster.json"
 WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"

@@ -19,7 +19,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
 from deploy.run.outcome.result import complete
 from deploy.studies.study import Build, Result
-from protocol.bus.events import Event
+from protocol.bus.bus import Event
 from protocol.process.title import entitle
 
 FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result

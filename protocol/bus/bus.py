@@ -8,12 +8,53 @@ process (`serve`) or, in one process with others, by the in-process network.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Protocol
+from typing import NamedTuple, Protocol, final
 
-from protocol.bus.events import Event
+from mypy_extensions import mypyc_attr
+
 from protocol.streams import Stream
 
 Publish = Callable[[bytes], None]
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Sample:
+    """Something was published under `key`. Immutable."""
+
+    __slots__ = ("key", "payload")
+
+    def __init__(self, key: str, payload: bytes) -> None:
+        self.key, self.payload = key, payload
+
+    def __repr__(self) -> str:
+        return f"Sample({self.key!r}, {self.payload!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sample) and self.key == other.key and self.payload == other.payload
+
+    def __hash__(self) -> int:
+        return hash((self.key, self.payload))
+
+
+class Presence(NamedTuple):
+    """A liveliness token appeared or went."""
+
+    key: str
+    alive: bool
+
+
+@final
+class Request:
+    """Somebody asks under `key`; exactly one `reply` is expected."""
+
+    __slots__ = ("key", "payload", "reply")
+
+    def __init__(self, key: str, payload: bytes, reply: Callable[[bytes], None]) -> None:
+        self.key, self.payload, self.reply = key, payload, reply
+
+
+Event = Sample | Presence | Request
 
 
 class Bus(Protocol):

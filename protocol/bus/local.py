@@ -12,8 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from random import Random
 
-from protocol.bus.bus import Node, Publish
-from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Node, Presence, Publish, Request, Sample
 from protocol.errors import BusError
 from protocol.streams import Stream
 

@@ -26,10 +26,8 @@ os.environ.setdefault(
 
 import zenoh
 
-from protocol.bus.bus import Publish
+from protocol.bus.bus import Event, Presence, Publish, Request, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.bus.events import Event, Presence, Request, Sample
-from protocol.bus.open_failure import explained
 from protocol.errors import BusError, CertificateError, EndpointTakenError
 from protocol.streams import Stream
 
@@ -287,6 +285,8 @@ def _open(connection: Connection) -> zenoh.Session:
             with _signals_for_this_thread():
                 return zenoh.open(config)
         except zenoh.ZError as error:
+            from protocol.bus.diagnose import explained  # and with it ssl, which a robot needs not
+
             failure = explained(connection, str(error))
             if isinstance(failure, EndpointTakenError | CertificateError) or time.monotonic() >= deadline:
                 raise failure from error

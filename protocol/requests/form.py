@@ -6,8 +6,8 @@ from typing import TypeVar
 
 import msgspec
 
+from protocol.codec import DAMAGED
 from protocol.errors import MessageError
-from protocol.wire.reader import DAMAGED
 
 T = TypeVar("T")
 

@@ -22,13 +22,13 @@ from typing import Annotated, NamedTuple
 import msgspec
 from msgspec import Meta
 
+from protocol.codec import DAMAGED
 from protocol.errors import MessageError
 from protocol.keys import SESSION
 from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.reader import DAMAGED
 
 
 class Request(msgspec.Struct, frozen=True):

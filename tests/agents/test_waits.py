@@ -11,12 +11,12 @@ from agents.shell.node import RobotNode
 from agents.shell.world_session import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Presence, Sample
+from protocol.bus.bus import Presence, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key
 from protocol.messages import Tick
-from protocol.wire.codec import encode
 from tests.world.driving import token
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal

@@ -10,11 +10,11 @@ from random import Random
 from typing import Any, NamedTuple
 
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode
 from protocol.keys import every_robot, world_key
 from protocol.messages import Clock, Command, Health, State
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import decode
 from tests.skipped_waits import skipped_waits
 
 PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner

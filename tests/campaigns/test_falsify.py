@@ -11,12 +11,12 @@ import pytest
 from deploy.library.load import load, resolved
 from deploy.library.movers import parts
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Sample
+from protocol.bus.bus import Sample
+from protocol.codec import encode
 from protocol.keys import robot_key
 from protocol.messages import State
 from protocol.scenario.file import parse_toml
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.wire.codec import encode
 from tests.campaigns import planted
 from tests.campaigns.dice import Dice
 from tests.campaigns.driver import attempt, shrink

@@ -9,11 +9,11 @@ from unittest.mock import patch
 
 from deploy.library.demonstrations import crash
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import encode
 from protocol.keys import everything, robot_key
 from protocol.scenario.model import Network
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.campaigns.faults import fault_scenario
 from tests.protocol.sample_messages import ONE
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import decode
 
 EVERY = 10  # ticks between two configurations that are kept
 

@@ -8,10 +8,9 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Node
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Node, Sample
+from protocol.codec import decode
 from protocol.messages import AnyMessage, Command, State, Tick
-from protocol.wire.codec import decode
 
 SCENARIO = load("swap-4")
 LOST_AT = (0, 7)  # ticks

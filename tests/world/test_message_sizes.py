@@ -15,6 +15,7 @@ from agents.lines.line import Line
 from agents.lines.negotiation.near import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.state import PeerState, addressed_to
+from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Health, Letter, Proposal, Result, Standing, State
 from protocol.requests.things import ThingOrder
@@ -31,7 +32,6 @@ from protocol.scenario.model import (
 )
 from protocol.scenario.model import Thing as Listed
 from protocol.streams import STREAMS
-from protocol.wire.codec import REASONS, decode, encode
 from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
 from world.judge.contacts import Contact

@@ -1,11 +1,13 @@
 """Contacts: when, and how deeply, two disks overlapped, or a disk and the boundary or a thing.
 
-A contact is a gap below `-TOUCH`: rounding at an exact touch is none.
+A contact is a gap below `-TOUCH`: rounding at an exact touch is none. What the plant itself saw of contacts
+is kept beside.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from protocol.geometry import Disk
@@ -16,6 +18,7 @@ TOUCH = 1e-9  # m
 _SAME = 1e-6  # ticks; an interval that ends at a tick and one that begins there are one
 
 Interval = tuple[float, float]
+Pair = tuple[int, int]
 
 
 @dataclass
@@ -89,3 +92,21 @@ def within(start: complex, end: complex, radius: float) -> Interval | None:
     root = math.sqrt(discriminant)
     first, last = max((-along - root) / squared, 0.0), min((-along + root) / squared, 1.0)
     return (float(first), float(last)) if first <= last else None
+
+
+class Touches:
+    """All contacts that a plant has reported, each once, in the order in which they began.
+
+    Attributes:
+        all: tick and pair of ids.
+    """
+
+    def __init__(self) -> None:
+        self.all: list[tuple[int, Pair]] = []
+        self._present: set[Pair] = set()
+
+    def add(self, tick: int, pairs: Sequence[Pair]) -> None:
+        """Take note of the pairs that touched in a tick."""
+        present = set(pairs)
+        self.all += ((tick, pair) for pair in sorted(present - self._present))
+        self._present = present

@@ -1,12 +1,19 @@
-"""Where every robot is to be: the one place that verdict, phi, deviation and measures take goals from."""
+"""Where every robot is to be, and how the ways there are measured (Karagoz, Bozma, Koditschek, section 4).
+
+The one place that verdict, phi and measures take goals from.
+"""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Plane
+from world.judge.clearance import Disks, Plane
+
+_CENTIMETRES = 100.0
 
 
 class Goals:
@@ -54,3 +61,61 @@ class Goals:
     def straight(self) -> float:
         """Length of all straight ways so far, the present ones to their goals, m."""
         return self._behind + float(np.abs(self.points - self.begins).sum())
+
+
+def tight(disks: Disks, goals: Goals) -> float | None:
+    """Tightness of the goals: 100 / log10 of the product over pairs of |g_ij|^2 - rho_ij^2, in cm.
+
+    None where the measure has no meaning: fewer than two robots, goals that touch or overlap, or
+    goals so close that the logarithm is not positive.
+    """
+    apart = disks.relative(goals.points)
+    factors = _CENTIMETRES**2 * (apart.real**2 + apart.imag**2 - disks.contact**2)
+    if (factors <= 0.0).any():
+        return None
+    total = math.fsum(math.log10(factor) for factor in factors)
+    return 100.0 / total if total > 0.0 else None
+
+
+def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
+    """nrl: path lengths (m, by robot id) over straight distances to the goals, summed over robots.
+
+    None when every robot starts at its goal.
+    """
+    straight = goals.straight
+    return math.fsum(lengths.values()) / straight if straight > 0.0 else None
+
+
+class LateralDeviation:
+    """Largest distance of each centre so far from the segment that is its straight way (`Goals`), m.
+
+    Of a robot that starts at its goal, from there. A convex function of the place, so that between two
+    ticks, in which robots move straight, it is nowhere larger than at both.
+    """
+
+    def __init__(self, goals: Goals) -> None:
+        self._goals = goals
+        self._ids = goals.ids
+        self._largest = np.zeros(len(goals.ids))
+
+    def recast(self) -> None:
+        """The goals are those of other robots from now on."""
+        known = dict(zip(self._ids, self._largest.tolist(), strict=True))
+        self._ids = self._goals.ids
+        self._largest = np.array([known.get(robot, 0.0) for robot in self._ids])
+
+    def add(self, positions: Plane) -> None:
+        """Configurations as complex numbers, shape (n, p), m."""
+        begins = self._goals.begins
+        ways = self._goals.points - begins
+        lengths = np.abs(ways)
+        # Factors that make every way run along the real axis.
+        turns = np.divide(np.conj(ways), lengths, out=np.ones_like(ways), where=lengths > 0.0)
+        turned = (positions - begins - 0.5 * ways) * turns
+        along = np.maximum(np.abs(turned.real) - 0.5 * lengths, 0.0)
+        np.maximum(self._largest, np.hypot(along, turned.imag).max(axis=0), out=self._largest)
+
+    def __call__(self) -> list[float]:
+        """In the order of ids, m."""
+        found: list[float] = self._largest.tolist()
+        return found

@@ -16,9 +16,7 @@ from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, Plane, gaps
 from world.judge.contacts import Contacts
-from world.judge.deviation import LateralDeviation
-from world.judge.goals import Goals
-from world.judge.measures import tight
+from world.judge.goals import Goals, LateralDeviation, tight
 from world.judge.nearest import NearestGaps
 from world.judge.phi import NavigationFunction
 from world.judge.trajectory import TrajectoryDigest

@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from protocol.bus.bus import Bus
-from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.bus import Bus, Event, Presence, Request, Sample
+from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import (
     Address,
@@ -31,7 +31,6 @@ from protocol.messages import Command, Tick
 from protocol.requests import joining
 from protocol.requests.form import encode_reply
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import decode
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.operations import Operations

@@ -11,8 +11,25 @@ from typing import Any
 
 from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
-from world.shell.traffic import traffic
 from world.world import World
+
+
+def traffic(
+    reports: Iterable[Health | None], published: int, received: int, rejected: Counter[str]
+) -> dict[str, object]:
+    """`published` and `received` (accepted) messages and those rejected by reason, over all processes.
+
+    Args:
+        reports: last words of the robots that gave any.
+        published, received, rejected: the world's own counts.
+    """
+    total = Counter(rejected)
+    for health in reports:
+        if health is not None:
+            published += health.published
+            received += health.received
+            total.update(health.rejected)
+    return {"published": published, "received": received, "rejected": dict(sorted(total.items()))}
 
 
 def drawn_epoch() -> int:

@@ -18,7 +18,7 @@ from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import environment
 from deploy.software.findings import Finding
 from deploy.software.provenance import SOFTWARE, code_digest
-from protocol.wire.reader import DAMAGED
+from protocol.codec import DAMAGED
 
 _PATIENCE = 20.0  # s for a host to answer
 _SPAN = 2.0  # s between two looks at its clock

@@ -9,8 +9,8 @@ from typing import IO
 
 import msgspec
 
+from protocol.codec import DAMAGED
 from protocol.process.log import LOG, Line, Speaker, lines, words
-from protocol.wire.reader import DAMAGED
 
 _LONGEST = 1 << 16  # bytes of a line that are read at once
 _LAST_WORDS = 1.0  # s

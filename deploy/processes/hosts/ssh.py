@@ -27,8 +27,8 @@ from deploy.processes.hosts.remote import GREETING
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import Spawner
 from deploy.software.provenance import SOFTWARE, code_digest
+from protocol.codec import DAMAGED
 from protocol.errors import ProcessError
-from protocol.wire.reader import DAMAGED
 
 BEAT = 1.0  # s between signs of life of this launcher
 _STALL = 5.0  # s that a host may take over a message, of its own or to it

@@ -10,8 +10,7 @@ from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import Host, HostsTable
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, WORLD, robot_role
-from protocol.bus.connection import Connection
-from protocol.bus.credentials import Credentials
+from protocol.bus.connection import Connection, Credentials
 from protocol.endpoint import Endpoint
 
 

@@ -14,10 +14,10 @@ import msgspec
 
 from deploy.telemetry.scene.cast import Cast
 from deploy.telemetry.scene.thinned import Thinned
+from protocol.codec import DAMAGED
 from protocol.messages import Clock, GoalStatus, Health, Line, Message, Thing, Truth, Vector
 from protocol.requests.steering import Steering
 from protocol.scenario.model import RobotSpec, Scenario
-from protocol.wire.reader import DAMAGED
 
 # Of zenoh's admin space only `@/*/router` is asked for, one key per router: asking for everything (`@/**`)
 # while many declare can block a router. Routers of this project keep it off; a stock `zenohd` has it on.

@@ -16,10 +16,10 @@ import msgspec
 
 from deploy.telemetry.monitor.live import ROUTERS, View, router
 from deploy.telemetry.monitor.snapshot import Steerable
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import DAMAGED, decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import checked_run, every_robot, parse, robot_key, robot_tokens, world_key, world_tokens
 from protocol.messages import AnyMessage
@@ -28,8 +28,6 @@ from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.halt import Halt, Halted
 from protocol.requests.joining import Overview, decode_reply
 from protocol.requests.steering import Steer, Steering
-from protocol.wire.codec import decode
-from protocol.wire.reader import DAMAGED
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer

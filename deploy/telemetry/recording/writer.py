@@ -15,12 +15,12 @@ import numpy as np
 from deploy.telemetry.recording.form import schema, to_object
 from deploy.telemetry.recording.mcap.file import McapFile
 from deploy.telemetry.recording.pictures import Pictures
+from protocol.codec import Reader
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse
 from protocol.messages import VERSION, Truth
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.reader import Reader
 
 LIBRARY = "disknav"
 _TOGETHER = 512  # messages that are encoded together

@@ -20,8 +20,7 @@ from deploy.theory.tuning import automatic_k, density
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks
-from world.judge.goals import Goals
-from world.judge.measures import tight
+from world.judge.goals import Goals, tight
 
 LARGEST = 32  # robots
 SEARCHED = 12  # robots up to which equilibria are looked for

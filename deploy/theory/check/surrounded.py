@@ -22,8 +22,7 @@ from protocol.geometry import Disk
 from protocol.geometry.sphere_world import ROOM, obstructed
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
-from world.judge.goals import Goals
-from world.judge.measures import tight
+from world.judge.goals import Goals, tight
 
 Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
 

@@ -11,7 +11,7 @@ import pytest
 from agents.bases.choice import base_of
 from agents.shell.node import RobotNode
 from deploy.library.load import load
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.base_side import encode_odometry, encode_pose

@@ -21,9 +21,9 @@ from agents.robot import Robot
 from deploy.library.load import load
 from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
+from protocol.codec import LARGEST
 from protocol.messages import State
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import LARGEST
 
 ROBOTS, TICKS = 9, 40
 EXTREMES = [0.0, 5e-324, 1e-100, 1e-9, 1.0, 1e9, 1e99, LARGEST]

@@ -10,10 +10,10 @@ from msgspec import structs
 
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode, encode
 from protocol.messages import Tick
 from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time
-from protocol.wire.codec import decode, encode
 
 RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall
 

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState, addressed_to
+from protocol.codec import decode, encode
 from protocol.errors import MessageError
 from protocol.keys import robot_key
 from protocol.messages import VERSION, Answer, Proposal, State
 from protocol.streams import STREAMS
-from protocol.wire.codec import decode, encode
 
 EPOCH = 2**31 + 7
 ids = st.one_of(st.integers(1, 40), st.sampled_from((127, 128, 255, 256, 70_000, 999_999_999)))

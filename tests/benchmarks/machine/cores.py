@@ -24,10 +24,10 @@ from agents.navigation.slice import Peer, Slice
 from agents.peers.state import addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
+from protocol.codec import decode, encode
 from protocol.keys import robot_key
 from protocol.messages import Command, Sense, State, Tick
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import decode, encode
 from world.world import World
 
 ROBOTS = (6, 32, 64, 200)

@@ -17,8 +17,8 @@ from pathlib import Path
 import psutil
 
 from deploy.library.load import load
+from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario

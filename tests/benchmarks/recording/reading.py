@@ -21,8 +21,8 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reading.reader import read
 from deploy.telemetry.recording.writer import RecordingFile
+from protocol.codec import encode
 from protocol.scenario.model import Scenario
-from protocol.wire.codec import encode
 
 COMMANDS = (("info",), ("plot", "-o", "plot.png"), ("replay",), ("replay", "--zenoh", "--speed", "0"))
 LIMIT_MB = 200.0

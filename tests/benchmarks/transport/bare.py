@@ -20,8 +20,8 @@ import zenoh
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
+from protocol.bus.bus import Presence, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.bus.events import Presence, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.keys import every_robot, robot_key, robot_token, robot_tokens, world_key
 from protocol.streams import STREAMS

@@ -7,7 +7,7 @@ from functools import cache
 from math import inf
 
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
 from protocol.keys import everything, parse
 from tests.benchmarks.fleets import scenario
 from tests.benchmarks.transport.bare import Payloads

@@ -19,12 +19,12 @@ from deploy.manifests.plan import Plan
 from deploy.manifests.render import ETC
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from protocol.bus.events import Sample
+from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.file import write_toml
-from protocol.wire.codec import decode
 from tests.deploy.manifests.guested import ROBOTS, guested
 from tests.deploy.processes.ports import free_ports
 

@@ -15,8 +15,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
+from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
-from protocol.bus.events import Presence
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
 from protocol.errors import EndpointTakenError, ProcessError

@@ -13,8 +13,8 @@ from deploy.processes.fork_messages import Exited, News
 from deploy.processes.row import Exit, Life
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
+from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
-from protocol.bus.events import Presence
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import ProcessError
 from tests.deploy.processes.children import (

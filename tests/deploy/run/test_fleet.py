@@ -21,13 +21,13 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
+from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Result
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.wire.codec import decode
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 

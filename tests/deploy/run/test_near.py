@@ -14,7 +14,8 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode
 from protocol.messages import Summary, Tick
 from protocol.scenario.model import (
     Control,
@@ -27,7 +28,6 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
-from protocol.wire.codec import decode
 from tests.skipped_waits import skipped_waits
 
 SHORT = 4.0  # s of simulated time

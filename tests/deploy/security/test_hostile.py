@@ -24,13 +24,13 @@ from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR, Roster
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Command, Health, Member, Message, Result, Standing, State, Tick, Truth
 from protocol.messages import Roster as Presences
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 

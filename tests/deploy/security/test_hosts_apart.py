@@ -16,8 +16,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Home, Roster
+from protocol.bus.bus import Presence, Request, Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError, UsageError
 from protocol.keys import ROBOT_STREAMS, everything, robot_key, world_key

@@ -16,7 +16,7 @@ from deploy.security.inspection import inspect
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, OPERATOR, Roster, read
-from protocol.bus.credentials import credentials, key_file
+from protocol.bus.connection import credentials, key_file
 from protocol.errors import CertificateError, UsageError
 
 ROSTER = Roster("demo", (1, 2, 7))

@@ -23,9 +23,8 @@ from deploy.run.options import RunOptions
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
-from protocol.bus.connection import Connection
-from protocol.bus.credentials import Credentials, credentials
-from protocol.bus.events import Presence, Sample
+from protocol.bus.bus import Presence, Sample
+from protocol.bus.connection import Connection, Credentials, credentials
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError
 from protocol.keys import everything, robot_key, robot_token, world_key, world_token

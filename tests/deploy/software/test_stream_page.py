@@ -16,9 +16,9 @@ from deploy.processes.router import listening
 from deploy.software.stream_page import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
 from protocol.keys import ROBOT_STREAMS, robot_key, world_key
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.protocol.sample_messages import ONE
 
 

@@ -17,9 +17,9 @@ import msgspec
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reading.reader import read
+from protocol.codec import DAMAGED
 from protocol.errors import JournalError, RecordingError, UsageError
 from protocol.scenario.model import Time
-from protocol.wire.reader import DAMAGED
 from tests.deploy.telemetry.recording.recorded import record
 from tests.fuzz.mutation import damaged_bytes, damaged_tree
 from tests.fuzz.target import Target

@@ -7,10 +7,10 @@ from random import Random
 from agents.peers.reader import PeerReader
 from agents.peers.state import PeerState
 from protocol import keys
+from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.messages import State
 from protocol.streams import STREAMS
-from protocol.wire.codec import REASONS, decode, encode
 from tests.fuzz.mutation import damaged_message
 from tests.fuzz.target import Target
 from tests.fuzz.targets.keys import draw_key

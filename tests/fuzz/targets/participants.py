@@ -11,7 +11,7 @@ from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
-from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Presence, Request, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import MessageError
 from protocol.scenario.model import Scenario

@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from protocol.bus.events import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Presence, Request, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.streams import STREAMS

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from deploy.processes.supervisor import Supervisor
+from protocol.bus.bus import Event, Presence, Request, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.bus.events import Event, Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.streams import STREAMS
 from tests.deploy.processes import children

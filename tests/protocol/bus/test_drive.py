@@ -8,8 +8,8 @@ from math import inf
 
 import pytest
 
+from protocol.bus.bus import Event, Sample
 from protocol.bus.drive import Stop, follow, stop_on_signal, uninterrupted
-from protocol.bus.events import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 
 PATIENCE = 20.0  # s

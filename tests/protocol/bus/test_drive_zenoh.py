@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from protocol.bus.bus import Event, Presence
 from protocol.bus.drive import Stop, drive, stop_on_signal
-from protocol.bus.events import Event, Presence
 from protocol.bus.zenoh import ZenohBus
 
 pytestmark = pytest.mark.timeout(30)

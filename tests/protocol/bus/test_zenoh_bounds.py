@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
+from protocol.bus.bus import Event, Presence
 from protocol.bus.connection import Connection
-from protocol.bus.events import Event, Presence
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, EndpointTakenError
 from protocol.streams import STREAMS

@@ -8,12 +8,12 @@ import msgspec
 import pytest
 
 from agents.robot import Robot
+from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import Command, Roster, Thing, Tick
 from protocol.requests.things import ThingOrder
 from protocol.scenario.model import RobotSpec, Workspace
 from protocol.scenario.model import Thing as Listed
-from protocol.wire.codec import decode
 from tests.world.driving import advance, joined, scenario
 from world.shell.run import Run
 from world.world import World

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Sample
+from protocol.bus.bus import Sample
+from protocol.codec import encode
 from protocol.keys import ROBOT_STREAMS
 from protocol.messages import Tick
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.protocol.sample_messages import ANY
 
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True, width=64) | st.sampled_from(

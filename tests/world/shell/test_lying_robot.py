@@ -15,6 +15,7 @@ from agents.peers.state import plausible
 from agents.robot import Robot
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
+from protocol.codec import decode, encode
 from protocol.errors import MessageError
 from protocol.messages import (
     HIGHEST_ID,
@@ -32,7 +33,6 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Order
 from protocol.streams import Stream
-from protocol.wire.codec import decode, encode
 
 LIAR, FROM = 2, 5
 MOST = 2**53

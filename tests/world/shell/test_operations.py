@@ -7,7 +7,7 @@ import json
 import pytest
 
 from deploy.library.load import load
-from protocol.bus.events import Request
+from protocol.bus.bus import Request
 from protocol.bus.local import LocalNetwork
 from world.shell.node import WorldNode
 

@@ -11,14 +11,14 @@ from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
-from protocol.bus.events import Request, Sample
+from protocol.bus.bus import Request, Sample
 from protocol.bus.local import LocalNetwork
+from protocol.codec import decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, Tick
 from protocol.requests.form import read_reply
 from protocol.requests.halt import Halt, Halted
 from protocol.requests.joining import Join, decode_reply, encode_request
-from protocol.wire.codec import decode, encode
 from world.shell import node as shell
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.codec import decode
 from protocol.errors import JoinError, MessageError
 from protocol.messages import Command, Proposal, State, Tick
-from protocol.wire.codec import decode
 from tests.world.driving import joined, two
 from world.coordinator.patience import SILENT, blamed
 from world.shell.admission import CHANCES

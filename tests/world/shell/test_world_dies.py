@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Bus, Publish
-from protocol.bus.events import Event
+from protocol.bus.bus import Bus, Event, Publish
 from protocol.errors import JournalError
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.streams import Stream

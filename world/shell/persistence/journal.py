@@ -20,10 +20,10 @@ from pathlib import Path
 
 import msgspec
 
+from protocol.codec import DAMAGED
 from protocol.errors import JournalError
 from protocol.messages import Command, Count, Epoch, Id
 from protocol.scenario.model import Scenario
-from protocol.wire.reader import DAMAGED
 from world.coordinator.inputs import Input, Opened
 from world.shell.persistence import records
 from world.shell.persistence.snapshot import Snapshot

@@ -20,10 +20,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.telemetry.monitor.snapshot import Source, Steerable
+from protocol.codec import DAMAGED
 from protocol.messages import Id
 from protocol.requests.goals import GoalOrder, GoalReply
 from protocol.requests.steering import Steer
-from protocol.wire.reader import DAMAGED
 
 FRAME_PERIOD = 0.05  # s
 _REST = 0.01  # s between two looks at least

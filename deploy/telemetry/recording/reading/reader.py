@@ -20,13 +20,13 @@ import numpy as np
 
 from deploy.telemetry.recording.form import from_object
 from deploy.telemetry.recording.mcap.contents import Contents, Series, series
+from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
 from protocol.keys import parse
 from protocol.messages import Message, Truth
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.reader import DAMAGED
 from world.world import World
 
 _M = TypeVar("_M", bound=Message)

@@ -17,11 +17,11 @@ from deploy.telemetry.recording.writer import LIBRARY
 from deploy.telemetry.scene import ros
 from deploy.telemetry.scene.drawing import WORLD, frame
 from protocol.bus.bus import Bus, Publish
+from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Result
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 
 
 class Published(NamedTuple):

@@ -24,14 +24,14 @@ from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID
 from deploy.processes.hosts.remote import GREETING
 from deploy.run.local import LocalFleet
 from deploy.software.provenance import SOFTWARE, code_digest
+from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
-from protocol.wire.codec import decode
 from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.processes.test_scheduling import needs_realtime, policies

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from agents.shell.node import RobotNode
 from deploy.run.local import FaultInjector, LocalFleet
-from protocol.bus.events import Event, Request
+from protocol.bus.bus import Event, Request
 from protocol.bus.local import LocalBus
 from protocol.keys import robot_key
 from protocol.requests.joining import Join, Reply, decode_reply, encode_request

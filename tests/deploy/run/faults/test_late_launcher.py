@@ -11,10 +11,10 @@ from deploy.library.load import load
 from deploy.run import local
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
-from protocol.bus.events import Event, Sample
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode
 from protocol.messages import Clock
 from protocol.scenario.model import Order, ProcessFault, RobotSpec
-from protocol.wire.codec import decode
 
 LOST: Final = 4
 

@@ -15,16 +15,16 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.outcome.unjudged import unjudged
+from protocol.bus.bus import Presence, Request, Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Presence, Request, Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.requests.joining import Refusal, decode_reply
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.deploy.telemetry.monitor.watched import watch_local
 
 TOKENS = tuple(f"robot/{robot}/alive/5c1f" for robot in ("0", "x", "01", "7", "999999999"))

@@ -14,7 +14,7 @@ from agents.shell.node import RobotNode
 from deploy.run.fleet import Fleet
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
-from protocol.bus.events import Presence
+from protocol.bus.bus import Presence
 from protocol.requests.joining import Admission, Refusal
 from protocol.scenario.model import ProcessFault
 from tests.deploy.run.faults.stale import ENDLESS, RESTARTED, Overheard, answer, go, injector, kept, life

@@ -18,8 +18,8 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator, operating
+from protocol.bus.bus import Request
 from protocol.bus.connection import Connection
-from protocol.bus.events import Request
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError
 from protocol.keys import robot_key

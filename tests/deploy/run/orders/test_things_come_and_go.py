@@ -18,7 +18,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.plot.workspace import stays
 from deploy.telemetry.recording.reading.reader import read
-from protocol.bus.events import Request
+from protocol.bus.bus import Request
 from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock

@@ -16,7 +16,7 @@ import msgspec
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Request
+from protocol.bus.bus import Request
 from protocol.keys import robot_key, world_key
 from protocol.requests.fleet import FleetReply
 from protocol.requests.form import read_reply

@@ -18,15 +18,15 @@ import zenoh
 from deploy.processes.router import listening
 from deploy.run.options import fresh_run_name
 from deploy.telemetry.monitor.watcher import attach
+from protocol.bus.bus import Event, Presence, Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Event, Presence, Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_token, world_key, world_token
 from protocol.messages import Clock, Truth
 from protocol.requests.joining import Overview, encode_reply
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.deploy.telemetry.monitor.watched import ring, until
 
 

@@ -1,6 +1,6 @@
 """A world that says whatever a test wants."""
 
-from protocol.bus.events import Request
+from protocol.bus.bus import Request
 from protocol.keys import parse, world_key, world_token
 from protocol.requests import joining
 from protocol.streams import STREAMS

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deploy.telemetry.recording.form import from_object, schema, to_object
+from protocol.codec import encode
 from protocol.streams import STREAMS
-from protocol.wire.codec import encode
 from tests.protocol.sample_messages import ANY, ONE
 
 RECORDED = [stream for stream in STREAMS.values() if stream.recorded]

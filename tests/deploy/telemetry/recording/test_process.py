@@ -18,10 +18,10 @@ from deploy.telemetry.recording.reading.reader import read
 from deploy.telemetry.recording.reading.trajectory import trajectory
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import world_key
 from protocol.messages import Command, Result, State, Truth
-from protocol.wire.codec import encode
 from tests.deploy.telemetry.monitor.watched import until
 from tests.deploy.telemetry.recording.fake_world import FakeWorld
 from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario

@@ -17,10 +17,10 @@ from deploy.telemetry.recording.parts import Parts, Rotation, rotation
 from deploy.telemetry.recording.reading.reader import read
 from deploy.telemetry.recording.reading.replay import verify
 from deploy.telemetry.recording.reading.trajectory import trajectory
+from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import world_key
 from protocol.messages import Clock, Truth
-from protocol.wire.codec import encode
 from tests.deploy.telemetry.recording.recorded import ROBOTS, scenario
 
 Said = list[tuple[str, bytes]]

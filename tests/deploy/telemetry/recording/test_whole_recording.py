@@ -16,11 +16,11 @@ from deploy.telemetry.recording.reading.trajectory import trajectory
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.scene.fleet import TOPICS
 from deploy.telemetry.scene.ros import NAME
-from protocol.bus.events import Sample
+from protocol.bus.bus import Sample
+from protocol.codec import decode, encode
 from protocol.keys import everything, parse, robot_key
 from protocol.messages import Clock, Command, Health, State, Tick
 from protocol.streams import STREAMS
-from protocol.wire.codec import decode, encode
 from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
 
 

@@ -14,12 +14,12 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.events import Event
+from protocol.bus.bus import Event
+from protocol.codec import decode
 from protocol.errors import JournalError
 from protocol.keys import world_key
 from protocol.messages import Truth
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.wire.codec import decode
 from tests.world.driving import two
 from world.judge import trajectory
 from world.shell.persistence.journal import Journal

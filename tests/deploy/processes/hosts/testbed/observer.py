@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 
 from deploy.security.membership import Membership
-from protocol.bus.events import Sample
+from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Result, Truth
-from protocol.wire.codec import decode
 
 
 def main(endpoint: str, run: str, keys: str | None = None) -> None:

@@ -15,14 +15,14 @@ from deploy.processes.router import listening
 from deploy.telemetry.recording.mcap.contents import contents
 from deploy.telemetry.recording.reading.reader import Recording, Truths, read
 from deploy.telemetry.recording.reading.replay import publish, published, verify
+from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.events import Sample
 from protocol.bus.local import LocalNetwork
 from protocol.bus.zenoh import ZenohBus
+from protocol.codec import decode, encode
 from protocol.errors import RecordingError
 from protocol.keys import everything, parse
 from protocol.messages import Message, Result, Tick
-from protocol.wire.codec import decode, encode
 from tests.deploy.telemetry.recording.recorded import record
 
 

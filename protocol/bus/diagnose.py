@@ -1,16 +1,20 @@
-"""Why a TLS link does not come up: zenoh only ever says that time is up.
+"""Why a session did not open, and what to do about it.
 
-A handshake of our own, after zenoh has failed, finds out which end refuses the other's certificate.
+Of a TLS link that does not come up zenoh only ever says that time is up: a handshake of our own finds out
+which end refuses the other's certificate.
 """
 
 from __future__ import annotations
 
+import re
 import socket
 import ssl
 
-from protocol.bus.credentials import Credentials
+from protocol.bus.connection import Connection, Credentials
 from protocol.endpoint import Endpoint
+from protocol.errors import BusError, CertificateError, EndpointTakenError
 
+_PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # in zenoh's sources: means nothing to a user
 _PATIENCE = 1.0  # s for a connection, and for the other end's verdict after the handshake
 _ALERTS = {
     "TLSV1_ALERT_UNKNOWN_CA": "it was not signed by the authority that the router trusts",
@@ -21,6 +25,35 @@ _ALERTS = {
     "SSLV3_ALERT_CERTIFICATE_UNKNOWN": "the router does not accept it",
     "SSLV3_ALERT_UNSUPPORTED_CERTIFICATE": "it is for another purpose",
 }
+
+
+def explained(connection: Connection, error: str) -> BusError:
+    """The error for a user; zenoh's own words, `error`, come last.
+
+    zenoh reports a certificate that is not accepted as time that is up, so this looks for itself.
+    """
+    error = _PLACE.sub("", error)
+    listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
+    if "in use" in error:
+        return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")
+    if (certificates := _certificates(connection)) is not None:
+        return CertificateError(certificates)
+    if not connection.connect:
+        return BusError(f"cannot listen on {listen}: {error}")
+    return BusError(
+        f"nobody reachable at {connect} within {connection.timeout:g} s: is the router running there "
+        f"(`disknav router`), is the endpoint right, does a firewall stand between? ({error})"
+    )
+
+
+def _certificates(connection: Connection) -> str | None:
+    for endpoint in connection.connect:
+        if connection.credentials is not None:
+            if (why := refusal(endpoint, connection.credentials)) is not None:
+                return why
+        elif demands_certificates(endpoint):
+            return f"the router at {endpoint} demands certificates: use tls/ and --secure DIR"
+    return None
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:

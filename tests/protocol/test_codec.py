@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from protocol.codec import REASONS, decode, encode
 from protocol.errors import MessageError
 from protocol.keys import ROBOT_STREAMS
 from protocol.messages import VERSION, AnyMessage, Command, Tick
 from protocol.streams import STREAMS
-from protocol.wire.codec import REASONS, decode, encode
 from tests.protocol.sample_messages import ANY, ids
 
 messages = st.sampled_from(sorted(ANY)).flatmap(lambda name: ANY[name])

@@ -1,1 +1,0 @@
-"""Bytes: how messages are written and read."""
