@@ -69,7 +69,7 @@ class Robot:
         self.goal = self._first_goal = spec.goal
         self._ordered: Vector | None = None  # where to go instead, as last told
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
-        self._body = body_of(scenario, robot)
+        self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, incarnation)
         self._kept = 0  # version of the roster that this incarnation keeps to
@@ -184,7 +184,7 @@ class Robot:
     def _known_place(self) -> tuple[Vector | None, float]:
         """Where this robot is, m, and the error bound, m; no place if all that is known is implausible."""
         position, bound = self._estimate.position, self._estimate.bound
-        if position is None or not plausible(self._scenario).locates(position, bound):
+        if position is None or not self._plausible.locates(position, bound):
             return None, 0.0
         return position, bound
 
