@@ -95,7 +95,7 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --plot docs/pictures/figure-1.png
 	$(BIN)/disknav run figure-2 --record out/figure-2.mcap
-	$(BIN)/disknav plot out/figure-2.mcap --until 2.5 -o docs/pictures/figure-2.png
+	$(BIN)/disknav recording plot out/figure-2.mcap --until 2.5 -o docs/pictures/figure-2.png
 	$(BIN)/disknav check figure-2 > out/figure-2.txt
 	$(BIN)/python -m tests.benchmarks.theory.sampled > out/sampled.md
 	$(BIN)/python -m tests.benchmarks.theory.certified --write

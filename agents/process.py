@@ -8,7 +8,7 @@ from pathlib import Path
 from agents.shell.node import RobotNode
 from agents.shell.world_session import PATIENCE
 from protocol.bus.connection import Connection, credentials
-from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.drive import drive
 from protocol.bus.heartbeat import Heartbeat, heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
@@ -16,6 +16,7 @@ from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
 from protocol.process import log
 from protocol.process.log import LOG
+from protocol.process.signals import STOP, Stopped
 from protocol.process.title import entitle
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
@@ -36,22 +37,22 @@ def main(
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
     3: the network or the world is gone.
+
+    Raises:
+        Stopped: a signal asks this process to end before it takes part.
     """
     try:
-        with stop_on_signal():
-            bus = ZenohBus(connection)
-            node = RobotNode(
-                bus,
-                checked_run(run),
-                robot,
-                wait=wait,
-                namespace=namespace,
-                say=LOG.warning,
-                note=LOG.info,
-            )
-            drive(node, bus, beat=beat)
-    except Stop:
-        return SUCCESS
+        bus = ZenohBus(connection)
+        node = RobotNode(
+            bus,
+            checked_run(run),
+            robot,
+            wait=wait,
+            namespace=namespace,
+            say=LOG.warning,
+            note=LOG.info,
+        )
+        drive(node, bus, beat=beat)
     except JoinError as error:
         LOG.error(error)
         return REFUSED
@@ -62,6 +63,7 @@ def main(
 
 
 if __name__ == "__main__":
+    STOP.listen()
     endpoint, run_name, identity, waits, keys, alive, logs, base, topics = sys.argv[1:]
     entitle(f"robot {identity}", run_name)
     log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
@@ -69,4 +71,8 @@ if __name__ == "__main__":
     router = Connection(connect=(Endpoint(endpoint),), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)
     namespace = topics if base else None
-    sys.exit(main(router, run_name, int(identity), wait=float(waits), beat=sign, namespace=namespace))
+    try:
+        status = main(router, run_name, int(identity), wait=float(waits), beat=sign, namespace=namespace)
+    except Stopped:
+        STOP.exit()
+    sys.exit(STOP.status or status)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 from disknav import ownership
@@ -11,12 +12,14 @@ _FAULT = 3  # as in deploy/output/exit_status.py, which may be a stranger's
 
 def main() -> None:
     """Entry point of the command."""
+    # Until `deploy.cli.main`, whose package may be a stranger's, listens to them.
+    signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
     try:
         ownership.check()
     except ownership.ForeignPackageError as error:
         print(f"disknav: {error}", file=sys.stderr)
         sys.exit(_FAULT)
-    from deploy.cli import main
+    from deploy.cli.main import main
 
     main()
 

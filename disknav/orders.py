@@ -133,7 +133,7 @@ class FleetOrders(Orders):
 def operate(
     run: str, *, router: str | None = None, secure: str | Path | None = None
 ) -> Iterator[FleetOrders]:
-    """Inside, orders to a fleet that runs elsewhere, such as one of `disknav serve`.
+    """Inside, orders to a fleet that runs elsewhere, such as one of `disknav run --keep`.
 
     Args:
         run: its name.

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from deploy.run.interruption import undisturbed
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from deploy.telemetry.recording.reading.reader import Said, Truths
@@ -16,6 +15,7 @@ from disknav.scenarios import Settings, Source, ready
 from disknav.trajectory import Floats, Trajectory
 from protocol.keys import checked_run
 from protocol.messages import Truth
+from protocol.process.signals import STOP
 
 
 class Simulation:
@@ -82,13 +82,10 @@ class Simulation:
 
     def finish(self) -> dict[str, Any]:
         """Go on to the verdict; the world's report. Ctrl-C ends the run as "interrupted"."""
-        try:
-            while self.step():
+        with STOP.listening():
+            while not STOP.requested and self.step():
                 pass
-        except KeyboardInterrupt:
-            with undisturbed():
-                self._fleet.world.interrupt("interrupted", "stopped by the user")
-        (report,) = self._fleet.execute()
+            (report,) = self._fleet.execute()
         return report
 
     @property

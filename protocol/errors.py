@@ -59,7 +59,11 @@ class BusError(DisknavError):
     """The transport could not be opened, or a peer did not answer in time."""
 
 
-class EndpointTakenError(BusError):
+class ListenError(BusError):
+    """The endpoint that was asked for cannot be listened on."""
+
+
+class EndpointTakenError(ListenError):
     """Another process listens on the endpoint that was asked for."""
 
 
@@ -85,6 +89,10 @@ class RosterError(DisknavError):
 
 class ProcessError(DisknavError):
     """A process of the fleet did not start, or ended when it should not have."""
+
+
+class StartError(ProcessError):
+    """A process of the fleet could not start, and has said why on standard error."""
 
 
 class RecordingError(DisknavError):

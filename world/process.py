@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing, suppress
+from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from protocol.bus.bus import Bus
 from protocol.bus.connection import Connection
-from protocol.bus.drive import Stop, drive, stop_on_signal, uninterrupted
+from protocol.bus.drive import drive
 from protocol.bus.heartbeat import Heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError, RunTakenError
@@ -51,18 +51,20 @@ def main(
     0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
     2: there is another world of this run.
     3: the network is gone, or the journal is not what it should be.
+
+    Raises:
+        Stopped: a signal asks this process to end before there is a world.
     """
     past = None
     try:
-        with stop_on_signal(), ExitStack() as stack:
-            if journal is not None:
-                past = resume(
-                    Journal(journal, checked_run(run), scenarios, LOG.warning),
-                    scenarios,
-                    returning(gathering, restarts, lockstep=lockstep),
-                )
-                _say_where(past)
-            bus = stack.enter_context(closing(ZenohBus(connection)))
+        if journal is not None:
+            past = resume(
+                Journal(journal, checked_run(run), scenarios, LOG.warning),
+                scenarios,
+                returning(gathering, restarts, lockstep=lockstep),
+            )
+            _say_where(past)
+        with closing(ZenohBus(connection)) as bus:
             _look_for_others(bus, run, None if past is None else past.journal.head.epoch)
             node = WorldNode(
                 bus,
@@ -81,8 +83,6 @@ def main(
             drive(node, bus, on_stop=last_words, beat=beat)
             if node.refused:
                 raise _taken(run)
-    except Stop:
-        pass
     except RunTakenError as error:
         LOG.error(error)
         return REFUSED
@@ -121,8 +121,7 @@ def supervised(*arguments: Any) -> int:
     *others, say = arguments
 
     def tell(report: dict[str, Any]) -> None:
-        with uninterrupted():  # half a report is none
-            say(json.dumps(report))
+        say(json.dumps(report))
 
     return main(*others, tell=tell)
 

@@ -1,4 +1,4 @@
-"""The folder that `disknav deploy` leaves: an orchestrator's files, and the keys."""
+"""The folder that `disknav setup deploy` leaves: an orchestrator's files, and the keys."""
 
 from __future__ import annotations
 

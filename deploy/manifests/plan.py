@@ -50,13 +50,13 @@ def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[s
     """The command line, after `disknav`, of the world or a robot."""
     connection = ["--router", router, "--secure", keys, "--wait", f"{plan.wait:g}"]
     if role.startswith("robot-"):
-        return ["robot", role.removeprefix("robot-"), *connection]
-    return ["world", scenario, "--mode", plan.mode, *connection]
+        return ["node", "robot", role.removeprefix("robot-"), *connection]
+    return ["node", "world", scenario, "--mode", plan.mode, *connection]
 
 
 def listen(endpoint: str, keys: str) -> list[str]:
     """The command line, after `disknav`, of the router."""
-    return ["router", "--listen", endpoint, "--secure", keys]
+    return ["node", "router", "--listen", endpoint, "--secure", keys]
 
 
 def installation() -> tuple[str, ...]:

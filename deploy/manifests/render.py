@@ -121,10 +121,8 @@ def systemd(plan: Plan) -> dict[str, str]:
     return {
         f"{name}.target": target,
         f"{name}-{ROUTER}.service": _service(plan, ROUTER, router, "Restart=always\nRestartSec=1"),
-        # The fleet would go on from elsewhere than the robots are; 130 is a world that was asked to stop.
-        f"{name}-{WORLD}.service": _service(
-            plan, WORLD, world, f"Restart=no\nSuccessExitStatus=130\n{watched}", more=(SCENARIO,)
-        ),
+        # The fleet would go on from elsewhere than the robots are.
+        f"{name}-{WORLD}.service": _service(plan, WORLD, world, f"Restart=no\n{watched}", more=(SCENARIO,)),
         f"{name}-robot@.service": _service(
             plan, "robot-%i", robot, f"Restart=on-failure\nRestartSec=1\n{watched}"
         ),

@@ -1,3 +1,3 @@
-"""What the `disknav` command says by its exit status."""
+"""What the `disknav` command says by its exit status; a signal that ends it says 128 and its number."""
 
-EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
+EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT = 0, 1, 2, 3

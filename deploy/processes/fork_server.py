@@ -36,9 +36,8 @@ from deploy.processes.fork_messages import (
 )
 from deploy.processes.forked import run_forked
 from protocol.process import log
+from protocol.process.signals import STOP
 from protocol.process.title import entitle
-
-_ENDINGS = (signal.SIGTERM, signal.SIGHUP)
 
 
 def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") -> None:
@@ -104,8 +103,8 @@ class _Server:
         self._lifeline, self._held = os.pipe()  # the forks' ends are at end of file when this process is gone
         self._signalled, written = os.pipe()  # a signal makes it readable
         os.set_blocking(written, False)
-        for number in (signal.SIGCHLD, *_ENDINGS):
-            signal.signal(number, lambda *_: None)
+        STOP.listen()
+        signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.set_wakeup_fd(written, warn_on_full_buffer=False)
 
     def serve(self) -> None:
@@ -118,7 +117,8 @@ class _Server:
                     except (EOFError, ConnectionError):
                         return
                 elif ready == self._signalled:
-                    if any(number in _ENDINGS for number in os.read(self._signalled, 4096)):
+                    os.read(self._signalled, 4096)
+                    if STOP.requested:
                         return
                     self._collect()
                 elif isinstance(ready, int) and ready in self._reports:  # else just collected
@@ -146,12 +146,9 @@ class _Server:
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.reports else (None, None)
-        # A signal must not find the fork with this process's handlers.
-        signal.pthread_sigmask(signal.SIG_BLOCK, _ENDINGS)
         pid = os.fork()
         if pid == 0:
             run_forked(start, self._run, writing, self._lifeline, self._begin_log)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDINGS)
         if reading is not None and writing is not None:
             os.close(writing)
             self._reports[reading] = (start.life, Channel(reading, writable=False))

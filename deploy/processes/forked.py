@@ -17,11 +17,11 @@ from typing import NoReturn
 from deploy.processes.fork_messages import Start
 from protocol.errors import DisknavError
 from protocol.process.log import LOG
+from protocol.process.signals import Stopped
 from protocol.process.title import entitle
 
 FAULT = 3  # exit status of a process that an exception ended
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
-_RESET = (signal.SIGTERM, signal.SIGHUP)  # blocked around the fork, since the fork server handles them
 _LIBC = ctypes.CDLL(None)
 
 
@@ -32,16 +32,15 @@ def run_forked(
 
     Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
     `lifeline` the reading end of one that ends with the fork server; `begin_log` begins its log, by its
-    name. The exit status is what the function returns, 3 after an exception: one of this software's own
-    says its message, any other logs its traceback.
+    name. The exit status is what the function returns, 0 if a signal ended it, 3 after an exception: one of
+    this software's own says its message, any other logs its traceback. The fork server listens to `STOP`, and
+    so does this process from the beginning.
     """
     code = FAULT
     try:
         entitle(start.name.replace("-", " ", 1), run)
         signal.set_wakeup_fd(-1)
-        for number in (signal.SIGCHLD, *_RESET):
-            signal.signal(number, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _RESET)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
         os.dup2(2, 1)  # standard output is the command's alone
@@ -53,6 +52,8 @@ def run_forked(
         if report is not None:
             arguments = (*arguments, Channel(report, readable=False).send)
         code = getattr(importlib.import_module(module), function)(*arguments)
+    except Stopped:
+        code = 0
     except SystemExit as ending:
         code = ending.code if isinstance(ending.code, int) else FAULT
     except DisknavError as error:

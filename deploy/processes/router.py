@@ -8,7 +8,6 @@ host never take the same port.
 from __future__ import annotations
 
 import json
-import signal
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -17,10 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from protocol.bus.connection import Connection, configuration
-from protocol.bus.drive import Stop, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, EndpointTakenError
+from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.telemetry.recording.process import Aboard
@@ -46,23 +45,20 @@ def main(
         EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
         CertificateError: another router does not accept this one's certificate, or the reverse.
         BusError: the endpoint cannot be listened on for another reason, or a link is waited for in vain.
+        Stopped: a signal asks this process to end before it listens.
     """
-    try:
-        with stop_on_signal():
-            bus, endpoint = listening(connection)
-            with closing(bus):
-                _check_links(connection)
-                if links > 0.0:
-                    bus.await_routers(links)
-                aboard = None if record is None else _aboard(bus, *record)
-                if ready is not None:
-                    ready(str(endpoint))
-                if aboard is not None:
-                    aboard.follow()
-                while True:
-                    signal.pause()
-    except Stop:
-        return 0
+    bus, endpoint = listening(connection)
+    with closing(bus):
+        _check_links(connection)
+        if links > 0.0:
+            bus.await_routers(links)
+        aboard = None if record is None else _aboard(bus, *record)
+        if ready is not None:
+            ready(str(endpoint))
+        if aboard is not None:
+            aboard.follow()
+        STOP.wait()
+    return 0
 
 
 def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
@@ -148,7 +144,7 @@ def holder(endpoint: Endpoint) -> str:
 
 
 def router_config(connection: Connection, default: Endpoint) -> str:
-    """JSON5 by which `zenohd` relays, and enforces, exactly as `disknav router` does.
+    """JSON5 by which `zenohd` relays, and enforces, exactly as `disknav node router` does.
 
     `default` is listened on where `connection` names no endpoint.
     """

@@ -56,6 +56,7 @@ class Life:
     number: int
     pid: int = 0
     exit_code: int | None = None
+    up: bool = False  # whether it, or one before it, has done anything that it is for
     told_to_end: bool = False
     again: bool = False  # start it again as soon as it has ended
     began: float = 0.0  # s, monotonic: when the latest was asked for
@@ -73,6 +74,7 @@ class Life:
         taken over may never stop."""
         if not self.process.reports:
             return
+        self.up = True
         self.report = self.report or text
         self.unheard.append(text)
         while len(self.unheard) > _MOST or sum(map(len, self.unheard)) > _UNHEARD:

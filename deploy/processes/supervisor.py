@@ -15,14 +15,14 @@ from deploy.processes.fork_messages import Exited, News, Report, Started
 from deploy.processes.row import Exit, Life, Usage
 from deploy.processes.spawn import Spawner
 from deploy.processes.table import Process
-from protocol.bus.drive import uninterrupted
-from protocol.errors import ProcessError
+from protocol.errors import ProcessError, StartError
+from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.processes.hosts.spawners import HostSpawners
 
 _POLL = 0.05  # s
-_STOPPING = 5.0  # s, how long processes may take over SIGTERM before SIGKILL
+_STOPPING = 5.0  # s that the kernel may take over SIGKILL
 
 
 class Supervisor:
@@ -59,14 +59,29 @@ class Supervisor:
         """The first text that a reporting process sends.
 
         Raises:
-            ProcessError: it ended without a word, or `timeout` s went by.
+            StartError: it could not start, and has said why on standard error.
+            ProcessError: it was killed, or `timeout` s went by.
+            Stopped: a signal asks this process to end.
         """
         life = self._life(name)
-        self._advance(timeout, lambda: life.report is not None or life.over)
+        self._advance(timeout, lambda: life.report is not None or life.over or STOP.requested)
+        STOP.check()
+        if life.report is None and (life.exit_code or 0) > 0 and life.over:
+            raise StartError(f"{name} could not start; see its output above")
         if life.report is None:
             state = "ended at once" if life.over else f"did not answer within {timeout:g} s"
             raise ProcessError(f"{name} {state}; see its output above")
         return life.report
+
+    def up(self, names: Iterable[str]) -> None:
+        """Note that these processes do what they are for; those that report show it so.
+
+        One that never did ended because it could not start, if it says so by its exit status: it would do
+        so again, and is not started again by itself.
+        """
+        for name in names:
+            if name in self._lives:
+                self._lives[name].up = True
 
     def amend(self, process: Process) -> None:
         """Replace the row of this name, from its next process on."""
@@ -127,8 +142,8 @@ class Supervisor:
         lives = self._lives.items()
         return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
 
-    def stop(self, timeout: float = _STOPPING, spare: Collection[str] = ()) -> None:
-        """SIGTERM to all but those to `spare`, at most `timeout` s of patience, then SIGKILL.
+    def stop(self, spare: Collection[str] = ()) -> None:
+        """SIGTERM to all but those to `spare`; SIGKILL to each that outlives the patience of its row.
 
         Frozen processes are woken first.
         """
@@ -144,9 +159,12 @@ class Supervisor:
         if self._spawner.gone:
             return
         self._signal(left(), signal.SIGTERM, signal.SIGCONT)
-        self._advance(timeout, lambda: not left())
-        self._signal(left(), signal.SIGKILL)
-        self._advance(timeout, lambda: not left())
+        patience = {name: self._lives[name].process.patience for name in left()}
+        began = time.monotonic()
+        for limit in sorted(set(patience.values())):
+            self._advance(began + limit - time.monotonic(), lambda: not left())
+            self._signal([name for name in left() if patience[name] <= limit], signal.SIGKILL)
+        self._advance(_STOPPING, lambda: not left())
         if left():
             raise ProcessError(f"not even SIGKILL ended {', '.join(left())}")
 
@@ -161,18 +179,17 @@ class Supervisor:
 
     def _spawn(self, life: Life) -> None:
         process = life.process
-        with uninterrupted():  # else its end may be nobody's
-            self._lives[process.name] = life
-            life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
-            life.began, life.due = time.monotonic(), None
-            life.number = self._spawner.start(
-                process.name,
-                process.entry,
-                process.arguments,
-                reports=process.reports,
-                scheduling=process.scheduling,
-            )
-            self._by_number[life.number] = life
+        self._lives[process.name] = life
+        life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
+        life.began, life.due = time.monotonic(), None
+        life.number = self._spawner.start(
+            process.name,
+            process.entry,
+            process.arguments,
+            reports=process.reports,
+            scheduling=process.scheduling,
+        )
+        self._by_number[life.number] = life
 
     def _again(self, life: Life) -> None:
         life.restarts += 1
@@ -189,10 +206,9 @@ class Supervisor:
             self._read(min(_POLL, remaining))
 
     def _read(self, timeout: float) -> None:
-        with uninterrupted():  # what is read, and half of it, would be lost
-            for news in self._spawner.news(min([timeout, *self._waits()])):
-                if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
-                    self._take(life, news)
+        for news in self._spawner.news(min([timeout, *self._waits()])):
+            if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
+                self._take(life, news)
         for life in self._lives.values():
             if life.due is not None and time.monotonic() >= life.due:
                 self._again(life)
@@ -217,7 +233,8 @@ class Supervisor:
         life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)
         failed = exited.code != 0 and not life.told_to_end
         life.failures += failed
-        again = life.again or (failed and life.failures <= life.process.restarts)
+        crashed = failed and (life.up or exited.code < 0)
+        again = life.again or (crashed and life.failures <= life.process.restarts)
         self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
         if life.again:
             self._again(life)

@@ -19,6 +19,7 @@ WORLD = "world"
 WRITER = "writer"
 _ROUTING = "deploy.processes.router:main"
 _RECORDING = "deploy.telemetry.recording"
+_CLOSING = 30.0  # s for the writer, which yields to all others, to close its file
 _LINKING = 8.0  # s for the routers of all hosts to find each other
 
 
@@ -33,6 +34,7 @@ class Process:
     restarts: int = 0  # how many times it is started again by itself after it failed
     reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
     scheduling: Scheduling = ORDINARY
+    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
 
 
 def router(
@@ -98,7 +100,8 @@ def robot(
 def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:
     """Who writes what recorders hand over at `address`; it reports the name of each of its files."""
     arguments = (path, address, rotation)
-    return Process(WRITER, f"{_RECORDING}.writer_process:main", arguments, restarts=restarts, reports=True)
+    entry = f"{_RECORDING}.writer_process:main"
+    return Process(WRITER, entry, arguments, restarts=restarts, reports=True, patience=_CLOSING)
 
 
 def recorder(connection: Connection, run: str, address: Path, away: float, restarts: int) -> Process:

@@ -62,12 +62,14 @@ class Assembly:
         if options.realtime_priority and (options.hosts is None or options.hosts.has_this_machine):
             require_realtime()
         self._hosts = self._host_spawners()
+        # Before the supervisor, to outlast every process.
+        self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
-        self.writer = self._start_writer(record, stack)
+        self.writer = self._start_writer(record)
         self._ends: datetime | None = None
         self.topology = self._begin(stack)
-        self._start_world(self._journal(stack))
+        self._start_world(self._journal())
 
     @property
     def expired(self) -> str:
@@ -114,11 +116,11 @@ class Assembly:
             realtime=self._options.realtime_priority,
         )
 
-    def _start_writer(self, record: Path | None, stack: ExitStack) -> Path | None:
+    def _start_writer(self, record: Path | None) -> Path | None:
         """Whoever writes the recording, at this address, before anybody who hears."""
         if record is None:
             return None
-        address = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "writer"
+        address = self._folder / "writer"
         self.supervisor.start([table.writer(record, address, self._options.restarts, self._options.rotation)])
         self.supervisor.report(table.WRITER, _START)
         return address
@@ -126,8 +128,7 @@ class Assembly:
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
         if options.transport == "mesh":
-            folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
-            return Mesh(Path(folder), self._scenarios[0].ids)
+            return Mesh(self._folder, self._scenarios[0].ids)
         membership = Membership(options.secure)
         membership.run(options.run)  # or the router would turn everybody away
         self._ends = membership.end()
@@ -176,12 +177,12 @@ class Assembly:
         own_router = options.transport == "routed" and options.router is None and options.hosts is None
         return own_router and not (options.restarts or options.realtime_priority)
 
-    def _journal(self, stack: ExitStack) -> Path | None:
+    def _journal(self) -> Path | None:
         """Where the world is to keep its journal, if it is to be started again: made here, so that a world
         that finds none does not begin anew what another one began."""
         if not self._options.restarts:
             return None
-        journal = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "journal"
+        journal = self._folder / "journal"
         Journal.create(journal, self._options.run, self._scenarios)
         hosts, spawners = self._options.hosts, self._hosts
         folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +14,6 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.run.fleet import Fleet
-from deploy.run.interruption import undisturbed
 from deploy.run.live_page import linger, live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -24,6 +23,7 @@ from deploy.telemetry.plot.draw import check, draw
 from deploy.telemetry.recording.parts import ONE_FILE
 from protocol.errors import UsageError
 from protocol.process.log import LOG
+from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
 
 
@@ -45,7 +45,7 @@ def execute(
     quiet: bool,
     tell: Callable[[Result], None] = lambda _: None,
 ) -> Result:
-    """Run `scenario` to its verdict; whenever Ctrl-C comes, and however often, there is a result.
+    """Run `scenario` to its verdict; whenever a signal comes, and however often, there is a result.
 
     Args:
         quiet: whether to show no progress.
@@ -60,7 +60,7 @@ def execute(
     unwritten: UsageError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # whoever is not simulated does not wait
-    with ExitStack() as stack:
+    with STOP.listening(), ExitStack() as stack:
         recording = _recording_path(extras, stack)
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:
             began = time.monotonic()
@@ -69,30 +69,29 @@ def execute(
                 running.enter_context(fleet)
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
                 page = stack.enter_context(live_page(fleet, options)) if extras.web else None
-            except KeyboardInterrupt:
-                with undisturbed():
-                    report = interrupted(unjudged(scenario, None, time.monotonic() - began))
-                    result = complete(report, options, [])
-                    json_output.write_json(result, extras.json)
+            except Stopped:
+                report = interrupted(unjudged(scenario, None, time.monotonic() - began))
+                result = complete(report, options, [])
+                json_output.write_json(result, extras.json)
                 tell(result)
                 return result
             reports = fleet.execute()
-            with undisturbed():
-                processes, recordings = fleet.processes(), fleet.recordings()
-                result = complete(reports[0], options, processes, recordings if extras.record else [])
-                LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
-                try:
-                    json_output.write_json(result, extras.json)  # before anything that may still wait
-                except UsageError as error:
-                    unwritten = error
-                fleet.record(result)
-                running.close()
+            processes, recordings = fleet.processes(), fleet.recordings()
+            result = complete(reports[0], options, processes, recordings if extras.record else [])
+            LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
+            try:
+                json_output.write_json(result, extras.json)  # before anything that may still wait
+            except UsageError as error:
+                unwritten = error
+            fleet.record(result)
+            running.close()
         tell(result)
         if unwritten is not None:
             raise unwritten
-        if extras.plot is not None:
+        if extras.plot is not None and not STOP.requested:
             first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
-            draw(Path(recordings[first]), extras.plot)
+            with suppress(Stopped):
+                draw(Path(recordings[first]), extras.plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
             linger(page)
     return result

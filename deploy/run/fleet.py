@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -16,26 +16,26 @@ from deploy.processes.hosts.topology import places
 from deploy.processes.row import Exit, Usage
 from deploy.run.assembly import Assembly
 from deploy.run.fault_schedule import FaultSchedule
-from deploy.run.interruption import counted, undisturbed
 from deploy.run.options import RunOptions
 from deploy.run.outcome.reports import Report, Reports
 from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
 from deploy.run.topology import Topology
 from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.bus import Event, Sample
-from protocol.bus.drive import uninterrupted
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
+from protocol.process.signals import STOP
 from protocol.scenario.model import ProcessFault, Scenario
 
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
 _LEAVING = 2.0  # s for processes to end by themselves after the last run
 _POLL = 0.02  # s
+_IMPATIENT = 2  # signals
 ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
 
 
@@ -96,8 +96,7 @@ class Fleet:
         return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
-        with self._stack, undisturbed():  # closed also by a Ctrl-C that comes first
-            self._stack.close()
+        self._stack.close()
 
     @property
     def topology(self) -> Topology:
@@ -112,34 +111,28 @@ class Fleet:
     def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
         """Watch until every scenario has its report, or it is `enough`.
 
-        Ctrl-C and lost processes end the run too, and the last report says so; another Ctrl-C has nobody wait
-        for it. A KeyboardInterrupt of who watches counts as one.
+        Signals and lost processes end the run too, and the last report says so; a second signal has nothing
+        wait for it.
         """
-        with counted() as interruptions:
-            verdict, reason = self._ending(enough, interruptions)
-            if verdict:
-                patience = min(1, interruptions()) if reason == INTERRUPTED else 0  # two: nobody waits
-                with suppress(KeyboardInterrupt):
-                    LOG.info(f"{verdict}: {reason}")
-                    self._await_last_words(lambda: interruptions() > patience)
-                with undisturbed():
-                    self._cut(verdict, reason)
-            return self._reports.all
+        verdict, reason = self._ending(enough)
+        if verdict:
+            LOG.info(f"{verdict}: {reason}")
+            self._await_last_words()
+            self._cut(verdict, reason)
+        return self._reports.all
 
-    def _ending(self, enough: Callable[[], bool], interruptions: Callable[[], int]) -> tuple[str, str]:
+    def _ending(self, enough: Callable[[], bool]) -> tuple[str, str]:
         """Watch until every scenario has its report, or for what reason, and with what verdict, they are cut
         short; none if they are not."""
         try:
-            while not (self._complete or interruptions() or enough()):
+            while not (self._complete or STOP.requested or enough()):
                 self._take(self._bus.receive(_POLL))
                 self._check(self._poll())
-        except KeyboardInterrupt:
-            return "interrupted", INTERRUPTED
         except FleetLostError as loss:
             return "aborted", str(loss)
         if self._complete:
             return "", ""
-        return "interrupted", INTERRUPTED if interruptions() else ENOUGH
+        return "interrupted", INTERRUPTED if STOP.requested else ENOUGH
 
     def signal(self, name: str, number: int) -> None:
         """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
@@ -151,11 +144,10 @@ class Fleet:
 
     def processes(self) -> list[dict[str, Any]]:
         """Let all leave, stop whoever does not; what each process cost. The recording's writer stays."""
-        with undisturbed():
-            deadline = time.monotonic() + self._leaving
-            while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
-                self._supervisor.poll(_POLL)
-            self._supervisor.stop(spare=(table.WRITER,))
+        deadline = time.monotonic() + self._leaving
+        while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
+            self._supervisor.poll(_POLL)
+        self._supervisor.stop(spare=(table.WRITER,))
         hosts = {} if self._options.hosts is None else places(self._options.hosts)
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
@@ -186,17 +178,17 @@ class Fleet:
     def _poll(self) -> list[Exit]:
         """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
         than its end."""
-        with uninterrupted():  # it does not tell them again
-            exits = self._supervisor.poll()
-            for text in self._supervisor.heard(table.WORLD):
-                try:
-                    self._reports.add(text)
-                except MessageError as error:  # of a host that was taken over
-                    self.rejected[error.reason] += 1
+        exits = self._supervisor.poll()
+        for text in self._supervisor.heard(table.WORLD):
+            try:
+                self._reports.add(text)
+            except MessageError as error:  # of a host that was taken over
+                self.rejected[error.reason] += 1
         return exits
 
     def _follow(self, clock: Clock) -> None:
         self._clock = clock
+        self._supervisor.up((table.WORLD, *map(table.robot_name, clock.active)))
         for fault in self._schedule.due(clock):
             self._carry_out(fault)
         self._welcome(clock.newcomers)
@@ -264,15 +256,19 @@ class Fleet:
         elif not self._complete:
             reports.append({**self._unjudged(), "verdict": verdict, "reason": reason})
 
-    def _await_last_words(self, in_vain: Callable[[], bool]) -> None:
-        """Have the world report, unless whoever stops the run does not wait for it."""
+    def _await_last_words(self) -> None:
+        """Have the world report, unless a second signal asks not to wait for it."""
         self._poll()
         if self._options.restarts:
             self._leaving = 0.0  # robots wait for a world that will not be back
         if table.WORLD in self._supervisor.running():
             self._supervisor.signal(table.WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
-            while table.WORLD in self._supervisor.running() and time.monotonic() < deadline and not in_vain():
+            while (
+                table.WORLD in self._supervisor.running()
+                and time.monotonic() < deadline
+                and STOP.count < _IMPATIENT
+            ):
                 self._take(self._bus.receive(_POLL))
                 self._poll()
 

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from protocol.bus.zenoh import ZenohBus
+from protocol.process.signals import STOP
 
 
 def linger(link: str) -> None:
     """Stay after the run until Ctrl-C, so that the end of a page can be looked at."""
     print(f"{link} stays until Ctrl-C", file=sys.stderr, flush=True)
-    with suppress(KeyboardInterrupt):
-        signal.pause()
+    STOP.wait()
 
 
 @contextmanager

@@ -18,7 +18,6 @@ from typing import Any
 from agents.shell.node import RobotNode
 from deploy.run.collector import seldom_collecting
 from deploy.run.fault_schedule import FaultSchedule
-from deploy.run.interruption import undisturbed
 from deploy.run.outcome.unjudged import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import WriterProcess
@@ -28,6 +27,7 @@ from protocol.codec import decode
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
+from protocol.process.signals import STOP
 from protocol.requests.joining import decode_reply
 from protocol.scenario.model import ProcessFault, Scenario
 from world.shell.node import WorldNode
@@ -137,8 +137,7 @@ class LocalFleet:
         return self
 
     def __exit__(self, *details: object) -> None:
-        with undisturbed():
-            self._finish(None)
+        self._finish(None)
 
     def recordings(self) -> list[str]:
         """The files of the recording."""
@@ -168,24 +167,25 @@ class LocalFleet:
         return recorder
 
     def execute(self) -> list[dict[str, Any]]:
-        """Run to the end; one report a scenario. Ctrl-C ends the run as interrupted, with its report."""
-        try:
-            self.network.run(lambda: self.world.finished or self.world.world.tick > 0)  # all are there
-            with seldom_collecting():
-                self.network.run(lambda: self.world.finished)
-        except KeyboardInterrupt:
-            with undisturbed():
-                self.world.interrupt("interrupted", INTERRUPTED)
+        """Run to the end; one report a scenario. A signal ends the run as interrupted, with its report."""
+        self.network.run(lambda: self._is_over or self.world.world.tick > 0)  # all are there
+        with seldom_collecting():
+            self.network.run(lambda: self._is_over)
+        if not self.world.finished:
+            self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
-            with undisturbed():
-                self._recorder.close()
+            self._recorder.close()
         return self.reports
+
+    @property
+    def _is_over(self) -> bool:
+        return self.world.finished or STOP.requested
 
     def step(self) -> bool:
         """Run until the open tick is over, and say whether another follows: False once there is a verdict."""
         world = self.world.world
         tick = world.tick
-        self.network.run(lambda: world.tick > tick or bool(world.verdict))
+        self.network.run(lambda: world.tick > tick or bool(world.verdict) or STOP.requested)
         return not world.verdict
 
 

@@ -17,6 +17,7 @@ from protocol.errors import BusError, MessageError
 from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member, Thing
 from protocol.process.log import LOG
+from protocol.process.signals import STOP
 from protocol.requests.fleet import FleetReply
 from protocol.requests.form import read_reply
 from protocol.requests.goals import GoalOrder, GoalReply
@@ -80,6 +81,7 @@ class Operator:
                 raise BusError(
                     f"robot {robot} has not appeared within {within:g} s: somebody is in its place"
                 )
+            STOP.check()
             self._bus.receive(_LOOK)
 
     def place(self, thing: ThingOrder) -> ThingReply:
@@ -108,6 +110,7 @@ class Operator:
             if thing is None or time.monotonic() >= deadline:
                 why = "was taken away" if thing is None else "has not appeared: somebody is in its place"
                 raise BusError(f"thing {number} {why}")
+            STOP.check()
             self._bus.receive(_LOOK)
 
     def _surround(self, request: bytes) -> ThingReply:
@@ -160,6 +163,7 @@ class Operator:
         deadline = time.monotonic() + within
         status = self.status(robot).status  # it may have come before the subscription
         while status is None or (status.number == number and status.status == "under way"):
+            STOP.check()
             event = self._bus.receive(max(0.0, deadline - time.monotonic()))
             if isinstance(event, Sample):
                 try:

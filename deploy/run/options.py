@@ -81,7 +81,7 @@ class RunOptions:
         ):
             raise UsageError(
                 f"whoever reaches host {', '.join(names)} over the network could take part in the run: "
-                f"--secure DIR with keys from `disknav keys new DIR --hosts TABLE`, or --open to allow it"
+                f"--secure DIR with keys from `disknav setup keys DIR --hosts TABLE`, or --open to allow it"
             )
 
     @property

@@ -30,7 +30,7 @@ def inspect(credentials: Credentials, role: str) -> None:
     except (InvalidSignature, ValueError, TypeError) as error:
         raise CertificateError(
             f"{credentials.certificate} was not signed by the authority {credentials.authority}: "
-            f"it is of another run, or older than the last `disknav keys new`"
+            f"it is of another run, or older than the last `disknav setup keys`"
         ) from error
     _check_validity(certificate, credentials.certificate)
     _check_key(certificate, credentials)
@@ -42,7 +42,7 @@ def _check_validity(certificate: x509.Certificate, path: str) -> None:
     if not begin <= now <= end:
         raise CertificateError(
             f"the certificate {path} is valid from {begin:%Y-%m-%d %H:%M} to {end:%Y-%m-%d %H:%M} UTC, "
-            f"and this host's clock says {now:%Y-%m-%d %H:%M}; `disknav keys new --force` makes new ones"
+            f"and this host's clock says {now:%Y-%m-%d %H:%M}; `disknav setup keys --force` makes new ones"
         )
 
 

@@ -18,7 +18,7 @@ from protocol.process.installation import missing_library
 
 @dataclass(frozen=True)
 class Membership:
-    """The part that `directory`, made by `disknav keys new`, gives to each role of a run.
+    """The part that `directory`, made by `disknav setup keys`, gives to each role of a run.
 
     None stands for a network without keys: plain endpoints and no rules.
     """
@@ -58,7 +58,7 @@ class Membership:
         """The same where there has to be one; raises UsageError if nobody named it."""
         run = self.run(asked)
         if run is None:
-            raise UsageError("name the run: --run NAME, the same for the whole fleet")
+            raise UsageError("name the run, the same for the whole fleet, or give --secure, whose run it is")
         return checked_run(run)
 
     @property

@@ -88,7 +88,7 @@ def read(directory: Path) -> Roster:
     except FileNotFoundError:
         raise CertificateError(
             f"{path} does not exist: {directory} is no directory of keys; "
-            f"`disknav keys new {directory} --scenario S` makes one"
+            f"`disknav setup keys {directory} --scenario S` makes one"
         ) from None
     except (OSError, *DAMAGED) as error:
         raise CertificateError(f"{path} cannot be read as a roster: {error}") from error

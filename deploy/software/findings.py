@@ -1,4 +1,4 @@
-"""What `disknav doctor` looks at: this installation and machine, and what to do about what they lack."""
+"""What `disknav setup doctor` looks at: this installation and machine, and how to get what is missing."""
 
 from __future__ import annotations
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import multiprocessing
-import signal
-import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from multiprocessing import forkserver
 from pathlib import Path
 
 from deploy.output.bar import bar
@@ -20,8 +19,9 @@ from deploy.studies.study import Result, Row, Run, Shard, Study
 from deploy.studies.worker import FAILED, begin
 from deploy.studies.worker import execute as perform
 from protocol.errors import ProcessError
+from protocol.process.signals import STOP, Stopped
 
-_POLL = 0.2  # s between looks at whether Ctrl-C came
+_POLL = 0.2  # s between looks at whether a signal came
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def _entry(line: str) -> tuple[str, Result] | None:
 def execute(
     study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet: bool = True, shard: Shard = Shard()
 ) -> Outcome:
-    """Execute the runs of a shard that `log` does not know; Ctrl-C keeps all that are done.
+    """Execute the runs of a shard that `log` does not know; a signal keeps all that are done.
 
     Args:
         jobs: runs at the same time.
@@ -91,8 +91,8 @@ def execute(
     results = {(run.cell, run.seed): log.known[run.key] for run in runs if run.key in log.known}
     left = [run for run in runs if run.key not in log.known]
     reused = len(results)
-    with bar(study.name, silent=quiet) as tell, _interruption() as interrupted:
-        for run, result in _executed(study, left, jobs, interrupted):
+    with bar(study.name, silent=quiet) as tell, suppress(Stopped):
+        for run, result in _executed(study, left, jobs):
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:
                 log.add(run.key, result)
@@ -100,16 +100,14 @@ def execute(
     return Outcome(study.rows(results), len(results) == len(runs), len(results) - reused, reused)
 
 
-def _executed(
-    study: Study, runs: Sequence[Run], jobs: int, interrupted: Callable[[], bool]
-) -> Iterator[tuple[Run, Result]]:
-    """Runs and their results, as they end, until there is an interruption."""
+def _executed(study: Study, runs: Sequence[Run], jobs: int) -> Iterator[tuple[Run, Result]]:
+    """Runs and their results, as they end, until a signal asks this process to end."""
     waiting: dict[Future[Result], Run] = {}
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:
             for run in runs:
                 waiting[pool.submit(perform, study.cells[run.cell].build, run.seed, run.transport)] = run
-            while waiting and not interrupted():
+            while waiting and not STOP.requested:
                 for future in wait(waiting, _POLL, FIRST_COMPLETED).done:
                     yield waiting.pop(future), future.result()
         except BrokenProcessPool:
@@ -124,6 +122,8 @@ def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes, which end at once with this context or this process, and their fleets with them."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["deploy.studies.worker"])
+    with STOP.held():  # what a signal means, this process says
+        forkserver.ensure_running()
     lifeline, held = context.Pipe(duplex=False)
     with ProcessPoolExecutor(jobs, context, begin, (lifeline,)) as pool:
         try:
@@ -131,19 +131,3 @@ def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
         finally:
             held.close()
             pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _interruption() -> Iterator[Callable[[], bool]]:
-    """Gives a function that says whether Ctrl-C, or SIGTERM, came inside."""
-    came = threading.Event()
-    if threading.current_thread() is not threading.main_thread():  # the only thread that handles signals
-        yield came.is_set
-        return
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, lambda *_: came.set()) for number in numbers]
-    try:
-        yield came.is_set
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 from deploy.output.json_output import check as check_json
 from deploy.output.json_output import is_standard_output, write_json
 from deploy.run.options import Transport
@@ -113,5 +113,5 @@ def _status(study: Study, outcome: Outcome, file: Path | None) -> int:
             "the same command goes on from here" if file else "with --json FILE it could be gone on with"
         )
         print(f"disknav: stopped; {further}", file=sys.stderr)
-        return EXIT_INTERRUPTED
+        return EXIT_OTHERWISE
     return EXIT_ARRIVED if study.sound(outcome.rows) else EXIT_OTHERWISE

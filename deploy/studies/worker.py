@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import time
 import traceback
 from multiprocessing.connection import Connection as Channel
@@ -36,7 +35,6 @@ KEPT = (
 
 def begin(lifeline: Channel[Any, Any]) -> None:
     """Have this process end with the other end of `lifeline`; Ctrl-C is for the parent to handle."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     entitle(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
     end_with_pipe(os.dup(lifeline.fileno()))
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

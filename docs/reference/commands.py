@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import typer
 
-from deploy.commands.application import GROUPS
+from deploy.cli.application import GROUPS
 
 _HEAD = """\
 # Commands
@@ -37,7 +37,7 @@ def _sections(command: Callable[..., None] | typer.Typer) -> Iterator[str]:
         yield from _section(f"disknav {command.__name__}", command)
         return
     for inner in command.registered_commands:
-        if inner.callback is not None:
+        if inner.callback is not None and not inner.hidden:
             word = inner.name or inner.callback.__name__
             yield from _section(f"disknav {command.info.name} {word}", inner.callback)
 

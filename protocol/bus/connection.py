@@ -1,7 +1,7 @@
 """How a process reaches the network: a plain description with the files that prove its role, and the zenoh
 configuration that it stands for.
 
-The directory of keys, which `disknav keys new` fills, has `ca.pem`, the authority that all processes of a
+The directory of keys, which `disknav setup keys` fills, has `ca.pem`, the authority that all processes of a
 run trust, and for each role `ROLE.pem`, its certificate, and `ROLE.key`, its private key. A host needs no
 more of it than `ca.pem` and the pairs of the roles that run there.
 """
@@ -51,7 +51,7 @@ def credentials(directory: Path, role: str) -> Credentials:
         if not path.is_file():
             raise CertificateError(
                 f"{path} does not exist, so there is no certificate for {role}; "
-                f"`disknav keys new` makes one for each role of a run"
+                f"`disknav setup keys` makes one for each role of a run"
             )
     status = paths[2].stat()
     if exposed := status.st_mode & (0o037 if status.st_uid == 0 else 0o077):

@@ -12,7 +12,7 @@ import ssl
 
 from protocol.bus.connection import Connection, Credentials
 from protocol.endpoint import Endpoint
-from protocol.errors import BusError, CertificateError, EndpointTakenError
+from protocol.errors import BusError, CertificateError, EndpointTakenError, ListenError
 
 _PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # in zenoh's sources: means nothing to a user
 _PATIENCE = 1.0  # s for a connection, and for the other end's verdict after the handshake
@@ -38,11 +38,13 @@ def explained(connection: Connection, error: str) -> BusError:
         return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")
     if (certificates := _certificates(connection)) is not None:
         return CertificateError(certificates)
-    if not connection.connect:
-        return BusError(f"cannot listen on {listen}: {error}")
+    if not connection.connect or "listener" in error:
+        return ListenError(
+            f"cannot listen on {listen}: {error}; name an address of this host and a port that is free"
+        )
     return BusError(
         f"nobody reachable at {connect} within {connection.timeout:g} s: is the router running there "
-        f"(`disknav router`), is the endpoint right, does a firewall stand between? ({error})"
+        f"(`disknav node router`), is the endpoint right, does a firewall stand between? ({error})"
     )
 
 

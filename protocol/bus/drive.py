@@ -2,61 +2,14 @@
 
 from __future__ import annotations
 
-import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from types import FrameType
-from typing import Final, NoReturn
+from collections.abc import Callable
+from typing import Final
 
 from protocol.bus.bus import Bus, Node
-from protocol.process.signals import heard_by
+from protocol.process.signals import STOP
 
 _TOGETHER: Final = 256  # events that are handled before the clock is looked at again
-_SIGNALS = (signal.SIGTERM, signal.SIGINT)
-
-
-class Stop(BaseException):
-    """SIGTERM or SIGINT asked this process to end; `signal` says which."""
-
-    def __init__(self, number: int) -> None:
-        self.signal = signal.Signals(number)
-        super().__init__(self.signal.name)
-
-
-@contextmanager
-def stop_on_signal() -> Iterator[None]:
-    """Inside, SIGTERM and SIGINT raise `Stop` once; further ones wait for the clean-up. Main thread only."""
-    before = {number: signal.signal(number, _stop) for number in _SIGNALS}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            if handler is not _stop:  # nested: the outermost restores, and until then a stop is a stop
-                signal.signal(number, handler)
-
-
-def _stop(number: int, _frame: FrameType | None) -> NoReturn:
-    for each in _SIGNALS:
-        signal.signal(each, signal.SIG_IGN)
-    raise Stop(number)
-
-
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Inside, SIGINT, SIGTERM and SIGHUP wait: for what must not be left half done, and does not take long.
-
-    They are held back where Python handles them, which is in the main thread: to block them in one thread
-    leaves them to others, of which a session has many.
-    """
-    held: list[int] = []
-    try:
-        with heard_by(lambda number, _: held.append(number)):
-            yield
-    finally:
-        with ExitStack() as stack:  # each, also if the one before it ends what is done here
-            for number in reversed(held):
-                stack.callback(signal.raise_signal, number)
 
 
 def drive(
@@ -66,32 +19,26 @@ def drive(
     on_stop: Callable[[], None] | None = None,
     beat: Callable[[float], None] | None = None,
 ) -> None:
-    """Feed `node` with the events of `bus` until it is finished; the bus is closed in any case.
+    """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
 
-    `on_stop` is called when a signal ends the loop, while the bus is still open: for last words. `beat` is
-    told the time, s, whenever the loop comes round.
-
-    Raises:
-        Stop: SIGTERM or SIGINT arrived.
+    The bus is closed in any case; before that, `on_stop` may say the last words of a node that a signal
+    ended. `beat` is told the time, s, whenever the loop comes round.
     """
-    with stop_on_signal():
-        try:
-            follow(node, bus, beat)
-        except Stop:
-            if on_stop is not None:
-                on_stop()
-            raise
-        finally:
-            bus.close()
+    try:
+        follow(node, bus, beat)
+        if on_stop is not None and not node.finished:
+            on_stop()
+    finally:
+        bus.close()
 
 
 def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) -> None:
-    """Feed `node` with the events of `bus` until it is finished, and no more.
+    """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
 
-    What has arrived comes before a deadline that is over: the node was late, not who spoke.
+    What has arrived comes before a deadline that is over: the node was late, not its peers.
     """
     receive, handle = bus.receive, node.handle  # looked up once: this goes round for every message
-    while not node.finished:
+    while not (node.finished or STOP.requested):
         event = receive(max(0.0, node.deadline - time.monotonic()))
         handled = 0
         while event is not None:

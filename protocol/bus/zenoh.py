@@ -13,8 +13,8 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Final
@@ -28,10 +28,11 @@ import zenoh
 
 from protocol.bus.bus import Event, Presence, Publish, Request, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.errors import BusError, CertificateError, EndpointTakenError
+from protocol.errors import BusError, CertificateError, ListenError
+from protocol.process.signals import STOP, Stopped
 from protocol.streams import Stream
 
-_ATTEMPT = 0.5  # s; zenoh ignores signals while it opens, so the first attempts are short
+_ATTEMPT = 0.5  # s; an attempt that fails says only at its end why, so the first ones are short
 _ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
 _OTHERS = 0.5  # s that further answers are waited for
 _TOKENS = 2.0  # s that routers may take to name the tokens that they know of
@@ -43,7 +44,7 @@ _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: ref
 _CAPACITY: Final = 1 << 16
 
 _KEPT: set[int] = set()  # threads of zenoh that Python keeps
-_Arrived = zenoh.Sample | zenoh.Query | Presence
+_Arrived = zenoh.Sample | zenoh.Query | Presence | None  # None: a signal came
 _ZenohSample: Final = zenoh.Sample
 
 
@@ -58,13 +59,15 @@ class ZenohBus:
         dropped: events lost to a full queue.
 
     Raises:
-        EndpointTakenError: another process listens on an endpoint of `connection.listen`.
+        ListenError: an endpoint of `connection.listen` is taken (EndpointTakenError), or none of this host.
         CertificateError: one end does not accept the other's certificate.
         BusError: nobody could be reached within `connection.timeout`.
+        Stopped: a signal asks this process to end; so does `ask`, and a wait for links.
     """
 
     def __init__(self, connection: Connection, capacity: int = _CAPACITY) -> None:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
+        self._wake = partial(self._queue.put, None)
         self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once, called for all
         self._there = 0  # events that were waiting when it was last asked, without those taken since
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
@@ -73,6 +76,7 @@ class ZenohBus:
         if connection.mode == "router":
             _prepare_router(connection)
         self._session = _open(connection)
+        STOP.call(self._wake)
         self._capacity = capacity
         self.dropped = 0
 
@@ -150,7 +154,7 @@ class ZenohBus:
         while (remaining := deadline - time.monotonic()) > 0.0:
             if replies := self._replies(key, payload, remaining):
                 return replies
-            time.sleep(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+            STOP.wait(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
         raise BusError(
             f"nobody answered under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
@@ -160,19 +164,21 @@ class ZenohBus:
         """Those of all that serve `key`. One that serves it and does not answer, as a frozen process, is not
         waited for once another has answered."""
         arrived: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
-        self._session.get(
-            key,
-            zenoh.handlers.Callback(arrived.put, partial(arrived.put, None), indirect=False),
-            payload=payload,
-            timeout=timeout,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-        )
+        end = partial(arrived.put, None)
         replies: list[bytes] = []
-        with suppress(Empty):
+        with STOP.calling(end), suppress(Empty):
+            self._session.get(
+                key,
+                zenoh.handlers.Callback(arrived.put, end, indirect=False),
+                payload=payload,
+                timeout=timeout,
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
             while (reply := arrived.get(True, _OTHERS if replies else timeout + _OTHERS)) is not None:
                 if reply.ok is not None:
                     replies.append(reply.ok.payload.to_bytes())
+        STOP.check()
         return replies
 
     def tokens(self, key_expression: str) -> list[str]:
@@ -199,6 +205,7 @@ class ZenohBus:
         return arrived
 
     def close(self) -> None:
+        STOP.call_no_more(self._wake)
         self._session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
         self._declared.clear()
         self._subscribed.clear()
@@ -216,6 +223,7 @@ class ZenohBus:
                     f"linked with {there} of {wanted} routers within {timeout:g} s; "
                     f"can all of {', '.join(self._connection.connect)} be reached from this host?"
                 )
+            STOP.check()
             time.sleep(0.005)
 
     def _await_links(self) -> None:
@@ -223,6 +231,7 @@ class ZenohBus:
         deadline = time.monotonic() + _LINKING
         wanted = set(self._connection.connect)
         while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
+            STOP.check()
             time.sleep(0.005)
 
     def _count(self) -> int:
@@ -282,25 +291,41 @@ def _open(connection: Connection) -> zenoh.Session:
         patience *= 2.0  # a busy machine may need longer
         config = zenoh.Config.from_json5(json.dumps(configuration(connection, attempt)))
         try:
-            with _signals_for_this_thread():
-                return zenoh.open(config)
+            return _opened(config)
         except zenoh.ZError as error:
             from protocol.bus.diagnose import explained  # and with it ssl, which a robot needs not
 
             failure = explained(connection, str(error))
-            if isinstance(failure, EndpointTakenError | CertificateError) or time.monotonic() >= deadline:
+            if isinstance(failure, ListenError | CertificateError) or time.monotonic() >= deadline:
                 raise failure from error
 
 
-@contextmanager
-def _signals_for_this_thread() -> Iterator[None]:
-    """Threads started inside leave signals alone.
+def _opened(config: zenoh.Config) -> zenoh.Session:
+    """Open a session on a thread of its own, which waits without looking at signals.
 
-    Else a frozen process that is told to end gives SIGTERM to whichever thread wakes first, and
-    Python, which handles signals on the main thread, hears of it only when that has waited enough.
+    That thread, and so those that zenoh starts in it, leave signals to the main thread: else a frozen process
+    that is told to end gives SIGTERM to whichever thread wakes first, and Python hears of it late.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    outcome: SimpleQueue[zenoh.Session | BaseException | None] = SimpleQueue()
+    given_up = threading.Event()
+
+    def attempt() -> None:
+        signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
+        try:
+            session = zenoh.open(config)
+        except BaseException as error:  # noqa: BLE001  # raised where it is waited for
+            outcome.put(error)
+        else:
+            outcome.put(session)
+            if given_up.is_set():
+                session.close()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
+
+    threading.Thread(target=attempt, name="open").start()
+    with STOP.calling(partial(outcome.put, None)):
+        opened = outcome.get()
+    if isinstance(opened, BaseException):
+        raise opened
+    if opened is None:
+        given_up.set()
+        raise Stopped
+    return opened

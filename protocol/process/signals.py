@@ -1,51 +1,172 @@
-"""Signals that ask a process to end, and who hears of them for a while."""
+"""A signal that asks this process to end, as an event: it is noted and wakes what waits, and raises nothing.
+
+Python runs the handler of a signal between any two instructions of the main thread, so an exception that it
+raised could be lost in a callback, or leave anything half done. What loops or waits looks at `STOP` instead,
+and ends where it is in good order: by itself, or by `Stopped`, which only the documented waits raise.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from queue import Empty, SimpleQueue
 from types import FrameType
-from typing import Any, Final
-
-Handler = Callable[[int, FrameType | None], Any] | int | signal.Handlers | None
+from typing import Any, Final, NoReturn
 
 ENDING: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a supervisor, a terminal that closes
+_HELD_UP = 2.0  # s without a look at a signal after which another one is handled as if nothing listened
 
 
-@contextmanager
-def heard_by(handler: Handler, numbers: Iterable[int] = ENDING) -> Iterator[None]:
-    """Inside, `handler` hears of these signals; afterwards whoever did before, whatever comes meanwhile.
+class Stopped(Exception):  # noqa: N818  # it is no error
+    """A wait was given up because this process was asked to end."""
 
-    Nothing changes in a thread that is not the main one, which alone hears of signals, nor for a signal
-    whose handler is not Python's. A handler that was set inside stays: who ends at the first signal has
-    further ones ignored, and the first may come as handlers change.
+
+class StopSignal:
+    """Whether a signal has asked this process to end. Handlers belong to a process, so there is one: `STOP`.
+
+    A signal that is not looked at for two seconds is followed by one that has the effect that it had before:
+    code of others may be stuck, such as a law of the user's.
+
+    Attributes:
+        number: of the first signal, 0 without one.
+        count: how many signals came.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = [(number, signal.getsignal(number)) for number in numbers]
-    before = [(number, earlier) for number, earlier in before if earlier is not None]
-    try:
-        for number, _ in before:
-            signal.signal(number, handler)
-        yield
-    finally:
-        _give_back(before, handler)
 
+    def __init__(self) -> None:
+        self.number = self.count = 0
+        self._unseen: float | None = None  # s, monotonic: since when a signal has not been looked at
+        self._before: dict[int, Any] = {}  # handlers
+        self._calls: list[Callable[[], object]] = []
 
-def _give_back(before: list[tuple[int, Handler]], handler: Handler) -> None:
-    """Each signal to its handler, the last first, though one of them raise before all have theirs."""
-    raised: BaseException | None = None
-    while before:
+    @property
+    def requested(self) -> bool:
+        """Whether this process is to end."""
+        if not self.number:
+            return False
+        self._unseen = None
+        return True
+
+    @property
+    def status(self) -> int:
+        """The exit status that says which signal it was: 130 for Ctrl-C, 143 for SIGTERM; 0 without one."""
+        return 128 + self.number if self.requested else 0
+
+    def check(self) -> None:
+        """Give up what goes on.
+
+        Raises:
+            Stopped: this process is to end.
+        """
+        if self.requested:
+            raise Stopped
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait for a signal, at most `timeout` s (without one for ever); whether this process is to end."""
+        signals: SimpleQueue[None] = SimpleQueue()
+        with self.calling(partial(signals.put, None)), suppress(Empty):
+            signals.get(timeout=timeout)
+        return self.requested
+
+    @contextmanager
+    def calling(self, wake: Callable[[], object]) -> Iterator[None]:
+        """Inside, `wake` is called by each signal, in the main thread and between any two instructions of it;
+        at once, if there was a signal before. `SimpleQueue.put` is made for that."""
+        self.call(wake)
         try:
-            while before:
-                number, earlier = before[-1]
-                if signal.getsignal(number) == handler:
-                    signal.signal(number, earlier)
-                before.pop()
-        except BaseException as error:  # noqa: BLE001  # whatever a handler raises
-            raised = error
-    if raised is not None:
-        raise raised
+            yield
+        finally:
+            self.call_no_more(wake)
+
+    def call(self, wake: Callable[[], object]) -> None:
+        """As `calling`, until `call_no_more`."""
+        self._calls.append(wake)
+        if self.number:
+            wake()
+
+    def call_no_more(self, wake: Callable[[], object]) -> None:
+        """The reverse; nothing happens if it is not called."""
+        if wake in self._calls:
+            self._calls.remove(wake)
+
+    @contextmanager
+    def readable(self) -> Iterator[int]:
+        """A descriptor that a signal makes readable, for who waits on descriptors."""
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+        try:
+            with self.calling(partial(os.write, writing, b"\0")):
+                yield reading
+        finally:
+            os.close(reading)
+            os.close(writing)
+
+    def listen(self) -> None:
+        """Note the signals that end a process, from now on: for a process that is this software's own.
+
+        SIGHUP stays ignored where `nohup` asked for that; SIGINT does not where a shell's `command &` did.
+        """
+        for number in ENDING:
+            if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._note)
+                self._before[number] = signal.SIG_DFL
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)  # see `held`
+
+    @contextmanager
+    def listening(self) -> Iterator[None]:
+        """Inside, note Ctrl-C: for a call in a program of the user's. There it raises KeyboardInterrupt
+        again afterwards; whoever handles it otherwise, or calls from another thread, keeps that."""
+        default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        if not default or threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        self._before[signal.SIGINT] = signal.default_int_handler
+        signal.signal(signal.SIGINT, self._note)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            self._before.clear()
+            self.number, self.count, self._unseen = 0, 0, None
+
+    def ignore(self) -> None:
+        """Ignore further signals: for a process that ends anyway."""
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
+
+    def exit(self) -> NoReturn:
+        """End this process at once, with the status of its signal: no thread that still waits for a network
+        holds it up, or is torn out of that."""
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(self.status)
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Inside, signals wait, and so they do for good in each process that is started here: it leaves them
+        to this one, unless it listens itself, from the moment when it does."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    def _note(self, number: int, _frame: FrameType | None) -> None:
+        now = time.monotonic()
+        if self._unseen is not None and now > self._unseen + _HELD_UP:
+            signal.signal(number, self._before[number])
+            signal.raise_signal(number)
+            return
+        self.number = self.number or number
+        self.count += 1
+        self._unseen = self._unseen or now
+        for wake in tuple(self._calls):
+            wake()
+
+
+STOP: Final = StopSignal()

@@ -102,8 +102,8 @@ def run(scenario: Scenario, record: Path | None = None) -> float:
 
 
 def plot(recording: Path) -> float:
-    """Wall time of `disknav plot`, s."""
-    command = [sys.executable, "-m", "deploy.cli", "plot", str(recording), "-o"]
+    """Wall time of `disknav recording plot`, s."""
+    command = [sys.executable, "-m", "disknav", "recording", "plot", str(recording), "-o"]
     began = time.perf_counter()
     subprocess.run([*command, str(recording.with_suffix(".png"))], check=True, capture_output=True)
     return time.perf_counter() - began

@@ -13,7 +13,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from deploy.commands.application import GROUPS, app
+from deploy.cli.application import GROUPS, app
 from deploy.software.findings import Finding
 from protocol.errors import UsageError
 
@@ -54,7 +54,7 @@ def test_an_option_means_the_same_everywhere(name: str) -> None:
 
 def test_json_is_a_file_wherever_there_is_a_result() -> None:
     found = option("--json")
-    assert set(found) >= {"run", "study", "check", "certify", "info", "doctor"}
+    assert set(found) >= {"run", "study", "check", "certify", "recording info", "setup doctor"}
     assert {each.metavar for each in found.values()} == {"FILE"}
 
 
@@ -71,7 +71,15 @@ def test_short_options_mean_one_thing() -> None:
 
 def test_a_router_is_an_endpoint_everywhere() -> None:
     found = option("--router")
-    assert set(found) >= {"run", "monitor", "replay", "robot", "world", "probe", "deploy"}
+    assert set(found) >= {
+        "run",
+        "monitor",
+        "recording replay",
+        "node robot",
+        "node world",
+        "fleet probe",
+        "setup deploy",
+    }
     assert {each.metavar for each in found.values()} == {"ENDPOINT"}
     assert all("router" in each.help and "listens" in each.help for each in found.values())
 
@@ -95,13 +103,16 @@ CANNOT_APPLY = [
     ("run figure-1 --transport local --restart on-failure", "--restart"),
     ("run figure-1 --realtime-priority", "--realtime-priority needs --mode realtime"),
     ("run figure-1 --mode realtime --transport local --realtime-priority", "--realtime-priority"),
-    ("serve figure-1 --mode lockstep --realtime-priority", "--realtime-priority"),
+    ("run figure-1 --keep --mode lockstep --realtime-priority", "--realtime-priority"),
     ("run figure-1 --open", "--open"),
-    ("serve figure-1 --speed 2", "--speed"),
-    ("serve figure-1 --router tcp/127.0.0.1:7447 --listen tcp/127.0.0.1:7448", "--listen"),
-    ("goal yard 3 --wait", "--wait"),
-    ("router --host left --print-config", "--host"),
-    ("monitor --run x --port 8000", "--port"),
+    ("run figure-1 --keep --speed 2", "--speed"),
+    ("run figure-1 --keep --router tcp/127.0.0.1:7447 --listen tcp/127.0.0.1:7448", "--listen"),
+    ("run figure-1 --keep --transport mesh", "--keep"),
+    ("run figure-1 --keep --plot a.png", "--plot"),
+    ("run figure-1 --rotate 1h", "--rotate"),
+    ("fleet goal yard 3 --wait", "--wait"),
+    ("node router --host left --print-config", "--host"),
+    ("monitor x --port 8000", "--port"),
     ("study tuning --fresh", "--fresh"),
     ("study tuning --fresh --json -", "--fresh"),
     ("study scale --jobs 2", "--jobs"),
@@ -110,11 +121,11 @@ CANNOT_APPLY = [
     ("certify figure-2 --starts 3 --out here.json", "--out"),
     ("certify --verify x.json --starts 3", "--starts"),
     ("certify --verify x.json --set control.k=3", "--set"),
-    ("deploy compose figure-1 -o fleet --router tls/10.0.0.1:7447", "--router"),
-    ("deploy systemd figure-1 -o fleet --image mine", "--image"),
+    ("setup deploy compose figure-1 -o fleet --router tls/10.0.0.1:7447", "--router"),
+    ("setup deploy systemd figure-1 -o fleet --image mine", "--image"),
     ("scenario new swap --density 0.2", "--density"),
-    ("replay x.mcap --speed 3", "--speed"),
-    ("replay x.mcap --run other", "--run"),
+    ("recording replay x.mcap --speed 3", "--speed"),
+    ("recording replay x.mcap --run other", "--run"),
 ]
 
 
@@ -131,8 +142,8 @@ def test_an_option_that_cannot_apply_is_refused(
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        ("calibrate figure-1 99", "has no robot 99; there are 1, 2"),
-        ("goal yard 1 0.1 0.2 --within -1", "within"),
+        ("setup calibrate figure-1 99", "has no robot 99; there are 1, 2"),
+        ("fleet goal yard 1 0.1 0.2 --within -1", "within"),
     ],
 )
 def test_what_does_not_exist_is_refused(line: str, text: str) -> None:
@@ -172,7 +183,7 @@ def test_the_shell_completes_names_of_the_library() -> None:
 
 @pytest.mark.process
 def test_doctor_finds_this_machine_fit() -> None:
-    done = CliRunner().invoke(app, ["doctor", "--json"], catch_exceptions=False)
+    done = CliRunner().invoke(app, ["setup", "doctor", "--json"], catch_exceptions=False)
     found = {each["what"]: each for each in json.loads(done.stdout)}
     assert done.exit_code == 0
     assert found["fleet"]["level"] == "good"
@@ -189,7 +200,7 @@ def test_doctor_prints_commands_that_can_be_copied(monkeypatch: pytest.MonkeyPat
         "extra plot", "note", "matplotlib not installed", "pip install 'disknav[plot] @ file:///a'"
     )
     monkeypatch.setattr("deploy.software.findings.findings", lambda: iter([lacking]))
-    monkeypatch.setattr("deploy.commands.doctor._trial", lambda: Finding("fleet", "bad", "did not run"))
-    done = CliRunner().invoke(app, ["doctor"], catch_exceptions=False)
+    monkeypatch.setattr("deploy.cli.setup._trial", lambda: Finding("fleet", "bad", "did not run"))
+    done = CliRunner().invoke(app, ["setup", "doctor"], catch_exceptions=False)
     assert lacking.remedy in done.stdout
     assert done.exit_code == 1

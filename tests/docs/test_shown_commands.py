@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pytest
 import typer
 
-from deploy.commands.application import app
+from deploy.cli.application import app
 from tests.forks import Forks
 
 ROOT = Path(__file__).parents[2]

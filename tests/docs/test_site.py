@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import disknav
-from deploy.commands.application import GROUPS
+from deploy.cli.application import GROUPS
 from deploy.run.options import RunOptions
 from deploy.run.outcome.result import complete
 from docs.concepts.diagrams import render

@@ -35,7 +35,7 @@ class _SilentError(Exception):
 def check(host: Host) -> list[Finding]:
     """Look at reach, version, clock, router's port and space; ends with the first that nothing can follow."""
     listen = host.listen or host.address
-    arguments = ["host", "--facts", listen, str(host.port)]
+    arguments = ["node", "host", "--facts", listen, str(host.port)]
     if host.ssh:
         command = ssh_command(host, f"{host.command} {shlex.join(arguments)}")
     else:

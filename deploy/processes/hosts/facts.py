@@ -1,4 +1,4 @@
-"""The far end of `disknav hosts check`: what this host is like, and what time it is whenever it is asked."""
+"""The far end of `disknav setup hosts`: what this host is like, and what time it is whenever it is asked."""
 
 from __future__ import annotations
 

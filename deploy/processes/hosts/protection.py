@@ -37,7 +37,7 @@ def check_fit(roster: Roster, table: HostsTable) -> None:
         return
     raise CertificateError(
         f"the keys of the run {roster.run} are not for {what} as the table of hosts has it; "
-        f"`disknav keys new DIR --scenario S --hosts TABLE` makes a key for each host of a table"
+        f"`disknav setup keys DIR --scenario S --hosts TABLE` makes a key for each host of a table"
     )
 
 

@@ -126,7 +126,7 @@ class SshSpawner(Spawner):
         del modules  # the host knows them
         self._relay = Relay(self.host.name, run, logs)
         needs = " --realtime-priority" if self._realtime else ""
-        command = ssh_command(self.host, f"{self.host.command} host --run={shlex.quote(run)}{needs}")
+        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(run)}{needs}")
         end = theirs.fileno()
         try:
             ssh = subprocess.Popen(

@@ -66,7 +66,7 @@ class HostsTable:
                 return host
         raise UsageError(
             f"no host of the table ({', '.join(host.name for host in self.hosts)}) has robot {robot}: "
-            f"`disknav robot {robot} --run NAME --router ENDPOINT` on one of them starts it there"
+            f"`disknav node robot {robot} --run NAME --router ENDPOINT` on one of them starts it there"
         )
 
 

@@ -9,7 +9,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
 
@@ -40,18 +40,16 @@ def complete(
 
 
 def exit_status(result: Mapping[str, Any]) -> int:
-    """0 arrived, 130 interrupted, 1 any other verdict."""
+    """0 arrived, 3 it never began, 1 any other verdict; a signal that ended the command outranks them."""
     verdict = result["verdict"]
-    if verdict == "arrived":
-        return EXIT_ARRIVED
-    return EXIT_INTERRUPTED if verdict == "interrupted" else EXIT_OTHERWISE
+    if verdict == "aborted" and not result["ticks"]:
+        return EXIT_FAULT
+    return EXIT_ARRIVED if verdict == "arrived" else EXIT_OTHERWISE
 
 
-def served_status(result: Mapping[str, Any]) -> int:
-    """Of a fleet without end: 0 it was stopped, 1 something touched, 3 it ended by itself."""
-    if result["collisions"]:
-        return EXIT_OTHERWISE
-    return EXIT_ARRIVED if result["verdict"] == "interrupted" else EXIT_FAULT
+def kept_status(result: Mapping[str, Any]) -> int:
+    """Of a fleet without end: 1 something touched, 3 it ended by itself; a signal outranks both."""
+    return EXIT_OTHERWISE if result["collisions"] else EXIT_FAULT
 
 
 def show(result: Mapping[str, Any]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from rich.console import Console, Group, RenderableType
@@ -11,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from deploy.telemetry.monitor.snapshot import Source
+from protocol.process.signals import STOP
 
 REFRESH = 0.5  # s; drawing takes some milliseconds
 _COLUMNS = ("robot", "status", "goal, mm", "age, s", "behind", "1/s", "error, mm", "rejected", "restarts")
@@ -29,7 +29,7 @@ _STYLES = {"arrived": "bold green", **dict.fromkeys(_ALARMS, "bold red")}
 def show(source: Source, console: Console | None = None) -> str:
     """Show `source` until its run has ended; returns the verdict, empty if the world went without one.
 
-    Ctrl-C (KeyboardInterrupt) ends it, too.
+    A signal ends it, too.
     """
     with Live(console=console, auto_refresh=False) as live:
         while True:
@@ -37,7 +37,8 @@ def show(source: Source, console: Console | None = None) -> str:
             live.update(table(frame), refresh=True)
             if frame["phase"] in ("ended", "lost"):
                 return str(frame["verdict"])
-            time.sleep(REFRESH)
+            if STOP.wait(REFRESH):
+                return str(frame["verdict"])
 
 
 def table(frame: dict[str, Any]) -> RenderableType:

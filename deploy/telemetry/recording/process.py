@@ -15,7 +15,7 @@ from pathlib import Path
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.connection import Connection
-from protocol.bus.drive import Stop, drive, follow, stop_on_signal
+from protocol.bus.drive import drive, follow
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, everything, world_key
@@ -39,16 +39,13 @@ def main(
     0: all was handed over, or this process was asked to stop. 3: no network, no world, or nobody who writes.
     """
     try:
-        with stop_on_signal():
-            bus = ZenohBus(connection)
-            # The fleet first. On Linux this is about this thread alone: those that hear stay as quick.
-            os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
-            recorder = _recorder(
-                bus, checked_run(run), Writer.at(address), ready and partial(ready, str(address)), away
-            )
-            drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
-    except Stop:
-        return SUCCESS
+        bus = ZenohBus(connection)
+        # The fleet first. On Linux this is about this thread alone: those that hear stay as quick.
+        os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
+        recorder = _recorder(
+            bus, checked_run(run), Writer.at(address), ready and partial(ready, str(address)), away
+        )
+        drive(recorder, bus, on_stop=lambda: recorder.wind_up(_LAST_WORDS))
     except DisknavError as error:
         LOG.error(error)
         return FAULT
@@ -62,13 +59,11 @@ class Aboard:
         self._bus, self._recorder = bus, _recorder(bus, checked_run(run), Writer.at(address))
 
     def follow(self) -> None:
-        """Record until the result is there, or `Stop`; if that fails, say so and let the router go on."""
+        """Record until the result is there, or a signal asks this process to end; if that fails, say so and
+        let the router go on."""
         try:
-            try:
-                follow(self._recorder, self._bus)
-            except Stop:
-                self._recorder.wind_up(_LAST_WORDS)
-                raise
+            follow(self._recorder, self._bus)
+            self._recorder.wind_up(_LAST_WORDS)
         except DisknavError as error:
             LOG.error(error)
 

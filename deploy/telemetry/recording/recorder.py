@@ -13,7 +13,6 @@ from math import inf
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.bus import Bus, Event, Presence, Sample
-from protocol.bus.drive import uninterrupted
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError, RecordingError
 from protocol.keys import robot_key, world_key, world_tokens
@@ -103,13 +102,12 @@ class Recorder:
         """Hand over what is there; what happens later is not recorded."""
         while not self.finished and (event := self._bus.receive(0.0)) is not None:
             self.handle(event)
-        with uninterrupted():
-            if not self.finished:
-                self.finished, self.deadline = True, inf
-                self._listen()
-                self._write(time.monotonic(), last=True)
-                if self._result is not None:
-                    self._file.report(self._result)
+        if not self.finished:
+            self.finished, self.deadline = True, inf
+            self._listen()
+            self._write(time.monotonic(), last=True)
+            if self._result is not None:
+                self._file.report(self._result)
 
     def wind_up(self, patience: float) -> None:
         """Go on until the result is there, `patience` (s) at most: for a process told to stop."""
@@ -167,21 +165,19 @@ class Recorder:
 
     def _listen(self) -> None:
         if self._heard is not None:
-            with uninterrupted():  # what is taken must not be lost
-                self._aside += self._heard()
+            self._aside += self._heard()
 
     def _write(self, now: float, *, last: bool = False) -> None:
         if not self._ready:
             return
         self._written = now
         try:
-            with uninterrupted():  # or a part might be handed over twice
-                if self._aside:
-                    self._file.write(self._aside)
-                    self._aside = []
-                if last or now >= self._flushed + _FLUSH_PERIOD:
-                    self._flushed = now
-                    self._file.flush()
+            if self._aside:
+                self._file.write(self._aside)
+                self._aside = []
+            if last or now >= self._flushed + _FLUSH_PERIOD:
+                self._flushed = now
+                self._file.flush()
             self._given_up = inf
         except RecordingError:
             self._given_up = min(self._given_up, now + self._away)

@@ -9,23 +9,20 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import socket
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection as Pipe
 from multiprocessing.connection import wait
-from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from deploy.telemetry.recording.parts import Parts, Rotation, next_free
-from protocol.bus.drive import Stop, stop_on_signal, uninterrupted
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.process.beside import ForkedBeside
-from protocol.process.signals import ENDING
+from protocol.process.signals import STOP
 from protocol.process.title import entitle
 from protocol.scenario.model import Scenario
 
@@ -81,19 +78,17 @@ class Writer:
 
     def finish(self, result: str | None = None) -> None:
         """See `Parts.finish`."""
-        with uninterrupted():
-            self._ask("finish", result)
-            if failed := self._answer():
-                raise RecordingError(failed)
+        self._ask("finish", result)
+        if failed := self._answer():
+            raise RecordingError(failed)
 
     def _ask(self, method: str, *arguments: Any) -> None:
         try:
-            with uninterrupted():
-                if self._pipe is None:
-                    self._pipe = self._connect()
-                    if self._begun is not None:
-                        self._pipe.send(("begin", self._begun))
-                self._pipe.send((method, arguments))
+            if self._pipe is None:
+                self._pipe = self._connect()
+                if self._begun is not None:
+                    self._pipe.send(("begin", self._begun))
+            self._pipe.send((method, arguments))
         except OSError as error:
             failed, self._pipe = self._answer(), None
             raise RecordingError(failed or self._silence) from error
@@ -123,10 +118,9 @@ class WriterProcess(Writer):
 
     def __init__(self, path: Path, run: str = "") -> None:
         pipe, other = multiprocessing.Pipe()
-        Finalize(self, pipe.close, exitpriority=0)  # at exit, whom nobody closed would be waited for
         super().__init__(path, lambda: pipe)
         self._process = ForkedBeside(_PATIENCE, _forked, (pipe, other, path, run))
-        with uninterrupted():  # whoever has begun is known
+        with STOP.held():  # this process ends the other one, by finishing
             self._process.start()
         other.close()
         self._pipe = pipe
@@ -160,17 +154,14 @@ def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], N
     Raises:
         UsageError: the file cannot be created.
     """
-    os.nice(_NICENESS)
     pipes: list[Pipe] = []
-    with stop_on_signal(), socket.socket(socket.AF_UNIX) as door:
+    with STOP.readable() as stopped, socket.socket(socket.AF_UNIX) as door:
         path = next_free(path) if address.exists() else path
         address.unlink(missing_ok=True)
         door.bind(str(address))
         door.listen()
         file = Parts(path, rotation, ready)
-        try:
-            _serve(file, pipes, door)
-        except Stop:
+        if not _serve(file, pipes, door, stopped):
             _take_rest(file, pipes)
             file.finish()
     return 0
@@ -181,42 +172,48 @@ def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     entitle("writer", run)
     inherited.close()
     os.nice(_NICENESS)
-    for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)  # the other process ends this one, by finishing
     try:
         file = Parts(path)
         pipe.send("")
         _serve(file, [pipe])
-        file.abandon("whoever recorded is gone")  # unless it is finished
+        file.abandon("the process that recorded is gone")  # unless it is finished
     except DisknavError as error:
         pipe.send(str(error))
 
 
-def _serve(file: Parts, pipes: list[Pipe], door: socket.socket | None = None) -> None:
-    """Obey all who are connected, until one says that the file is to be finished, or nobody is left."""
+def _serve(
+    file: Parts, pipes: list[Pipe], door: socket.socket | None = None, stopped: int | None = None
+) -> bool:
+    """Obey all who are connected: until one has the file finished, which is returned, or `stopped` is
+    readable, or nobody is left."""
+    others = [each for each in (door, stopped) if each is not None]
     while pipes or door is not None:
-        for ready in wait([*pipes, *([] if door is None else [door])]):
+        for ready in wait([*pipes, *others]):
+            if ready == stopped:
+                return False
             if isinstance(ready, socket.socket):
+                if not pipes:
+                    os.nice(max(0, _NICENESS - os.nice(0)))  # not before: one that only closes is not to wait
                 pipes.append(Pipe(ready.accept()[0].detach()))
             elif isinstance(ready, Pipe) and ready in pipes and _obey(file, ready, pipes):
-                return
+                return True
+    return False
 
 
 def _obey(file: Parts, pipe: Pipe, pipes: list[Pipe]) -> bool:
     """Do what one connection says next; whether the file is finished by that."""
-    with uninterrupted():
-        try:
-            method, arguments = pipe.recv()
-        except _GONE:
-            pipes.remove(pipe)
-            file.flush()  # what has been said is kept, whatever comes
-            return False
-        if method == "finish":
-            _take_rest(file, [other for other in pipes if other is not pipe])
-        _call(file, method, arguments)
-        if method == "finish":
-            pipe.send("")
-        return bool(method == "finish")
+    try:
+        method, arguments = pipe.recv()
+    except _GONE:
+        pipes.remove(pipe)
+        file.flush()  # what has been said is kept, whatever comes
+        return False
+    if method == "finish":
+        _take_rest(file, [other for other in pipes if other is not pipe])
+    _call(file, method, arguments)
+    if method == "finish":
+        pipe.send("")
+    return bool(method == "finish")
 
 
 def _take_rest(file: Parts, pipes: list[Pipe]) -> None:

@@ -20,6 +20,7 @@ from deploy.theory.certify.boxes.search import grow
 from deploy.theory.certify.certificate import Certificate, Frontier, Goals, Open, fetch, path_for, store
 from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
+from protocol.process.signals import STOP
 from protocol.scenario.model import Scenario
 
 LADDER = (1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0)
@@ -160,13 +161,9 @@ def certify(scenario: Scenario, request: Request) -> Outcome:
     """
     goals = Goals.of(scenario)
     certificate = fetch(request.path, goals) if request.path.exists() else Certificate(goals, scenario.name)
-    interrupted = False
     with _Keeper(certificate, request) as keeper:
-        try:
-            prove(certificate, request.target, keeper.tell)
-        except KeyboardInterrupt:
-            interrupted = True
-    return Outcome(certificate, request.path, request.target, interrupted)
+        prove(certificate, request.target, keeper.tell)
+    return Outcome(certificate, request.path, request.target, STOP.requested)
 
 
 class _Keeper:
@@ -198,7 +195,7 @@ class _Keeper:
         store(self._certificate, self._path)
 
     def tell(self, certificate: Certificate) -> bool:
-        """Whether there is time left."""
+        """Whether there is time left, and no signal asks this process to end."""
         frontier = certificate.frontier
         done, boxes = (1.0, 0) if frontier is None else (frontier.done, frontier.nodes)
         proven = "" if certificate.proven is None else f"k ≥ {certificate.proven:g} proven"
@@ -208,7 +205,7 @@ class _Keeper:
         if frontier is None or time.monotonic() > self._kept + _KEEP:
             store(certificate, self._path)
             self._kept = time.monotonic()
-        return time.monotonic() < self._until
+        return time.monotonic() < self._until and not STOP.requested
 
 
 def to_json(outcome: Outcome) -> dict[str, Any]:

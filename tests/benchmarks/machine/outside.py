@@ -62,17 +62,17 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "yard.toml")
         file.write_text(write_toml(scenario))
-        router = subprocess.Popen([*disknav, "router"], stderr=subprocess.PIPE, text=True)
+        router = subprocess.Popen([*disknav, "node", "router"], stderr=subprocess.PIPE, text=True)
         processes = [router]
         try:
             assert router.stderr is not None
             found = re.search(r"listening on (\S+)", router.stderr.readline())
             assert found is not None
             place = ["--run", "yard", "--router", found[1]]
-            world = [*disknav, "world", str(file), *place]
+            world = [*disknav, "node", "world", str(file), *place]
             processes.append(subprocess.Popen(world, stdout=subprocess.DEVNULL))
             robots = [
-                subprocess.Popen([*disknav, "robot", str(robot), *place, "--base", "ros2"])
+                subprocess.Popen([*disknav, "node", "robot", str(robot), *place, "--base", "ros2"])
                 for robot in scenario.ids
             ]
             processes += robots

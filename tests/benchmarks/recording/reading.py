@@ -64,7 +64,7 @@ def cost(path: Path, command: tuple[str, ...]) -> Cost:
         RuntimeError: it failed.
     """
     name, *options = command
-    call = [sys.executable, "-m", "deploy.cli", name, str(path), *options]
+    call = [sys.executable, "-m", "disknav", "recording", name, str(path), *options]
     quiet = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
     pid = os.posix_spawn(sys.executable, call, os.environ, file_actions=quiet)
     _, status, usage = os.wait4(pid, 0)

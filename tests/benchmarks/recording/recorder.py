@@ -107,7 +107,7 @@ _WATCHERS: dict[str, Watcher] = {"page": _page, "terminal": _terminal}
 
 @contextmanager
 def _monitor(endpoint: str, run: str, *options: str, stdout: int) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", "deploy.cli", "monitor", "--router", endpoint, "--run", run, *options]
+    command = [sys.executable, "-m", "disknav", "monitor", run, "--router", endpoint, *options]
     process = subprocess.Popen(
         command, stdout=stdout, stderr=subprocess.DEVNULL, env={**os.environ, "TERM": "xterm"}
     )

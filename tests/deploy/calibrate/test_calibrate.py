@@ -84,9 +84,10 @@ def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
 @pytest.mark.parametrize(
     "words",
     [
-        ("calibrate", "turtlebots-2", "1"),
-        ("robot", "1", "--run", "yard", "--base", "ros2"),
-        *((name, "turtlebots-2", "--set", "world.plant=external") for name in ("run", "serve", "world")),
+        ("setup", "calibrate", "turtlebots-2", "1"),
+        ("node", "robot", "1", "--run", "yard", "--base", "ros2"),
+        *((*name, "turtlebots-2", "--set", "world.plant=external") for name in (("run",), ("node", "world"))),
+        ("run", "turtlebots-2", "--keep", "--set", "world.plant=external"),
     ],
     ids=" ".join,
 )

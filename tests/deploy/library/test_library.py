@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
-from deploy.commands.scenario import app
+from deploy.cli.scenario import app
 from deploy.library.generate import generate
 from deploy.library.goal_sets import GOAL_SETS, figure_3, tightness
 from deploy.library.load import load

@@ -97,7 +97,9 @@ def deployed(
 ) -> subprocess.CompletedProcess[str]:
     scenario = replace(load("swap-2"), orders=(Order(1.0, remove=2), Order(2.0, add=guest)))
     (folder / "guest.toml").write_text(write_toml(scenario))
-    return disknav("deploy", orchestrator, folder / "guest.toml", "-o", folder / "fleet", "--run", "yard")
+    return disknav(
+        "setup", "deploy", orchestrator, folder / "guest.toml", "-o", folder / "fleet", "--run", "yard"
+    )
 
 
 @pytest.mark.parametrize("orchestrator", THIRD)
@@ -121,7 +123,7 @@ def test_nobody_would_start_a_process_again_that_was_told_that_it_is_removed(
 
 def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:
     settings = ("--set", "world.plant=external")
-    done = disknav("deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
+    done = disknav("setup", "deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
     assert (done.returncode, (tmp_path / "fleet").exists()) == (2, False)
     assert "bases outside" in done.stderr
 
@@ -156,7 +158,7 @@ def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, pla
         shell = pod["command"][-1].replace("exec disknav", "exec echo")
         environment = {"ROBOTS": listed, "INDEX": str(index), "PATH": "/usr/bin:/bin"}
         done = subprocess.run(["/bin/sh", "-c", shell], env=environment, capture_output=True, check=True)
-        assert done.stdout.decode().split()[:2] == ["robot", str(robot)]
+        assert done.stdout.decode().split()[:3] == ["node", "robot", str(robot)]
         seen = {item["key"] for item in items if item["path"].startswith(f"{index}/")}
         assert {name for name in seen if name.endswith(".key")} == {f"robot-{robot}.key"}
 
@@ -213,7 +215,7 @@ def test_a_router_or_a_monitor_cannot_be_probed() -> None:
 
 def test_a_folder_with_something_in_it_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("mine")
-    command = [sys.executable, "-m", "deploy.cli", "deploy", "compose", "figure-2", "-o", str(tmp_path)]
+    command = [sys.executable, "-m", "disknav", "setup", "deploy", "compose", "figure-2", "-o", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
     assert done.returncode == 2
     assert "not empty" in done.stderr

@@ -104,12 +104,12 @@ mkdir -m 0700 -p "$HOME/my fleet"; chmod 0700 "$HOME"
 /opt/disknav/bin/python -m venv --without-pip "$HOME/my fleet/env"
 cd "$HOME/my fleet"
 echo /opt/disknav/lib/python3*/site-packages > "$(echo env/lib/python3*/site-packages)/all.pth"
-printf '#!/bin/sh\nexec "%s/env/bin/python" -m deploy.cli "$@"\n' "$PWD" > env/bin/disknav
+printf '#!/bin/sh\nexec "%s/env/bin/python" -m disknav "$@"\n' "$PWD" > env/bin/disknav
 chmod 755 env/bin/disknav
 cat > guested.toml <<"EOF"
 SCENARIO_TOML
 EOF
-env/bin/disknav deploy systemd guested.toml --run yard --wait 60 --output yard
+env/bin/disknav setup deploy systemd guested.toml --run yard --wait 60 --output yard
 """
 
 

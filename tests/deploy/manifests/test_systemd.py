@@ -71,7 +71,7 @@ def test_software_in_a_home_is_shown_and_nothing_else_there(tmp_path: Path) -> N
     assert lines(unit, "ProtectHome") == ["tmpfs"]
     assert lines(unit, "BindReadOnlyPaths") == ['"/root/my fleet: 100%%/env"']
     (command,) = lines(unit, "ExecStart")
-    assert command.startswith('"/root/my fleet: 100%%/env/bin/disknav" world %d/')
+    assert command.startswith('"/root/my fleet: 100%%/env/bin/disknav" node world %d/')
 
 
 @needs_systemd
@@ -124,7 +124,7 @@ def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
         robots = [stack.enter_context(started(folder, "robot@", first))]
         probes = []  # they are answered while the world waits for the others; the run itself is a short one
         for role, keys in (("world", "world"), (f"robot-{first}", f"robot@{first}")):
-            probing = [DISKNAV, "probe", role, "--router", endpoint, "--within", "60"]
+            probing = [DISKNAV, "fleet", "probe", "yard", role, "--router", endpoint, "--within", "60"]
             probes.append(subprocess.Popen([*probing, "--secure", str(folder.parent / keys)]))
         patience = time.monotonic() + 10.0
         while any(probe.poll() is None for probe in probes) and time.monotonic() < patience:

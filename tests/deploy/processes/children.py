@@ -13,9 +13,9 @@ from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process
 from protocol.bus.connection import Connection
-from protocol.bus.drive import Stop, stop_on_signal
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
+from protocol.process.signals import STOP
 
 
 def row(name: str, function: Callable[..., object], *arguments: object, **options: object) -> Process:
@@ -32,27 +32,25 @@ def spawner() -> Spawner:
 
 def announce(connection: Connection, key: str) -> int:
     """Hold a liveliness token until told to stop."""
-    try:
-        with stop_on_signal(), closing(ZenohBus(connection)) as bus:
-            bus.announce(key)
-            while True:
-                bus.receive(60.0)
-    except Stop:
-        return 0
+    with closing(ZenohBus(connection)) as bus:
+        bus.announce(key)
+        STOP.wait()
+    return 0
 
 
-def wait(report: Callable[[str], None] | None = None) -> NoReturn:
+def wait(report: Callable[[str], None] | None = None) -> int:
     """Do nothing until a signal ends this process."""
     if report is not None:
         report("waiting")
-    while True:
-        signal.pause()
+    STOP.wait()
+    return 0
 
 
 def wait_stubbornly(report: Callable[[str], None]) -> NoReturn:
     """Do nothing, SIGTERM or not."""
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    wait(report)
+    report("waiting")
+    while True:
+        signal.pause()
 
 
 def give(code: int) -> int:

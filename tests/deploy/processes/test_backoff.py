@@ -27,6 +27,7 @@ def test_waits_grow_to_a_cap_and_begin_anew_after_a_steady_life() -> None:
 def test_one_that_keeps_dying_starves_nobody() -> None:
     with Supervisor(spawner()) as supervisor:
         supervisor.start([row("sick", give, 3, restarts=1000), row("sound", wait, reports=True)])
+        supervisor.up(["sick"])
         supervisor.report("sound", PATIENCE)
         began, deaths = time.monotonic(), 0
         while time.monotonic() < began + 1.5:

@@ -9,14 +9,13 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from deploy.processes.fork_messages import Exited, News
 from deploy.processes.row import Exit, Life
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import ProcessError
+from protocol.errors import ProcessError, StartError
 from tests.deploy.processes.children import (
     announce,
     die_while_reporting,
@@ -71,9 +70,21 @@ def test_an_exit_says_how() -> None:
 
 def test_a_failing_process_is_restarted_as_often_as_its_row_says(supervisor: Supervisor) -> None:
     supervisor.start([row("again", give, 1, restarts=2)])
+    supervisor.up(["again"])
     assert [exit_.code for exit_ in exits(supervisor, 3)] == [1, 1, 1]
     assert supervisor.running() == []
     assert supervisor.usage()[0].restarts == 2
+
+
+def test_a_process_that_could_not_start_is_not_started_again(supervisor: Supervisor) -> None:
+    """Its second try would end as the first; one that is killed as it starts is another matter."""
+    supervisor.start([row("vain", give, 3, restarts=1000, reports=True)])
+    with pytest.raises(StartError, match="vain could not start"):
+        supervisor.report("vain", PATIENCE)
+    supervisor.start([row("killed", wait, restarts=1)])
+    supervisor.signal("killed", signal.SIGKILL)
+    seen = [(exit_.process.name, exit_.again) for exit_ in exits(supervisor, 2)]
+    assert seen == [("vain", False), ("killed", True)]
 
 
 def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
@@ -112,15 +123,17 @@ def test_pause_and_resume(supervisor: Supervisor) -> None:
 
 
 def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Supervisor) -> None:
-    supervisor.start([waiting("plain"), waiting("frozen"), row("stubborn", wait_stubbornly, reports=True)])
+    supervisor.start(
+        [waiting("plain"), waiting("frozen"), row("stubborn", wait_stubbornly, reports=True, patience=1.0)]
+    )
     for name in ("plain", "frozen", "stubborn"):
         supervisor.report(name, PATIENCE)
     supervisor.pause("frozen")
     begin = time.monotonic()
-    supervisor.stop(2.0)
+    supervisor.stop()
     assert time.monotonic() - begin < 8.0
     codes = {usage.name: usage.exit_code for usage in supervisor.usage()}
-    assert codes == {"plain": -15, "frozen": -15, "stubborn": -9}
+    assert codes == {"plain": 0, "frozen": 0, "stubborn": -9}
 
 
 def test_a_frozen_process_on_the_network_stops_at_once_and_in_order(supervisor: Supervisor) -> None:
@@ -133,8 +146,8 @@ def test_a_frozen_process_on_the_network_stops_at_once_and_in_order(supervisor: 
     bus.close()
     supervisor.pause("robot-1")
     begin = time.monotonic()
-    supervisor.stop(10.0)
-    assert time.monotonic() - begin < 9.0
+    supervisor.stop()
+    assert time.monotonic() - begin < 4.5
     assert [usage.exit_code for usage in supervisor.usage()] == [0, 0]
 
 
@@ -142,7 +155,7 @@ def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
     supervisor.start([row("mute", wait), row("broken", divide_by_zero, reports=True)])
     with pytest.raises(ProcessError, match=r"mute did not answer within 0\.05 s"):
         supervisor.report("mute", 0.05)
-    with pytest.raises(ProcessError, match="broken ended at once"):
+    with pytest.raises(ProcessError, match="broken could not start"):
         supervisor.report("broken", PATIENCE)
 
 
@@ -208,48 +221,3 @@ def test_64_processes_are_up_soon(supervisor: Supervisor, capsys: pytest.Capture
         print(f"\n64 processes, each with a session of its own, up in {elapsed:.2f} s")
     assert up == set(keys)
     assert len(supervisor.running()) == 65
-
-
-class InterruptedServer:
-    """A fork server in small, with a Ctrl-C while it starts the second process; what is told to end ends."""
-
-    gone = False
-
-    def __init__(self, *, before: bool) -> None:
-        self._before, self._started = before, 0
-        self._news: list[News] = []
-        self.alive: set[int] = set()
-
-    def start(self, *_: object, **__: object) -> int:
-        number = self._started + 1
-        if number == 2 and self._before:
-            signal.raise_signal(signal.SIGINT)
-        self._started = number
-        self.alive.add(number)
-        if number == 2 and not self._before:
-            signal.raise_signal(signal.SIGINT)
-        return number
-
-    def signal(self, life: int, number: int) -> None:
-        if life in self.alive and number in (signal.SIGTERM, signal.SIGKILL):
-            self.alive.remove(life)
-            self._news.append(Exited(life, -number, 0.0, 0.0))
-
-    def news(self, _timeout: float) -> Iterator[News]:
-        while self._news:
-            yield self._news.pop(0)
-
-    def close(self) -> None:
-        """Nothing is left."""
-
-
-@pytest.mark.parametrize("again", [False, True])
-@pytest.mark.parametrize("before", [False, True])
-def test_ctrl_c_while_a_process_is_started_leaves_none_behind(before: bool, again: bool) -> None:
-    server = InterruptedServer(before=before)
-    supervisor = Supervisor(server)  # type: ignore[arg-type]
-    supervisor.start([waiting("a")])
-    with pytest.raises(KeyboardInterrupt):
-        supervisor.restart("a") if again else supervisor.start([waiting("b")])
-    supervisor.stop()
-    assert (server.alive, supervisor.running()) == (set(), [])

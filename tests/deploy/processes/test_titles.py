@@ -35,7 +35,7 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
 
-DISKNAV = [sys.executable, "-m", "deploy.cli"]
+DISKNAV = [sys.executable, "-m", "disknav"]
 PATIENCE = 30.0  # s
 
 
@@ -122,10 +122,10 @@ def test_processes_that_are_started_alone(environment: dict[str, str]) -> None:
     run, endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"
     attached = ["--run", run, "--router", endpoint]
     commands = {
-        "disknav router": ["router", "--listen", endpoint],
-        f"disknav world (run {run})": ["world", "figure-2", *attached],
-        f"disknav robot 1 (run {run})": ["robot", "1", *attached],
-        f"disknav monitor (run {run})": ["monitor", *attached],
+        "disknav router": ["node", "router", "--listen", endpoint],
+        f"disknav world (run {run})": ["node", "world", "figure-2", *attached],
+        f"disknav robot 1 (run {run})": ["node", "robot", "1", *attached],
+        f"disknav monitor (run {run})": ["monitor", run, *attached[2:]],
     }
     with ExitStack() as stack:
         for expected, command in commands.items():

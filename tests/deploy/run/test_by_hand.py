@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
 
@@ -36,7 +36,7 @@ class ByHand:
             if command[0] == "router"
             else ["--router", self.endpoint, "--run", "hand", "--wait", str(wait)]
         )
-        call = [sys.executable, "-m", "deploy.cli", *command, *connection]
+        call = [sys.executable, "-m", "disknav", "node", *command, *connection]
         process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.processes.append(process)
         return process
@@ -90,7 +90,7 @@ def test_a_world_that_is_told_to_stop_says_so(tmp_path: Path) -> None:
         until(alive.exists)
         world.send_signal(signal.SIGTERM)
         found, report = said(world)
-        assert (found, report["verdict"]) == (EXIT_INTERRUPTED, "interrupted")
+        assert (found, report["verdict"]) == (128 + signal.SIGTERM, "interrupted")
 
 
 @pytest.mark.long(8)
@@ -104,4 +104,4 @@ def test_nobody_waits_for_longer_than_asked() -> None:
         assert alone.stderr is not None
         assert "no world answers" in alone.stderr.read()
         found, report = said(it.start("world", "figure-2", wait=1.0))
-        assert (found, report["verdict"]) == (EXIT_OTHERWISE, "aborted")
+        assert (found, report["verdict"]) == (EXIT_FAULT, "aborted")

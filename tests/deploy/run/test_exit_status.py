@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.run.outcome.result import served_status
+from deploy.run.outcome.result import exit_status, kept_status
 
 
 @pytest.mark.parametrize(
     ("verdict", "collisions", "status"),
-    [("interrupted", 0, 0), ("aborted", 0, 3), ("collision", 1, 1)],
+    [("aborted", 0, 3), ("collision", 1, 1)],
 )
-def test_a_fleet_that_is_to_stay_up_ends_well_only_if_it_is_stopped(
+def test_a_fleet_that_is_to_stay_up_does_not_end_well_by_itself(
     verdict: str, collisions: int, status: int
 ) -> None:
-    assert served_status({"verdict": verdict, "collisions": collisions}) == status
+    assert kept_status({"verdict": verdict, "collisions": collisions}) == status
+
+
+@pytest.mark.parametrize(
+    ("verdict", "ticks", "status"),
+    [("arrived", 9, 0), ("timeout", 9, 1), ("aborted", 9, 1), ("aborted", 0, 3)],
+)
+def test_what_never_began_is_a_fault(verdict: str, ticks: int, status: int) -> None:
+    assert exit_status({"verdict": verdict, "ticks": ticks}) == status

@@ -31,7 +31,7 @@ from protocol.scenario.model import ProcessFault, Scenario
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
-DISKNAV = [sys.executable, "-m", "deploy.cli"]
+DISKNAV = [sys.executable, "-m", "disknav"]
 
 
 def run_fleet(scenario: Scenario, options: RunOptions) -> dict[str, Any]:

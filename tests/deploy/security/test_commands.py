@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.commands.operate.keys import new
+from deploy.cli.setup import keys as make
 from deploy.library.load import load
 from deploy.security.membership import Membership
 from deploy.security.roster import read, robot_role
@@ -22,7 +22,7 @@ from tests.forks import Forks
 @pytest.mark.process
 def test_keys_then_a_run_with_them(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
-    made = disknav("keys", "new", keys, "--scenario", "figure-2", "--run", "yard")
+    made = disknav("setup", "keys", keys, "--scenario", "figure-2", "--run", "yard")
     assert made.returncode == 0
     assert "for the run yard, valid until" in made.stdout
     done = disknav("run", "figure-2", "--secure", keys, "--json", "-")
@@ -35,7 +35,7 @@ def test_keys_are_for_robots_that_orders_add_too(tmp_path: Path) -> None:
     file, keys = tmp_path / "guest.toml", tmp_path / "keys"
     guest = replace(load("head-on").robots[0], id=7)
     file.write_text(write_toml(replace(load("head-on"), orders=(Order(1.0, add=guest),))))
-    new(keys, str(file), run="yard")
+    make(keys, str(file), run="yard")
     assert read(keys).robots == (1, 2, 7)
     assert Membership(keys).client(robot_role(7), ("tls/127.0.0.1:7447",)).credentials is not None
 
@@ -43,15 +43,15 @@ def test_keys_are_for_robots_that_orders_add_too(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
-    assert disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard").returncode == 0
+    assert disknav("setup", "keys", keys, "-s", "figure-2", "--run", "yard").returncode == 0
     mistakes = {
         ("run", "figure-1", "--secure", keys): "no certificate for robot-4",
         ("run", "figure-2", "--secure", keys, "--run", "other"): "are for the run yard, not other",
         ("run", "figure-2", "--secure", keys, "--transport", "mesh"): "needs --transport routed",
         ("run", "figure-2", "--secure", tmp_path): "no directory of keys",
-        ("robot", "9", "--secure", keys): "no certificate for robot-9",
-        ("robot", "1", "--secure", keys, "--router", "tcp/127.0.0.1:7447"): "use tls/",
-        ("keys", "new", keys, "-s", "figure-2"): "--force",
+        ("node", "robot", "9", "--secure", keys): "no certificate for robot-9",
+        ("node", "robot", "1", "--secure", keys, "--router", "tcp/127.0.0.1:7447"): "use tls/",
+        ("setup", "keys", keys, "-s", "figure-2"): "--force",
     }
     for command, text in mistakes.items():
         done = disknav(*command)
@@ -62,8 +62,8 @@ def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Pat
 @pytest.mark.slow
 def test_print_config_is_the_whole_of_the_rules(disknav: Forks, tmp_path: Path) -> None:
     keys = tmp_path / "keys"
-    disknav("keys", "new", keys, "-s", "figure-2", "--run", "yard")
-    printed = disknav("router", "--secure", keys, "--print-config")
+    disknav("setup", "keys", keys, "-s", "figure-2", "--run", "yard")
+    printed = disknav("node", "router", "--secure", keys, "--print-config")
     config = json.loads(printed.stdout.partition("\n")[2])
     assert config["listen"]["endpoints"] == ["tls/127.0.0.1:7447"]
     assert config["access_control"]["default_permission"] == "deny"
@@ -82,15 +82,15 @@ def test_an_endpoint_need_not_say_the_protocol_of_its_network(tmp_path: Path) ->
 @pytest.mark.parametrize(
     "words",
     [
-        ("goal", "yard", "1", "--router"),
-        ("router", "--listen"),
-        ("router", "--connect"),
-        ("serve", "figure-1", "-q", "--listen"),
+        ("fleet", "goal", "yard", "1", "--router"),
+        ("node", "router", "--listen"),
+        ("node", "router", "--connect"),
+        ("run", "figure-1", "--keep", "-q", "--listen"),
         ("run", "figure-1", "-q", "--router"),
-        ("monitor", "--run", "yard", "--router"),
-        ("robot", "1", "--run", "yard", "--router"),
-        ("world", "figure-1", "--run", "yard", "--router"),
-        ("probe", "world", "--run", "yard", "--router"),
+        ("monitor", "yard", "--router"),
+        ("node", "robot", "1", "--run", "yard", "--router"),
+        ("node", "world", "figure-1", "--run", "yard", "--router"),
+        ("fleet", "probe", "yard", "world", "--router"),
     ],
 )
 def test_what_is_no_endpoint_ends_every_command_in_one_line(disknav: Forks, words: tuple[str, ...]) -> None:

@@ -145,7 +145,7 @@ def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
 
 
 def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
-    with pytest.raises(CertificateError, match="disknav keys new"):
+    with pytest.raises(CertificateError, match="disknav setup keys"):
         Membership(tmp_path).run(None)
 
 

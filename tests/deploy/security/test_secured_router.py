@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import shutil
+import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing
@@ -29,12 +29,20 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError
 from protocol.keys import everything, robot_key, robot_token, world_key, world_token
 from protocol.messages import Clock, Truth
+from protocol.process.signals import STOP
 from protocol.streams import STREAMS
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 
 ROSTER = Roster("guarded", (1, 2, 3, 4, 5, 6))
 ROGUE = b"rogue"
+
+
+@pytest.fixture(autouse=True)
+def interruptible() -> Iterator[None]:
+    """Ctrl-C ends a router that runs in this process."""
+    with STOP.listening():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +155,7 @@ def test_an_expired_certificate_says_so(tmp_path: Path) -> None:
                 stranger(endpoint, proof, 0.5).close()
             except CertificateError as error:
                 failures.append(str(error))
-        os.kill(os.getpid(), 15)
+        signal.raise_signal(signal.SIGINT)
 
     assert main(listener, ready=ready) == 0
     assert "expired" in failures[0]
@@ -159,7 +167,7 @@ def test_a_robots_key_cannot_pose_as_the_router(keys: Path) -> None:
     def ready(endpoint: str) -> None:
         with pytest.raises(CertificateError, match="unsuitable certificate purpose"):
             member(keys, "robot-2", endpoint)
-        os.kill(os.getpid(), 15)
+        signal.raise_signal(signal.SIGINT)
 
     assert main(impostor, ready=ready) == 0
 
@@ -174,7 +182,7 @@ def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
     def ready(endpoint: str) -> None:
         with pytest.raises(BusError, match=r"--secure|nobody reachable"):
             stranger(endpoint.replace("tcp/", "tls/"), credentials(keys, "robot-1"))
-        os.kill(os.getpid(), 15)
+        signal.raise_signal(signal.SIGINT)
 
     assert main(Connection("router"), ready=ready) == 0
 
@@ -223,6 +231,6 @@ def test_the_same_attack_tells_where_there_are_no_rules(keys: Path) -> None:
             attack(rogue, "guarded", 2)
             write(rogue, "guarded", 2, "state", b"last")
             assert (robot_key("guarded", 3, "command"), ROGUE) in heard(spy, b"last")
-        os.kill(os.getpid(), 15)
+        signal.raise_signal(signal.SIGINT)
 
     assert main(open_to_all, ready=ready) == 0

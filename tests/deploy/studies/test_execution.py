@@ -123,11 +123,10 @@ def test_a_study_that_was_stopped_leaves_no_process_and_goes_on(
     tmp_path: Path, number: signal.Signals
 ) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
-    command = "from deploy.commands.study import study; import typer; typer.run(study)"
-    options = f"tightness --runs 16 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
-    call = [sys.executable, "-c", command, *options, str(tmp_path / "rows.json")]
+    options = f"study tightness --runs 16 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
+    call = [sys.executable, "-m", "disknav", *options, str(tmp_path / "rows.json")]
     process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2))
+    until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2), 60.0)
     workers = psutil.Process(process.pid).children(recursive=True)
     assert len(workers) >= 2
     if number == signal.SIGINT:

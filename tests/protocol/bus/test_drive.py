@@ -1,18 +1,13 @@
 """The main loop of a process: what has arrived comes before a deadline, and a flood does not hold one off."""
 
-import os
 import signal
-import threading
-import time
 from math import inf
 
-import pytest
-
 from protocol.bus.bus import Event, Sample
-from protocol.bus.drive import Stop, follow, stop_on_signal, uninterrupted
+from protocol.bus.drive import follow
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.process.signals import STOP
 
-PATIENCE = 20.0  # s
 KEY = "disknav/r/robot/1/state"
 
 
@@ -63,86 +58,15 @@ def test_who_has_finished_is_left_alone() -> None:
     assert diary.woken == 0
 
 
-def test_only_the_first_signal_stops() -> None:
-    cleaned = []
+def test_a_signal_ends_the_loop_between_two_events() -> None:
+    class Interrupted(Diary):
+        def handle(self, event: Event) -> None:
+            super().handle(event)
+            signal.raise_signal(signal.SIGINT)
 
-    @stop_on_signal()
-    @stop_on_signal()
-    def work() -> None:
-        try:
-            os.kill(os.getpid(), signal.SIGTERM)
-        finally:
-            os.kill(os.getpid(), signal.SIGTERM)
-            cleaned.append("up")
-
-    with pytest.raises(Stop):
-        work()
-    assert cleaned == ["up"]
-    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_waits_for_what_must_not_be_left_half_done(number: int) -> None:
-    """Also where there are other threads, to one of which the system may give it."""
-    done, idle = [], threading.Event()
-    other = threading.Thread(target=idle.wait, args=(PATIENCE,))
-
-    def work() -> None:
-        with uninterrupted():
-            with uninterrupted():
-                os.kill(os.getpid(), number)
-                time.sleep(0.05)
-                done.append("inner")
-            done.append("outer")
-        done.append("after")
-
-    other.start()
-    try:
-        with pytest.raises(Stop), stop_on_signal():
-            work()
-    finally:
-        idle.set()
-        other.join()
-    assert done == ["inner", "outer"]
-
-
-def test_a_signal_is_handled_as_before_once_nothing_waits() -> None:
-    before = signal.getsignal(signal.SIGINT)
-
-    def fail() -> None:
-        with uninterrupted():
-            assert signal.getsignal(signal.SIGINT) is not before
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail()
-    assert signal.getsignal(signal.SIGINT) is before
-
-
-def test_elsewhere_than_in_the_main_thread_nothing_has_to_wait() -> None:
-    handlers = []
-
-    def work() -> None:
-        with uninterrupted():
-            handlers.append(signal.getsignal(signal.SIGINT))
-
-    other = threading.Thread(target=work)
-    other.start()
-    other.join(PATIENCE)
-    assert handlers == [signal.getsignal(signal.SIGINT)]
-
-
-def test_each_signal_that_had_to_wait_is_heard() -> None:
-    """Also a closed terminal; and one that ends the process although another is ignored."""
-    heard: list[int] = []
-    signals = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM)
-    before = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in signals}
-    try:
-        with uninterrupted():
-            for number in signals:
-                signal.raise_signal(number)
-            assert heard == []
-        assert heard == list(signals)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    diary = Interrupted()
+    diary.deadline = inf
+    with STOP.listening():
+        follow(diary, full_bus(3))
+    assert len(diary.heard) == 3
+    assert (diary.finished, diary.woken) == (False, 0)

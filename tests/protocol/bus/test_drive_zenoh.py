@@ -14,8 +14,10 @@ from pathlib import Path
 import pytest
 
 from protocol.bus.bus import Event, Presence
-from protocol.bus.drive import Stop, drive, stop_on_signal
+from protocol.bus.connection import Connection
+from protocol.bus.drive import drive
 from protocol.bus.zenoh import ZenohBus
+from protocol.process.signals import STOP, Stopped
 
 pytestmark = pytest.mark.timeout(30)
 
@@ -23,18 +25,38 @@ ALIVE = "disknav/t/robot/1/alive"
 Connect = Callable[..., ZenohBus]
 
 
+def later(number: int = signal.SIGINT) -> None:
+    threading.Timer(0.05, os.kill, (os.getpid(), number)).start()
+
+
 def test_a_signal_interrupts_receiving(connect: Connect) -> None:
     bus = connect()
-    terminate = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM))
+    with STOP.listening():
+        later()
+        assert bus.receive(inf) is None
+        assert STOP.requested
 
-    @stop_on_signal()
-    def receive() -> None:
-        terminate.start()
-        bus.receive(inf)
 
-    with pytest.raises(Stop) as stop:
-        receive()
-    assert stop.value.signal == signal.SIGTERM
+def test_a_signal_interrupts_a_question(connect: Connect) -> None:
+    bus, silent = connect(), connect()
+    silent.serve(ALIVE)
+    began = time.monotonic()
+    with STOP.listening():
+        later()
+        with pytest.raises(Stopped):
+            bus.ask(ALIVE, b"", 20.0)
+    assert time.monotonic() < began + 10.0
+
+
+def test_a_signal_interrupts_opening() -> None:
+    """zenoh itself would go on trying."""
+    nowhere = Connection(connect=("tcp/127.0.0.1:1",), timeout=20.0)
+    began = time.monotonic()
+    with STOP.listening():
+        later()
+        with pytest.raises(Stopped):
+            ZenohBus(nowhere)
+    assert time.monotonic() < began + 10.0
 
 
 def test_zenohs_threads_leave_signals_alone(connect: Connect) -> None:
@@ -86,10 +108,10 @@ def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
     class Interrupted(Node):
         def wake(self, now: float) -> None:
             super().wake(now)
-            threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+            later()
 
     bus, words = connect(), []
-    with pytest.raises(Stop):
+    with STOP.listening():
         drive(Interrupted(1, deadline=0.0), bus, on_stop=lambda: words.append(bus._session.is_closed()))
     assert words == [False]
     assert bus._session.is_closed()

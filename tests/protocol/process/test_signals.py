@@ -1,81 +1,144 @@
-"""Signals that are taken over for a while, at whatever moment they come."""
+"""Signals as an event: noted at any moment, waking what waits, and never an exception out of nowhere."""
 
 from __future__ import annotations
 
+import os
+import select
 import signal
+import subprocess
 import sys
-from collections.abc import Iterator
-from types import FrameType
-from typing import Any
+import threading
+import time
+from queue import SimpleQueue
 
 import pytest
 
-from protocol.process import signals
-from protocol.process.signals import ENDING, heard_by
+from protocol.process.signals import ENDING, STOP, Stopped, StopSignal
+from tests.scripts import ended
+
+PATIENCE = 20.0  # s
 
 
 @pytest.fixture(autouse=True)
-def handlers() -> Iterator[dict[int, Any]]:
-    """Each raises KeyboardInterrupt, as in the command."""
-    before = {number: signal.signal(number, signal.default_int_handler) for number in ENDING}
-    yield dict.fromkeys(ENDING, signal.default_int_handler)
-    for number, handler in before.items():
-        signal.signal(number, handler)
+def listening() -> object:
+    """Ctrl-C is an event for the time of a test."""
+    with STOP.listening():
+        yield
+
+
+def later(number: int = signal.SIGINT) -> threading.Timer:
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), number))
+    timer.start()
+    return timer
+
+
+def test_a_signal_is_noted_and_raises_nothing() -> None:
+    assert not STOP.requested
+    STOP.check()
+    signal.raise_signal(signal.SIGINT)
+    signal.raise_signal(signal.SIGINT)
+    assert STOP.requested
+    assert (STOP.number, STOP.count, STOP.status) == (signal.SIGINT, 2, 130)
+    with pytest.raises(Stopped):
+        STOP.check()
+
+
+def test_a_wait_ends_with_a_signal() -> None:
+    assert not STOP.wait(0.001)
+    later()
+    began = time.monotonic()
+    assert STOP.wait(PATIENCE)
+    assert STOP.wait()  # and any further one at once
+    assert time.monotonic() < began + PATIENCE / 2
+
+
+def test_what_waits_for_a_queue_is_woken_also_by_a_signal_that_came_before() -> None:
+    queue: SimpleQueue[str] = SimpleQueue()
+    later()
+    with STOP.calling(lambda: queue.put("woken")):
+        assert queue.get(timeout=PATIENCE) == "woken"
+    signal.raise_signal(signal.SIGINT)
+    assert queue.empty()  # it is called no more
+    with STOP.calling(lambda: queue.put("at once")):
+        assert queue.get(timeout=0.0) == "at once"
+
+
+def test_what_waits_for_descriptors_is_woken() -> None:
+    with STOP.readable() as descriptor:
+        later()
+        assert select.select([descriptor], [], [], PATIENCE)[0] == [descriptor]
+    with STOP.readable() as descriptor:
+        assert select.select([descriptor], [], [], 0.0)[0] == [descriptor]
+
+
+def test_afterwards_ctrl_c_is_the_users_again() -> None:
+    with STOP.listening():  # nested, it changes nothing
+        signal.raise_signal(signal.SIGINT)
+    assert STOP.requested
+    process = ended(
+        "import signal\nfrom protocol.process.signals import STOP\n"
+        "with STOP.listening(): signal.raise_signal(signal.SIGINT); assert STOP.requested\n"
+        "assert not STOP.requested and not STOP.count\n"
+        "try: signal.raise_signal(signal.SIGINT)\nexcept KeyboardInterrupt: print('raised')\n"
+    )
+    assert (process.stdout, process.stderr) == ("raised\n", "")
+
+
+def test_a_handler_of_the_users_is_left_alone() -> None:
+    process = ended(
+        "import signal\nfrom protocol.process.signals import STOP\n"
+        "signal.signal(signal.SIGINT, lambda *_: print('mine'))\n"
+        "with STOP.listening(): signal.raise_signal(signal.SIGINT)\n"
+        "assert not STOP.requested\n"
+    )
+    assert (process.stdout, process.stderr) == ("mine\n", "")
+
+
+def test_elsewhere_than_in_the_main_thread_nothing_changes() -> None:
+    handlers = []
+
+    def work() -> None:
+        with StopSignal().listening():
+            handlers.append(signal.getsignal(signal.SIGINT))
+
+    other = threading.Thread(target=work)
+    other.start()
+    other.join(PATIENCE)
+    assert handlers == [signal.getsignal(signal.SIGINT)]
 
 
 @pytest.mark.parametrize("number", ENDING)
-def test_a_signal_at_any_line_leaves_all_handlers_as_they_were(number: int, handlers: dict[int, Any]) -> None:
-    heard, raised = list[int](), list[int]()
-
-    def interrupted_at(moment: int) -> None:
-        line, outer = 0, sys.gettrace()
-
-        def trace(frame: FrameType, event: str, _arg: object) -> Any:
-            nonlocal line
-            if frame.f_code.co_filename != signals.__file__:
-                return None
-            line += event == "line"
-            if line > moment:
-                line = -sys.maxsize
-                signal.raise_signal(number)
-            return trace
-
-        sys.settrace(trace)
-        try:
-            with heard_by(lambda each, _: heard.append(each)):
-                pass
-        except KeyboardInterrupt:
-            raised.append(number)
-        finally:
-            sys.settrace(outer)
-
-    def times() -> int:
-        return len(heard) + len(raised)
-
-    moments = 0
-    while times() == moments:  # it was heard once for every line so far
-        interrupted_at(moments)
-        assert {each: signal.getsignal(each) for each in ENDING} == handlers, moments
-        moments += 1
-    assert times() == moments - 1 > 20  # the last was no line any more
-    assert heard
-    assert raised
+def test_a_process_that_looks_at_nothing_can_still_be_ended(number: int) -> None:
+    """Code of others may be stuck; two seconds are enough to see that."""
+    process = ended(
+        "import os, signal, sys, time\nfrom protocol.process import signals\nsignals._HELD_UP = 0.05\n"
+        f"signals.STOP.listen()\nsignal.raise_signal({int(number)})\nsignal.raise_signal({int(number)})\n"
+        f"time.sleep(0.1)\nprint('held up', flush=True)\nsignal.raise_signal({int(number)})\nprint('never')\n"
+    )
+    assert (process.returncode, process.stdout, process.stderr) == (-number, "held up\n", "")
 
 
-def test_what_is_ignored_or_left_to_the_system_is_so_again() -> None:
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    with heard_by(signal.SIG_IGN):
-        signal.raise_signal(signal.SIGTERM)
+def test_hangup_stays_ignored_as_nohup_asks_and_ctrl_c_does_not() -> None:
+    process = ended(
+        "import signal\nfrom protocol.process.signals import STOP\n"
+        "for each in (signal.SIGHUP, signal.SIGINT): signal.signal(each, signal.SIG_IGN)\n"
+        "STOP.listen()\nsignal.raise_signal(signal.SIGHUP)\nassert not STOP.requested\n"
+        "signal.raise_signal(signal.SIGINT)\nassert STOP.requested\n"
+        "STOP.ignore()\nsignal.raise_signal(signal.SIGTERM)\nassert STOP.count == 1\n"
+    )
+    assert (process.returncode, process.stderr) == (0, "")
+
+
+def test_processes_that_start_where_signals_are_held_leave_them_to_this_one_until_they_listen() -> None:
+    listens = (
+        "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nprint('still there')\n"
+        "from protocol.process.signals import STOP\nSTOP.listen()\nprint(STOP.status)\n"
+    )
+    with STOP.held():
+        process = subprocess.run(
+            [sys.executable, "-c", listens], stdout=subprocess.PIPE, text=True, timeout=PATIENCE, check=True
+        )
         signal.raise_signal(signal.SIGINT)
-    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    with pytest.raises(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
-
-
-def test_a_handler_that_is_set_inside_stays(handlers: dict[int, Any]) -> None:
-    with heard_by(lambda _number, _frame: None):
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    now = {each: signal.getsignal(each) for each in ENDING}
-    assert now == handlers | {signal.SIGTERM: signal.SIG_IGN}
+        assert not STOP.requested
+    assert STOP.requested
+    assert process.stdout == "still there\n130\n"

@@ -21,6 +21,7 @@ from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Result
+from protocol.process.signals import STOP
 from protocol.streams import STREAMS
 
 
@@ -78,7 +79,8 @@ def publish(
         if key not in publishers:
             publishers[key] = bus.publisher(STREAMS[parse(key).stream], key)
         if speed > 0.0:
-            time.sleep(max(0.0, began + now / speed - time.monotonic()))
+            STOP.wait(max(0.0, began + now / speed - time.monotonic()))
+        STOP.check()
         publishers[key](payload)
         if progress is not None:
             progress(min(1.0, now / duration) if duration > 0.0 else 1.0)

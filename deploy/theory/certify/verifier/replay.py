@@ -19,6 +19,7 @@ from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.verifier.balls import ZERO, middle
 from deploy.theory.certify.verifier.conditions import Conditions, Rows, whole
 from deploy.theory.certify.verifier.descent import descends, newton
+from protocol.process.signals import STOP, Stopped
 
 _ROUNDS = 8
 _WORTH = 0.9
@@ -68,6 +69,7 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
     with nullcontext(lambda _: None) if quiet else bar("verifying") as tell:
 
         def look(nodes: int) -> None:
+            STOP.check()
             tell(min(1.0, (boxes + nodes) / total))
             if time.monotonic() > until:
                 raise _StoppedError(f"time is up after {minutes:g} minutes")
@@ -83,7 +85,7 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
                 before, proven = kappa, slab.k
         except _StoppedError as error:
             failed = str(error)
-        except KeyboardInterrupt:
+        except Stopped:
             interrupted = True
     return Replay(certificate.scenario, certificate.proven, proven, boxes, failed, interrupted)
 

@@ -164,7 +164,7 @@ def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
     with ExitStack() as stack:
         stack.callback(processes.end)
         result = Yard(folder, processes, scenario)
-        processes.start("router", *result.disknav("router"))
+        processes.start("router", *result.disknav("node", "router"))
         listening = re.compile(r"listening on (\S+)")
         until(lambda: bool(listening.search(processes.output("router"))), 30.0, "no router")
         found = listening.search(processes.output("router"))
@@ -178,7 +178,7 @@ def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
             processes.start(f"base-{spec.id}", interpreter, *base, folder / f"truth-{spec.id}", **apart)
         names = [f"bot{robot}" for robot in scenario.ids]
         processes.start("bridge", interpreter, HERE / "bridge.py", result.endpoint, *names, **apart)
-        world = ("world", folder / "yard.toml", "--run", "yard", "--router", result.endpoint)
+        world = ("node", "world", folder / "yard.toml", "--run", "yard", "--router", result.endpoint)
         processes.start("world", *result.disknav(*world))
         for robot in scenario.ids:
             own = (
@@ -191,7 +191,7 @@ def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
                 "--namespace",
                 f"/bot{robot}",
             )
-            processes.start(f"robot-{robot}", *result.disknav("robot", robot, *own))
+            processes.start(f"robot-{robot}", *result.disknav("node", "robot", robot, *own))
         yield result
 
 
@@ -226,7 +226,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
 
         # on the way back one base dies: its robot stands for good, nobody touches it
         for robot in (2, 3, 4):
-            fleet.order("goal", "yard", robot, *starts[robot])
+            fleet.order("fleet", "goal", "yard", robot, *starts[robot])
         until(lambda: fleet.way(3, goals[3]) > 0.15, 60.0, "robot 3 does not leave")
         processes.signal("base-3", signal.SIGKILL)
         until(

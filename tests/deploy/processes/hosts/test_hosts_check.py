@@ -1,4 +1,4 @@
-"""`disknav hosts`: what is found out about a host before a run, and what is put there."""
+"""`disknav setup hosts`: what is found out about a host before a run, and what is put there."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from deploy.commands.operate.hosts import check as command
+from deploy.cli.setup import hosts as command
 from deploy.processes.hosts import check as checking
 from deploy.processes.hosts import install as installing
 from deploy.processes.hosts.check import check
@@ -113,7 +113,7 @@ def test_the_command_tells_by_its_status(disknav: Forks, tmp_path: Path) -> None
     text = f'[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nport = {port}\nrobots = [3, 7]\n'
     for address, status in (("127.0.0.1", 0), ("203.0.113.1", 1)):
         table.write_text(text.replace("127.0.0.1", address))
-        done = disknav("hosts", "check", table)
+        done = disknav("setup", "hosts", table)
         assert done.returncode == status, done.stdout + done.stderr
         assert "router port" in done.stdout
 

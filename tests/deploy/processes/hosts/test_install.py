@@ -43,7 +43,7 @@ def environment(lent: Path) -> dict[str, str]:
 
 
 def disknav(*arguments: str, timeout: float) -> subprocess.CompletedProcess[str]:
-    call = [sys.executable, "-m", "deploy.cli", *arguments]
+    call = [sys.executable, "-m", "disknav", *arguments]
     return subprocess.run(call, capture_output=True, text=True, timeout=timeout, check=False)
 
 
@@ -57,15 +57,15 @@ def test_what_is_installed_there_is_fit_and_runs_its_robots(tmp_path: Path) -> N
     with ssh_server(tmp_path, environment(tmp_path / "lent")) as server:
         options = json.dumps(list(server.options))
         table.write_text(TABLE.format(ports=free_ports(2), user=server.user, options=options, folder=folder))
-        before = disknav("hosts", "check", str(table), timeout=60.0)
+        before = disknav("setup", "hosts", str(table), timeout=60.0)
         assert before.returncode == 1
         assert "No such file" in before.stdout + before.stderr or "not found" in before.stdout + before.stderr
-        done = disknav("hosts", "install", str(table), timeout=200.0)
+        done = disknav("setup", "hosts", str(table), "--install", timeout=200.0)
         if "No matching distribution" in done.stderr:
             pytest.skip("no package index is reached from here: untested")
         assert done.returncode == 0, done.stderr
         assert not folder.with_name("disknav.sources").exists()
-        fit = disknav("hosts", "check", str(table), timeout=60.0)
+        fit = disknav("setup", "hosts", str(table), timeout=60.0)
         assert fit.returncode == 0, fit.stdout
         call = ["run", "figure-1", "--hosts", str(table), "--json", "-"]
         ran = disknav(*call, timeout=100.0)

@@ -20,7 +20,7 @@ import psutil
 import pytest
 
 from deploy.library.load import load
-from deploy.output.exit_status import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_INVALID, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_FAULT, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.processes.hosts.remote import GREETING
 from deploy.run.local import LocalFleet
 from deploy.software.provenance import SOFTWARE, code_digest
@@ -41,7 +41,7 @@ from tests.forks import Forks
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
-DISKNAV = [sys.executable, "-m", "deploy.cli"]
+DISKNAV = [sys.executable, "-m", "disknav"]
 HOSTS = {"base": (1, 2), "left": (3, 4), "right": (5, 6)}
 SCENARIO = load("figure-1")
 LONG = ["--mode", "realtime", "--set", "control.speed=0.01", "--set", "time.limit=120"]
@@ -135,7 +135,7 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
 ) -> None:
     keys, record = tmp_path / "keys", tmp_path / "run.mcap"
     hosts, _ = table(server, tmp_path)
-    made = disknav("keys", "new", keys, "-s", "figure-1", "--hosts", hosts, "--run", "yard")
+    made = disknav("setup", "keys", keys, "-s", "figure-1", "--hosts", hosts, "--run", "yard")
     assert made.returncode == 0, made.stderr
     options = ["--secure", keys, "--record", record, "--log", tmp_path / "logs", "--json", "-"]
     done = disknav("run", "figure-1", "--hosts", hosts, *options)
@@ -184,7 +184,7 @@ def test_scheduled_faults_reach_other_hosts(server: Server, disknav: Forks, tmp_
 def test_a_signal_stops_everything_and_leaves_a_result(server: Server, tmp_path: Path) -> None:
     with a_long_run(server, tmp_path) as launcher:
         launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+        assert launcher.wait(20.0) == 128 + signal.SIGTERM
     assert result(tmp_path)["verdict"] == "interrupted"
     assert result(tmp_path)["ticks"] > 0
 
@@ -205,7 +205,7 @@ def test_a_host_that_is_lost_costs_its_own_robots_only(server: Server, tmp_path:
         lose(launcher, 1)
         await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
         launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+        assert launcher.wait(20.0) == 128 + signal.SIGTERM
     found = result(tmp_path)
     assert found["down"] == [3, 4]
     assert found["min_clearance"] > 0.0
@@ -233,7 +233,7 @@ def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
         one.send_signal(signal.SIGUSR1)
         await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
         launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+        assert launcher.wait(20.0) == 128 + signal.SIGTERM
     assert result(tmp_path)["down"] == [3, 4]
 
 
@@ -280,7 +280,7 @@ def test_on_every_host_world_router_and_robots_go_first(server: Server, tmp_path
         there += psutil.Process(launcher.pid).children(recursive=True)
         found = {title(each.pid): policies(each.pid) for each in there}
         launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == EXIT_INTERRUPTED
+        assert launcher.wait(20.0) == 128 + signal.SIGTERM
     first = {name for name, these in found.items() if these == {(os.SCHED_RR, 1)}}
     names = ["router base", "router left", "router right", "world", *(f"robot {n}" for n in SCENARIO.ids)]
     assert first == {f"disknav {name} (run long)" for name in names}

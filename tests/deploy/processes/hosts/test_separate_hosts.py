@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), n
 SCENARIO = load("figure-1", ["control.speed=0.03", "time.limit=90"], 3)
 RUN = "apart"
 HOMES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 3, 6: 3}  # robot -> host
-DISKNAV = [sys.executable, "-m", "deploy.cli"]
+DISKNAV = [sys.executable, "-m", "disknav"]
 
 
 class Field:
@@ -42,6 +42,7 @@ class Field:
             before = [word for other in range(1, host) for word in ("--connect", self._router(other))]
             self._start(
                 host,
+                "node",
                 "router",
                 "--listen",
                 self._router(host),
@@ -52,7 +53,7 @@ class Field:
             )
         for host in (1, 2, 3):
             hosts.await_log(f"listening on {self._router(host)}", 60.0)
-        self._start(1, "world", str(folder / "scenario.toml"), "--mode", "realtime")
+        self._start(1, "node", "world", str(folder / "scenario.toml"), "--mode", "realtime")
         observer = [
             sys.executable,
             "-m",
@@ -63,7 +64,7 @@ class Field:
         ]
         self._told = hosts.start(1, observer).stdout
         for robot, host in HOMES.items():
-            self._start(host, "robot", str(robot))
+            self._start(host, "node", "robot", str(robot))
         assert next(self.told()) == {"world": "answers"}
 
     def told(self) -> Iterator[dict[str, Any]]:

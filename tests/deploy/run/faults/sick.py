@@ -16,7 +16,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Event
 from protocol.bus.connection import Connection
-from protocol.bus.drive import drive, stop_on_signal
+from protocol.bus.drive import drive
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import robot_key
@@ -101,15 +101,13 @@ class _Nonsense:
 
 def hangs(connection: Connection, run: str, robot: int, tick: int) -> int:
     """Handle nothing any more from `tick` on."""
-    with stop_on_signal():
-        bus = ZenohBus(connection)
-        drive(_Hanging(RobotNode(bus, run, robot), tick), bus)
+    bus = ZenohBus(connection)
+    drive(_Hanging(RobotNode(bus, run, robot), tick), bus)
     return 0
 
 
 def talks_nonsense(connection: Connection, run: str, robot: int, tick: int) -> int:
     """Send States that nobody can read from `tick` on."""
-    with stop_on_signal():
-        bus = ZenohBus(connection)
-        drive(RobotNode(_Nonsense(bus, tick), run, robot), bus)  # type: ignore[arg-type]
+    bus = ZenohBus(connection)
+    drive(RobotNode(_Nonsense(bus, tick), run, robot), bus)  # type: ignore[arg-type]
     return 0

@@ -174,7 +174,7 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
     with Supervisor() as supervisor:
         supervisor.start([table.router(Connection("router"))])
         connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
-        command = [sys.executable, "-m", "deploy.cli", "world", "swap-6", "--run", name]
+        command = [sys.executable, "-m", "disknav", "node", "world", "swap-6", "--run", name]
         command += ["--router", connection.connect[0], "--journal", str(journal)]
         with subprocess.Popen(command) as first:
             supervisor.start([table.robot(connection, name, robot) for robot in QUICK.ids])

@@ -102,7 +102,7 @@ def test_the_same_order_at_the_same_tick_gives_the_same_trajectory() -> None:
 def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
     options = ["--run", "yard", "--listen", endpoint, "--json", str(result), "--quiet"]
     options += ["--set", "control.speed=0.3"]
-    return subprocess.Popen([sys.executable, "-m", "deploy.cli", "serve", "swap-4", *options])
+    return subprocess.Popen([sys.executable, "-m", "disknav", "run", "swap-4", "--keep", *options])
 
 
 def answering(operator: Operator) -> Callable[[], bool]:
@@ -117,7 +117,7 @@ def answering(operator: Operator) -> Callable[[], bool]:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-def test_serve_and_send(tmp_path: Path) -> None:
+def test_keep_and_send(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
     with served(endpoint, tmp_path / "result.json") as fleet:
         until(lambda: reachable(endpoint), 30.0)
@@ -135,13 +135,13 @@ def test_serve_and_send(tmp_path: Path) -> None:
         told = json.loads(bus.ask("disknav/yard/robot/3/goal", b'{"points": [[0, -0.1]]}', 5.0)[0])
         bus.close()
         assert (told["accepted"], told["number"]) == (True, 1)
-        command = ["goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]
+        command = ["fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]
         said = subprocess.run(
-            [sys.executable, "-m", "deploy.cli", *command], capture_output=True, check=True, timeout=60
+            [sys.executable, "-m", "disknav", *command], capture_output=True, check=True, timeout=60
         )
         assert msgspec.json.decode(said.stdout)["status"]["goal"] == [-0.1, -0.1]
         fleet.send_signal(signal.SIGINT)
-        assert fleet.wait(30) == 0
+        assert fleet.wait(30) == 130
     result = json.loads((tmp_path / "result.json").read_text())
     assert (result["verdict"], result["collisions"]) == ("interrupted", 0)
 

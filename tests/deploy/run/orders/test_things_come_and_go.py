@@ -142,7 +142,7 @@ def test_from_the_command_line(disknav: Forks) -> None:
     said: list[tuple[int, str]] = []
 
     def say(*words: str) -> None:
-        done = disknav(*words)
+        done = disknav("fleet", *words)
         said.append((done.returncode, done.stdout + done.stderr))
 
     scenario = replace(LISTED, time=replace(SWAP.time, endless=True))

@@ -80,7 +80,7 @@ def test_a_frozen_monitor_holds_up_nobody() -> None:
     router, endpoint = listening(Connection("router"))
     run = fresh_run_name()
     world = World(endpoint, run)
-    command = [sys.executable, "-m", "deploy.cli", "monitor", "--run", run, "--router", endpoint]
+    command = [sys.executable, "-m", "disknav", "monitor", run, "--router", endpoint]
     with closing(router), closing(world.bus), subprocess.Popen(command, stdout=subprocess.DEVNULL) as monitor:
         try:
             until(lambda: (world.turn(), world.asked or monitor.poll() is not None)[1], 60.0)

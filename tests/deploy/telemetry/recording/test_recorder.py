@@ -22,7 +22,6 @@ from protocol.requests import joining
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.fake_world import FakeWorld
 from tests.deploy.telemetry.recording.recorded import said_by, scenario
-from tests.scripts import ended
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingFile]:
@@ -139,30 +138,6 @@ def test_the_end_of_who_tells_ends_the_file_with_all_that_was_told(tmp_path, mor
     assert (found.result, found.cut) == (None, True)
     with (tmp_path / "x.mcap").open("rb") as stream:
         assert make_reader(stream).get_summary() is not None
-
-
-def test_ctrl_c_as_the_process_that_writes_starts_leaves_nobody(tmp_path):
-    os.mkfifo(tmp_path / "stuck.mcap")  # nobody reads it, so to open it takes for ever
-    done = ended(
-        """
-import multiprocessing.popen_fork, signal, sys
-from pathlib import Path
-from deploy.telemetry.recording import writer_process
-popen = multiprocessing.popen_fork.Popen
-launch = popen._launch
-def interrupted(*given):
-    launch(*given)
-    signal.raise_signal(signal.SIGINT)
-popen._launch = interrupted
-writer_process._PATIENCE = 0.1
-try:
-    writer_process.WriterProcess(Path(sys.argv[1]))
-except KeyboardInterrupt:
-    print("interrupted")
-""",
-        tmp_path / "stuck.mcap",
-    )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
 def test_a_world_that_never_appears_ends_the_wait(tmp_path):

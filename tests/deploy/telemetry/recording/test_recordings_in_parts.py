@@ -181,7 +181,7 @@ def test_a_run_goes_on_when_the_disk_is_full(small_disk: Path) -> None:
     with (small_disk / "other").open("wb") as other:
         other.write(bytes(1_700_000))
     path, result = small_disk / "run.mcap", small_disk.parent / "result.json"
-    call = [sys.executable, "-m", "deploy.cli", "run", "figure-3d", "--record", str(path)]
+    call = [sys.executable, "-m", "disknav", "run", "figure-3d", "--record", str(path)]
     done = subprocess.run(
         [*call, "--json", str(result)], capture_output=True, text=True, timeout=50, check=False
     )

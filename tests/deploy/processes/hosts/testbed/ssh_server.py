@@ -53,7 +53,7 @@ class Server:
     @property
     def command(self) -> str:
         """How a shell there calls this code."""
-        return f"env PYTHONPATH={ROOT} {sys.executable} -m deploy.cli"
+        return f"env PYTHONPATH={ROOT} {sys.executable} -m disknav"
 
 
 @contextmanager

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from mcap.writer import Writer
 
-from deploy.commands.look.info import info
-from deploy.commands.look.replay import replay
+from deploy.cli.recording import info, replay
 from deploy.processes.router import listening
 from deploy.telemetry.recording.mcap.contents import contents
 from deploy.telemetry.recording.reading.reader import Recording, Truths, read
@@ -164,5 +163,5 @@ def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
     x = repr(recording.truths.positions[20, 0, 0].item()).encode()
     altered = _altered(path, tmp_path / "altered.mcap", x, x[:-1] + (b"1" if x[-1:] != b"1" else b"2"))
     for file, status in ((path, 0), (altered, 3), (tmp_path / "none.mcap", 2)):
-        done = disknav("replay", file)
+        done = disknav("recording", "replay", file)
         assert done.returncode == status, done.stderr

@@ -32,27 +32,23 @@ Scenario = Annotated[
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="RECORDING", help="A file that `disknav run --record` wrote.")
 ]
-Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed, over the scenario's.")]
+Seed = Annotated[int | None, typer.Option("--seed", metavar="N", min=0, help="Seed, over the scenario's.")]
 Settings = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="PATH=VALUE", help="path.to.key=VALUE, over the scenario; repeat it for more."
-    ),
+    typer.Option("--set", metavar="PATH=VALUE", help="path.to.key=VALUE, over the scenario; repeatable."),
 ]
 Json = Annotated[
     Path | None,
-    typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it, and nothing else."),
+    typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it alone."),
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")]
-Record = Annotated[
-    Path | None, typer.Option("--record", help="Record the run (MCAP): every stream but summaries.")
-]
+Record = Annotated[Path | None, typer.Option("--record", metavar="FILE", help="Record the run (MCAP).")]
 Rotate = Annotated[
     list[str] | None,
     typer.Option(
         "--rotate",
         metavar="LIMIT",
-        help="Record into another file from this size or age on: 500MB, 1h; repeat it for both.",
+        help="Another file from this size or age on: 500MB, 1h; repeatable.",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
@@ -64,6 +60,7 @@ RunName = Annotated[
         help="Name of the fleet's run; the roster's if --secure.",
     ),
 ]
+Run = Annotated[str, typer.Argument(metavar="RUN", help="Name of the run.")]
 FreshRun = Annotated[
     str | None, typer.Option("--run", metavar="NAME", help="Name of the run; a fresh one unless given.")
 ]
@@ -80,25 +77,21 @@ RouterThere = Annotated[
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Where the fleet's router listens; starts one of its own unless given.",
+        help="Where a router listens that is there already.",
     ),
 ]
 Secure = Annotated[
     Path | None,
-    typer.Option(
-        "--secure", metavar="DIR", help="Certificates and access rules from `disknav keys new DIR`."
-    ),
+    typer.Option("--secure", metavar="DIR", help="Certificates and access rules of `disknav setup keys`."),
 ]
 Log = Annotated[
     Path | None,
-    typer.Option("--log", metavar="DIR", help="Log to files here: JSON lines, a file for each process."),
+    typer.Option("--log", metavar="DIR", help="Log to files here, one a process."),
 ]
-ModeOption = Annotated[Mode, typer.Option("--mode", help="Who sets the pace: the robots or the wall clock.")]
+ModeOption = Annotated[Mode, typer.Option("--mode", help="The robots set the pace, or the wall clock.")]
 RealtimePriority = Annotated[
     bool,
-    typer.Option(
-        "--realtime-priority", help="In real time: run world, router and robots before everything else."
-    ),
+    typer.Option("--realtime-priority", help="Before everything else that runs here."),
 ]
 
 
@@ -125,14 +118,6 @@ def refuse(options: Mapping[str, object], reason: str) -> None:
     given = [name for name, value in options.items() if value is not None and value is not False]
     if given:
         raise UsageError(f"{', '.join(given)} cannot apply: {reason}")
-
-
-def refuse_idle(record: Path | None, rotate: list[str] | None, mode: Mode, speed: float | None) -> None:
-    """Refuse to rotate a recording that there is not, and to set the speed of real time."""
-    if record is None:
-        refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    if mode == "realtime":
-        refuse({"--speed": speed}, "in real time a second takes a second; leave out --mode realtime")
 
 
 def refuse_bases(secure: Path | None) -> None:

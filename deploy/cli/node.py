@@ -1,4 +1,4 @@
-"""`disknav robot | world | router`: the single processes, for other launchers."""
+"""`disknav node`: the single processes of a run, for other launchers."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from deploy.commands import options
-from deploy.output.exit_status import EXIT_INTERRUPTED
+from deploy.cli import options
+from deploy.output.exit_status import EXIT_ARRIVED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import robot_key
 from protocol.process.log import LOG, begin
+from protocol.process.signals import STOP
 from protocol.process.title import entitle
 from protocol.scenario.base import ros_name
 
@@ -29,8 +30,10 @@ Alive = Annotated[
     typer.Option(metavar="FILE", help="Touch this every second, for a probe: the main loop goes round."),
 ]
 _WAIT = 60.0
+app = typer.Typer(name="node", help="Start the single processes of a run.", no_args_is_help=True)
 
 
+@app.command()
 def robot(
     robot_id: Annotated[int, typer.Argument(metavar="ID", help="The robot's id in the scenario.")],
     run: options.RunName = None,
@@ -50,8 +53,8 @@ def robot(
 ) -> None:
     """Run one robot; everything else it learns from the world.
 
-    Examples: disknav robot 3 --run demo --router tcp/10.0.0.1:7447;
-    disknav robot 1 --run yard --base ros2 --namespace /bot1
+    Examples: disknav node robot 3 --run demo --router tcp/10.0.0.1:7447;
+    disknav node robot 1 --run yard --base ros2 --namespace /bot1
     """
     if namespace is not None and base is None:
         raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
@@ -69,9 +72,12 @@ def robot(
     files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
     outside = [base or "", namespace or ""]
     arguments = [endpoint, name, str(robot_id), str(wait), *files, *outside]
-    os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
+    with STOP.held():
+        STOP.check()
+        os.execv(sys.executable, [sys.executable, "-P", "-m", "agents.process", *arguments])
 
 
+@app.command()
 def world(
     scenario: options.Scenario,
     run: options.RunName = None,
@@ -94,7 +100,7 @@ def world(
 ) -> None:
     """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
 
-    Example: disknav world figure-1 --run demo --journal demo.journal > report.json
+    Example: disknav node world figure-1 --run demo --journal demo.journal > report.json
 
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
@@ -132,9 +138,10 @@ def world(
         tell=tell,
         beat=heartbeat(alive),
     )
-    raise typer.Exit(status or (verdicts[-1] if verdicts else EXIT_INTERRUPTED))
+    raise typer.Exit(status or (verdicts[-1] if verdicts else EXIT_ARRIVED))
 
 
+@app.command()
 def router(
     listen: Annotated[
         str | None, typer.Option(help="Endpoint to listen on; the first free port from 7447 unless given.")
@@ -153,9 +160,8 @@ def router(
 ) -> None:
     """Run a router that relays between the processes of this host, and to routers of other hosts.
 
-    Example: disknav router --listen tcp/0.0.0.0:7447 --connect tcp/10.0.0.2:7447
-
-    The same by zenoh's own router: disknav router --secure keys --print-config > r.json5; zenohd -c r.json5
+    Examples: disknav node router --listen tcp/0.0.0.0:7447 --connect tcp/10.0.0.2:7447;
+    by zenoh's own router: disknav node router --secure keys --print-config > r.json5; zenohd -c r.json5
     """
     from deploy.processes.router import main, router_config
 
@@ -171,6 +177,30 @@ def router(
     entitle("router", run)
     begin("router", run, log)
     raise typer.Exit(main(connection, ready=_say))
+
+
+@app.command(hidden=True)
+def host(
+    run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
+    realtime_priority: Annotated[
+        bool, typer.Option("--realtime-priority", help="Refuse where processes may have none.")
+    ] = False,
+    facts: Annotated[
+        tuple[str, int] | None,
+        typer.Option(help="Only say what this host is like; where its router listens."),
+    ] = None,
+) -> None:
+    """Start processes for a launcher on another host, by way of standard input and output."""
+    from deploy.processes.scheduling import require_realtime
+    from deploy.processes.spawn import environment
+
+    if realtime_priority:
+        require_realtime()
+    # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
+    # -P: nor what lies in the working directory.
+    module, arguments = ("remote", [run]) if facts is None else ("facts", [str(each) for each in facts])
+    call = [sys.executable, "-P", "-m", f"deploy.processes.hosts.{module}", *arguments]
+    os.execve(sys.executable, call, environment())
 
 
 def _say(endpoint: str) -> None:

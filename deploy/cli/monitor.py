@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import os
-import signal
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deploy.commands import options
+from deploy.cli import options
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
 from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.bus.connection import Connection
 from protocol.endpoint import Endpoint
 from protocol.process.installation import missing_library
+from protocol.process.signals import STOP
 from protocol.process.title import entitle
 
 if TYPE_CHECKING:
@@ -26,7 +26,9 @@ _NICENESS = 10  # a fleet on the same machine first
 
 
 def monitor(
-    run: options.RunName = None,
+    run: Annotated[
+        str | None, typer.Argument(help="Name of the run; may be left out with --secure, whose run it is.")
+    ] = None,
     router: Annotated[
         list[str] | None,
         typer.Option(
@@ -58,9 +60,9 @@ def monitor(
     The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
     The run may begin later. The table ends with the run; all else stays until Ctrl-C.
 
-    Example: disknav monitor --router tcp/10.0.0.1:7447 --run demo --web
+    Example: disknav monitor demo --router tcp/10.0.0.1:7447 --web
 
-    Exit status: 0 the run ended while it was watched, or Ctrl-C; 2 invalid; 3 nobody listens at the endpoint.
+    Exit status: 0 the run ended while it was watched, 2 invalid, 3 nothing listens there, 130 Ctrl-C.
     """
     from deploy.telemetry.monitor.watcher import attach
 
@@ -79,19 +81,16 @@ def monitor(
         if foxglove:
             listener = stack.enter_context(closing(_foxglove(name, None if web else port)))
         source = stack.enter_context(closing(attach(connection, name, listener=listener)))
-        try:
-            if metrics is not None:
-                _export(source, metrics)
-            if web:
-                _serve(source, port)
-            elif metrics is not None or foxglove:
-                signal.pause()
-            else:
-                from deploy.telemetry.monitor.terminal import show
+        if metrics is not None:
+            _export(source, metrics)
+        if web:
+            _serve(source, port)
+        elif metrics is not None or foxglove:
+            STOP.wait()
+        else:
+            from deploy.telemetry.monitor.terminal import show
 
-                show(source)
-        except KeyboardInterrupt:
-            pass
+            show(source)
 
 
 def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
@@ -122,4 +121,4 @@ def _serve(source: Steerable, port: int | None) -> None:
 
     with closing(serve_in_thread(source, port)) as server:
         print(f"{server.link}  (Ctrl-C ends it)", flush=True)
-        signal.pause()
+        STOP.wait()

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from deploy.commands import options
+from deploy.cli import options
 from protocol.scenario.model import Scenario
 
 app = typer.Typer(name="scenario", help="List, show and generate scenarios.", no_args_is_help=True)

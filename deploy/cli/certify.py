@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deploy.commands import options
+from deploy.cli import options
 from deploy.output import json_output
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_INTERRUPTED, EXIT_OTHERWISE
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 
 if TYPE_CHECKING:
     from deploy.theory.certify.prove import Outcome
@@ -79,7 +79,7 @@ def certify(
         goals = None if read_scenario is None else Goals.of(read_scenario)
         checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
         _say(_verified(checked), checked.to_json(), json_file, silent)
-        raise typer.Exit(_status(checked.enough(k), checked.interrupted))
+        raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
     if starts is not None:
@@ -90,7 +90,7 @@ def certify(
     limit = _MINUTES if minutes is None else minutes
     outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))
     _say(_found(outcome), to_json(outcome), json_file, silent)
-    raise typer.Exit(_status(outcome.proven, outcome.interrupted))
+    raise typer.Exit(_status(outcome.proven))
 
 
 def _check_options(verifies: bool, samples: bool, given: Mapping[str, object]) -> None:
@@ -126,10 +126,8 @@ def _statistics(
     return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED
 
 
-def _status(proven: bool, interrupted: bool) -> int:
-    if proven:
-        return EXIT_ARRIVED
-    return EXIT_INTERRUPTED if interrupted else EXIT_OTHERWISE
+def _status(proven: bool) -> int:
+    return EXIT_ARRIVED if proven else EXIT_OTHERWISE
 
 
 def _say(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:

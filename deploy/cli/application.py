@@ -1,0 +1,51 @@
+"""Every subcommand of `disknav`, by what people want to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from deploy.cli import fleet, node, recording, scenario, setup
+from deploy.cli.certify import certify
+from deploy.cli.monitor import monitor
+from deploy.cli.run import check, run
+from deploy.cli.study import study
+
+
+class Commands(TyperGroup):
+    """All subcommands; `--json` with no file after it means standard output, in each of them."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """See click."""
+        spelled: list[str] = []
+        for word, following in zip(args, [*args[1:], "--"], strict=False):
+            spelled.append(word)
+            if word == "--json" and following.startswith("-") and following != "-":
+                spelled.append("-")
+        return super().parse_args(ctx, spelled)
+
+
+app = typer.Typer(
+    name="disknav",
+    help="A fleet of disk robots, one process each, that reach their goals without touching.",
+    cls=Commands,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode="rich",
+)
+
+GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
+    "Run": (run, monitor, fleet.app, fleet.stop, recording.app),
+    "Learn": (check, certify, study),
+    "Prepare": (scenario.app, setup.app, node.app),
+}
+for _group, _commands in GROUPS.items():
+    for _command in _commands:
+        if isinstance(_command, typer.Typer):
+            app.add_typer(_command, rich_help_panel=_group)
+        else:
+            app.command(rich_help_panel=_group)(_command)

@@ -1,0 +1,332 @@
+"""`disknav fleet` and `disknav stop`: orders to a running fleet, whose name comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import msgspec
+import typer
+
+from deploy.cli import options
+from deploy.output import json_output
+from deploy.output.exit_status import EXIT_OTHERWISE
+from deploy.security.membership import Membership
+from deploy.security.roster import OPERATOR
+from protocol.errors import UsageError
+from protocol.messages import GoalStatus, Thing, Vector
+from protocol.requests.fleet import FleetReply
+from protocol.requests.goals import GoalOrder, GoalReply
+from protocol.requests.things import ThingOrder, ThingReply
+from protocol.scenario.model import RobotSpec
+
+if TYPE_CHECKING:
+    from deploy.run.operator import Operator
+
+app = typer.Typer(name="fleet", help="Give orders to a running fleet.", no_args_is_help=True)
+_POINTS = {"ignore_unknown_options": True}  # -0.1 is no option
+_PATIENCE = 1e6  # s to wait for an end without --within
+_STANDING = 10.0  # s that robots may take to stand
+
+
+@app.command(context_settings=_POINTS)
+def goal(
+    run: options.Run,
+    robot: Annotated[int, typer.Argument(help="Id of the robot.")],
+    points: Annotated[
+        list[float] | None,
+        typer.Argument(metavar="X Y ...", help="Where to go, m, point by point; none asks how things stand."),
+    ] = None,
+    queue: Annotated[bool, typer.Option("--queue", help="After what it is doing, not at once.")] = False,
+    patrol: Annotated[bool, typer.Option("--patrol", help="Round and round through all points.")] = False,
+    within: Annotated[
+        float | None, typer.Option(help="Simulated seconds after which it gives up and stays where it is.")
+    ] = None,
+    cancel: Annotated[bool, typer.Option("--cancel", help="Stay where it is.")] = False,
+    wait: Annotated[bool, typer.Option("--wait", help="Return only when an end has come of it.")] = False,
+    json_file: options.Json = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Send a robot elsewhere, cancel what it is doing, or ask how it stands.
+
+    Example: disknav fleet goal yard 3 0.1 -0.05 0.1 0.15 --queue --wait
+
+    Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer.
+    """
+    json_output.check(json_file)
+    if not points:
+        options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
+    order = _order(points or [], queue, patrol, within, cancel)
+    if patrol and wait:
+        raise UsageError("--wait: a patrol has no end; leave out --patrol or --wait")
+    with _operating(run, router, secure) as operator:
+        reply = operator.status(robot) if order is None else operator.order(robot, order)
+        ended = reply.status
+        if wait and order is not None and reply.accepted:
+            ended = operator.outcome(robot, reply.number, _PATIENCE)
+    content = {
+        **msgspec.to_builtins(reply),
+        "status": None if ended is None else msgspec.structs.asdict(ended),
+    }
+    json_output.write_json(content, json_file)
+    if not json_output.is_standard_output(json_file):
+        _print_goal(reply, ended)
+    failed = not reply.accepted or (wait and (ended is None or ended.status != "arrived"))
+    if failed and not (cancel and reply.accepted):
+        raise typer.Exit(EXIT_OTHERWISE)
+
+
+@app.command(context_settings=_POINTS)
+def add(
+    run: options.Run,
+    robot: Annotated[int, typer.Argument(help="Id of the new robot, which no other has.")],
+    x: Annotated[float, typer.Argument(help="Where its disk is to appear, m.")],
+    y: Annotated[float, typer.Argument(help="Likewise.")],
+    radius: Annotated[float, typer.Option(help="Of its disk, m.")],
+    goal: Annotated[
+        tuple[float, float] | None, typer.Option(help="Where it is to go, m; it stays unless given.")
+    ] = None,
+    within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait until it has appeared.")] = 30.0,
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Add a robot: the others clear its place, then its disk is put there.
+
+    [b]disknav run[/b] starts its process, too, on the host that a table names for it, if there is one;
+    elsewhere start it with [b]disknav node robot[/b]. With keys it needs its own: [b]disknav setup keys[/b]
+    makes them for robots of the scenario and of its orders.
+
+    Example: disknav fleet add yard 7 0.1 -0.2 --radius 0.03 --goal -0.1 0.2
+
+    Exit status: 0 it has appeared, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
+    """
+    spec = RobotSpec(robot, radius, (x, y), goal or (x, y))
+    with _operating(run, router, secure) as operator:
+        _end_if_refused(operator.add(spec))
+        member = operator.appeared(robot, within)
+    print(f"run {run}: robot {robot} {'takes part' if member.status == 'live' else 'stands in its place'}")
+
+
+@app.command()
+def remove(
+    run: options.Run,
+    robot: Annotated[int, typer.Argument(help="Id of the robot.")],
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Take a robot out: its process ends, its disk is taken away.
+
+    Example: disknav fleet remove yard 7
+
+    Exit status: 0 it is gone, 1 refused, 2 invalid, 3 no answer.
+    """
+    with _operating(run, router, secure) as operator:
+        _end_if_refused(operator.remove(robot))
+    print(f"run {run}: robot {robot} is gone")
+
+
+@app.command(context_settings=_POINTS)
+def place(
+    run: options.Run,
+    points: Annotated[
+        list[float],
+        typer.Argument(metavar="X Y ...", help="Centre of a disk, or corners of a convex polygon, m."),
+    ],
+    radius: Annotated[float | None, typer.Option(help="Of a disk, m.")] = None,
+    within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait until it stands.")] = 30.0,
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Place an obstacle in the workspace: robots clear its place first.
+
+    Examples: disknav fleet place yard 0.1 0.05 --radius 0.02;
+    disknav fleet place yard -0.1 0.0 0.1 0.0 0.1 0.01 -0.1 0.01
+
+    Exit status: 0 it stands, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
+    """
+    thing = _thing(points, radius)
+    with _operating(run, router, secure) as operator:
+        reply = operator.place(thing)
+        _end_if_refused(reply)
+        if reply.text:
+            print(f"beware: it {reply.text}")
+        operator.stands(reply.number, within)
+    print(f"thing {reply.number} stands")
+
+
+@app.command()
+def take(
+    run: options.Run,
+    number: Annotated[int, typer.Argument(help="Of the obstacle; [b]disknav fleet things[/b] lists them.")],
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Say that an obstacle is not there any more: robots drive where it was.
+
+    Example: disknav fleet take yard 1
+
+    Exit status: 0 done, 1 refused, 2 invalid, 3 no answer.
+    """
+    with _operating(run, router, secure) as operator:
+        _end_if_refused(operator.take(number))
+    print(f"thing {number} is gone")
+
+
+@app.command()
+def things(
+    run: options.Run,
+    json_file: options.Json = None,
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """List the obstacles in the workspace.
+
+    Example: disknav fleet things yard
+
+    Exit status: 0 listed, 2 invalid, 3 no answer.
+    """
+    json_output.check(json_file)
+    with _operating(run, router, secure) as operator:
+        there = operator.things().things
+    json_output.write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
+    if not json_output.is_standard_output(json_file):
+        print("\n".join(map(_line, there)) or "nothing stands there")
+
+
+def stop(run: options.Run, router: options.Router = None, secure: options.Secure = None) -> None:
+    """Emergency stop: every robot brakes at once, and stands until [b]disknav fleet release[/b].
+
+    It brakes in the present tick, outside the simulation in the next. The stop is repeated until all stand.
+
+    Example: disknav stop yard
+
+    Exit status: 0 all stand, 1 some do not after 10 s, 2 invalid, 3 no answer.
+    """
+    with _operating(run, router, secure) as operator:
+        told = operator.stop(_STANDING)
+    if told.moving or not told.halted:
+        names = ", ".join(map(str, told.moving)) or "unknown"
+        print(f"run {run}: asked to stop, but these robots do not stand after {_STANDING:g} s: {names}")
+        raise typer.Exit(EXIT_OTHERWISE)
+    print(f"run {run}: everybody stands from tick {told.tick} on")
+
+
+@app.command()
+def release(run: options.Run, router: options.Router = None, secure: options.Secure = None) -> None:
+    """Let the robots of a stopped fleet move again.
+
+    Example: disknav fleet release yard
+
+    Exit status: 0 they are released, 1 they have to stand, 2 invalid, 3 no answer.
+    """
+    with _operating(run, router, secure) as operator:
+        told = operator.halt(False)
+    if told.halted:
+        print(f"run {run}: not released: {told.text}")
+        raise typer.Exit(EXIT_OTHERWISE)
+    print(f"run {run}: released from tick {told.tick} on")
+
+
+@app.command()
+def probe(
+    run: options.Run,
+    role: Annotated[str, typer.Argument(help="world, or a robot such as robot-3.")],
+    within: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 5.0,
+    router: options.Router = None,
+    secure: options.Secure = None,
+) -> None:
+    """Find out whether a process is well, for health checks: ends as soon as a message from it arrives.
+
+    Example: disknav fleet probe yard robot-3
+
+    Exit status: 0 it is well, 2 invalid, 3 no message in time.
+    """
+    from deploy.processes.probe import probe as listen
+
+    membership = Membership(secure)
+    name, endpoint = membership.named_run(run), router or membership.default_router
+    listen(membership.client(role, (endpoint,), timeout=within), name, role, within)
+
+
+@contextmanager
+def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Operator]:
+    """Speak to the world of `run`, with the operator's key where there are keys."""
+    from deploy.run import operator
+
+    membership = Membership(secure)
+    membership.run(run)  # the keys are of this run
+    connection = membership.client(OPERATOR, (router or membership.default_router,))
+    with operator.operating(connection, run) as session:
+        yield session
+
+
+def _end_if_refused(reply: FleetReply | ThingReply) -> None:
+    """End the command with status 1 if what it asked for was refused."""
+    if not reply.accepted:
+        print(f"refused: {reply.text}")
+        raise typer.Exit(EXIT_OTHERWISE)
+
+
+def _pairs(numbers: Sequence[float]) -> tuple[Vector, ...]:
+    """Points of a command line, m.
+
+    Raises:
+        UsageError: a number is missing.
+    """
+    if len(numbers) % 2:
+        raise UsageError("points are pairs of x and y: one number is missing, or one is too many")
+    return tuple(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def _order(
+    points: list[float], queue: bool, patrol: bool, within: float | None, cancel: bool
+) -> GoalOrder | None:
+    """The order that the command line stands for; None for a question."""
+    places = _pairs(points)
+    if cancel and (points or queue or patrol or within is not None):
+        raise UsageError("--cancel goes alone: leave out the points and other options")
+    if not points and (queue or patrol or within is not None):
+        raise UsageError("--queue, --patrol and --within need points: disknav fleet goal RUN ROBOT X Y")
+    if not points and not cancel:
+        return None
+    try:
+        return msgspec.convert(
+            {"points": places, "queue": queue, "patrol": patrol, "within": within}, GoalOrder
+        )
+    except msgspec.ValidationError as error:
+        raise UsageError(f"that is no order: {error}") from None
+
+
+def _print_goal(reply: GoalReply, status: GoalStatus | None) -> None:
+    if not reply.accepted:
+        print(f"refused: {reply.text}")
+        return
+    if reply.text:
+        print(f"beware: {reply.text}")
+    if status is not None:
+        x, y = status.goal
+        ahead = f", {status.ahead} more after it" if status.ahead else ""
+        print(f"robot {status.robot}: {status.status}, ({x:g}, {y:g}){ahead}")
+
+
+def _thing(numbers: list[float], radius: float | None) -> ThingOrder:
+    """The obstacle that a command line stands for."""
+    points = _pairs(numbers)
+    if radius is None:
+        thing = ThingOrder(points=points)
+    elif len(points) == 1:
+        thing = ThingOrder(center=points[0], radius=radius)
+    else:
+        raise UsageError("--radius is for a disk, with one point; a polygon has corners only")
+    if problem := thing.defect():
+        raise UsageError(f"that is no obstacle: it {problem}")
+    return thing
+
+
+def _line(thing: Thing) -> str:
+    where = " ".join(f"({x:g}, {y:g})" for x, y in thing.points)
+    what = f"disk of {thing.radius:g} m at {where}" if len(thing.points) == 1 else f"polygon {where}"
+    return f"{thing.number}: {what}{'' if thing.status == 'standing' else ', ' + thing.status}"

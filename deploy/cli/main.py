@@ -1,0 +1,58 @@
+"""The `disknav` command as a process: signals, and how errors become words and exit statuses."""
+
+from __future__ import annotations
+
+import sys
+from io import TextIOWrapper
+
+from protocol.process.signals import STOP, Stopped
+
+
+def main() -> None:
+    """Entry point of the `disknav` command. A signal that asks it to end decides its exit status."""
+    STOP.listen()  # before anything that takes time to import
+    try:
+        status = _run()
+    except Stopped:
+        STOP.exit()
+    STOP.ignore()
+    sys.exit(STOP.status or status)
+
+
+def _run() -> int:
+    from deploy.output.exit_status import EXIT_FAULT, EXIT_INVALID
+    from deploy.software import compiled
+    from protocol.errors import (
+        CertificateError,
+        DisknavError,
+        DocumentError,
+        KeyGrammarError,
+        StartError,
+        UsageError,
+    )
+    from protocol.process.installation import explained, is_checkout
+    from protocol.process.log import LAUNCHER, LOG, begin
+
+    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError
+    begin(LAUNCHER)
+    if isinstance(sys.stdout, TextIOWrapper):  # characters that the terminal's encoding lacks are escaped
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        if is_checkout():  # what pip unpacks has the times of unpacking
+            compiled.check()
+        from deploy.cli.application import app
+
+        app()
+    except StartError:  # one line is enough
+        return EXIT_FAULT
+    except DisknavError as error:
+        LOG.error(error)
+        return EXIT_INVALID if isinstance(error, invalid) else EXIT_FAULT
+    except ModuleNotFoundError as error:
+        if (said := explained(error)) is None:
+            raise
+        LOG.error(said)
+        return EXIT_INVALID if isinstance(said, invalid) else EXIT_FAULT
+    except SystemExit as ending:
+        return ending.code if isinstance(ending.code, int) else EXIT_FAULT
+    return 0

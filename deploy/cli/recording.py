@@ -1,0 +1,213 @@
+"""`disknav recording`: what is in a recording, pictures of it, and the run played again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from deploy.cli import options
+from deploy.output import json_output
+from deploy.output.bar import bar
+from protocol.errors import RecordingError
+from protocol.process.signals import STOP
+
+if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
+    from rich.table import Table
+
+    from deploy.telemetry.recording.reading.reader import Recording
+
+app = typer.Typer(name="recording", help="Look at recordings.", no_args_is_help=True)
+
+
+@app.command()
+def info(
+    recording: options.RecordingFile,
+    json_file: options.Json = None,
+) -> None:
+    """Say what a recording holds: scenario, verdict, streams, and whether its trajectory is the result's.
+
+    Example: disknav recording info figure-1.mcap
+    """
+    from rich.console import Console, Group
+
+    json_output.check(json_file)
+    found = _read(recording)
+    summary = _summary(found)
+    json_output.write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
+    if not json_output.is_standard_output(json_file):
+        Console().print(Group(_grid(summary), _streams(found)))
+
+
+@app.command()
+def plot(
+    recordings: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help="Files that `disknav run --record` wrote.")
+    ],
+    out: Annotated[Path, options.out("Picture to write: .png, .svg, .pdf, or a film: .gif, .mp4.")],
+    until: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Draw only so many simulated seconds: disks as they stand then."),
+    ] = None,
+) -> None:
+    """Draw recordings: paths with disks, clearance and phi over time, and how late information was.
+
+    Examples: disknav recording plot figure-1.mcap -o figure-1.pdf;
+    disknav recording plot figure-2.mcap --until 2.5 -o blocked.png
+    """
+    from deploy.telemetry.plot import draw
+
+    draw.check(out, len(recordings))
+    found = [_read(path) for path in recordings]
+    if until is not None:
+        found = [draw.until(each, until) for each in found]
+    with bar(f"drawing {out.name}") as progress:
+        draw.draw(found, out, progress)
+
+
+@app.command()
+def replay(
+    recording: options.RecordingFile,
+    zenoh: Annotated[
+        bool, typer.Option("--zenoh", help="Publish onto a network, under the recorded keys.")
+    ] = False,
+    router: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ENDPOINT",
+            help="Publish through the router that listens there; listens on a port itself unless given.",
+        ),
+    ] = None,
+    run: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Name of the run to play it as; the recorded one unless given."),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Simulated seconds a second; 0 for as fast as possible, 1 unless given."),
+    ] = None,
+    web: Annotated[
+        bool, typer.Option("--web", help="Play it on the live page; its address is printed.")
+    ] = False,
+    ros2: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.mcap", help="Write where robots were, tick by tick, for ROS 2 tools."),
+    ] = None,
+) -> None:
+    """Recompute a recording's trajectory and compare it with the result's; play it again if asked to.
+
+    Example: disknav recording replay figure-1.mcap --zenoh --router tcp/127.0.0.1:7447 --speed 2
+
+    Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
+    """
+    from deploy.telemetry.recording.reading.replay import verify
+
+    if not (zenoh or router is not None or web):
+        options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
+    pace = 1.0 if speed is None else speed
+    found = _read(recording)
+    trajectory = verify(found)
+    if trajectory is not None:
+        typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
+    else:
+        typer.echo(
+            "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
+        )
+    if ros2 is not None:
+        from deploy.telemetry.recording.reading.replay import export
+
+        export(found, ros2)
+    if zenoh or router is not None:
+        _publish(found, router, run, pace)
+    if web:
+        _show(found, run, pace)
+
+
+def _read(path: Path) -> Recording:
+    from deploy.telemetry.recording.reading.reader import read
+
+    with bar(f"reading {path.name}") as progress:
+        return read(path, progress)
+
+
+def _summary(recording: Recording) -> dict[str, str]:
+    scenario, result = recording.scenario, recording.result or {}
+    ticks = int(recording.truths.ticks[-1])
+    return {
+        "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}",
+        "run": recording.run,
+        "verdict": f"{result['verdict']}  {result.get('reason', '')}"
+        if result
+        else "none: no result was recorded",
+        "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
+        "messages": f"{recording.counts.total()}",
+        "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
+        "trajectory": _check(recording),
+    }
+
+
+def _grid(rows: Mapping[str, str]) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    grid = Table.grid(padding=(0, 3))
+    for name, value in rows.items():
+        grid.add_row(Text(name, style="dim"), Text(value))
+    return grid
+
+
+def _check(recording: Recording) -> str:
+    from deploy.telemetry.recording.reading.trajectory import trajectory
+
+    try:
+        found = trajectory(recording)
+    except RecordingError as error:
+        return f"cannot be checked: {error}"
+    if recording.result is None:
+        return f"{found.sha256}, nothing to compare it with{found.remark}"
+    same = found.sha256 == recording.result.get("trajectory_sha256")
+    return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
+
+
+def _streams(recording: Recording) -> Table:
+    from rich.table import Table
+
+    table = Table(box=None, padding=(0, 2), header_style="dim")
+    table.add_column("key")
+    table.add_column("messages", justify="right")
+    table.add_column("per tick", justify="right")
+    ticks = max(1, int(recording.truths.ticks[-1]))
+    for key, count in sorted(recording.counts.items()):
+        table.add_row(key, str(count), f"{count / ticks:.2f}")
+    return table
+
+
+def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
+    from deploy.processes.router import listening
+    from deploy.telemetry.recording.reading.replay import publish
+    from protocol.bus.connection import Connection
+    from protocol.bus.zenoh import ZenohBus
+    from protocol.endpoint import Endpoint
+
+    if router is None:
+        bus, endpoint = listening(Connection("router"))
+    else:
+        endpoint = Endpoint(router)
+        bus = ZenohBus(Connection(connect=(endpoint,)))
+    with closing(bus), bar(f"replaying {recording.path.name}") as progress:
+        typer.echo(f"replaying run {run or recording.run} at {endpoint}")
+        publish(recording, bus, run, speed=speed, progress=progress)
+
+
+def _show(recording: Recording, run: str | None, speed: float) -> None:
+    from deploy.telemetry.monitor.player import Player
+    from deploy.telemetry.monitor.web.server import serve_in_thread
+
+    heard = ((entry.time, entry.message) for entry in recording.entries)
+    player = Player(recording.scenario, run or recording.run, heard, speed=speed)
+    with closing(player), closing(serve_in_thread(player)) as server:
+        typer.echo(f"{server.link}  (Ctrl-C ends it)")
+        STOP.wait()

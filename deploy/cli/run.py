@@ -1,0 +1,204 @@
+"""`disknav run` and `disknav check`: a scenario from start to verdict, and what the theory says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from deploy.cli import options
+from deploy.output import json_output
+from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
+from deploy.run.outcome.result import exit_status, kept_status, show
+from deploy.security.membership import Membership
+from protocol.keys import checked_run
+from protocol.process.log import LAUNCHER, begin
+from protocol.process.signals import STOP
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from deploy.theory.check.check import Certified
+    from protocol.scenario.model import Scenario
+
+_KEPT = "on-failure:1000"  # restarts of a fleet that stays up
+
+
+def run(
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    keep: Annotated[
+        bool,
+        typer.Option(
+            "--keep",
+            help="Keep the fleet up until Ctrl-C, for [b]disknav fleet[/b].",
+        ),
+    ] = False,
+    name: Annotated[
+        str | None,
+        typer.Option("--run", metavar="NAME", help="Name of the run; --keep: the scenario's."),
+    ] = None,
+    transport: Annotated[
+        Transport, typer.Option(help="By a router, directly, or in one process.")
+    ] = "routed",
+    mode: Annotated[Mode | None, typer.Option(help="The robots set the pace, or the wall clock.")] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(metavar="X", min=0.0, help="Pace in lock-step, 0 for none; 1 with --web or --keep."),
+    ] = None,
+    record: options.Record = None,
+    rotate: options.Rotate = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw the run: .png, .svg, .pdf, .gif, .mp4.")
+    ] = None,
+    json_file: options.Json = None,
+    web: options.Web = False,
+    router: options.RouterThere = None,
+    listen: Annotated[
+        str | None,
+        typer.Option(metavar="ENDPOINT", help="Where the router is to listen; --keep: port 7447."),
+    ] = None,
+    hosts: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Table of hosts (TOML); reached by ssh."),
+    ] = None,
+    secure: options.Secure = None,
+    open_to_all: Annotated[bool, typer.Option("--open", help="Let hosts do without --secure.")] = False,
+    restart: Annotated[
+        str | None,
+        typer.Option(
+            metavar="POLICY",
+            help="Start again what fails: never, on-failure[:N]; --keep: 1000 times.",
+        ),
+    ] = None,
+    realtime_priority: options.RealtimePriority = False,
+    log: options.Log = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Run a scenario: a router, a world and one process per robot; prints the result. With [b]--keep[/b] the
+    wall clock sets the pace, unless [b]--mode[/b] says otherwise.
+
+    Examples: disknav run figure-1 --record figure-1.mcap --plot figure-1.png;
+    disknav run swap-6 --keep --run yard; in another terminal: disknav fleet goal yard 3 0.1 -0.05
+
+    Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 Ctrl-C.
+    """
+    from deploy.library.load import load
+    from deploy.processes.hosts.table import read_hosts
+    from deploy.run.execute import Extras, execute
+    from deploy.telemetry.recording.parts import rotation
+
+    clock: Mode = mode or ("realtime" if keep else "lockstep")
+    _check_options({**locals(), "mode": clock})
+    loaded = load(scenario, [*(setting or []), *(["time.endless=true"] if keep else [])], seed)
+    if loaded.is_external:
+        options.refuse_bases(secure)
+    membership = Membership(secure)
+    asked = membership.run(None if name is None else checked_run(name))
+    if keep and router is None and listen is None and hosts is None:
+        listen = str(membership.default_router)
+    how = RunOptions(
+        transport,
+        clock,
+        None if router is None else membership.endpoint(router),
+        asked or (checked_run(loaded.name) if keep else fresh_run_name()),
+        secure,
+        None if hosts is None else read_hosts(hosts, loaded.ids, [spec.id for spec in loaded.newcomers]),
+        open_to_all,
+        speed if speed is not None else 1.0 if (web or keep) and clock == "lockstep" else 0.0,
+        restarts(restart or (_KEPT if keep else "never")),
+        log,
+        rotation(rotate or []),
+        None if listen is None else membership.endpoint(listen),
+        realtime_priority,
+    )
+    begin(LAUNCHER, how.run, log)
+    silent = quiet or json_output.is_standard_output(json_file)
+    if keep and not silent:
+        typer.echo(f"run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True)
+    tell = (lambda _: None) if silent else show
+    result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent, tell=tell)
+    if not silent:
+        _print_files(result, plot, json_file)
+    raise typer.Exit(kept_status(result) if keep else exit_status(result))
+
+
+def _check_options(given: Mapping[str, Any]) -> None:
+    """Refuse what cannot apply."""
+    if given["record"] is None:
+        options.refuse({"--rotate": given["rotate"]}, "nothing is recorded: add --record")
+    if given["mode"] == "realtime":
+        options.refuse({"--speed": given["speed"]}, "in real time a second takes a second: --mode lockstep")
+    if given["hosts"] is None:
+        options.refuse({"--open": given["open_to_all"]}, "it says that --hosts may do without --secure")
+    elif given["listen"]:
+        options.refuse({"--listen": given["listen"]}, "the table says where each router listens")
+    if given["router"] is not None:
+        options.refuse(
+            {"--listen": given["listen"]}, "--router names a router that is there: none is started"
+        )
+    if given["transport"] != "routed":
+        options.refuse({"--listen": given["listen"]}, f"there is no router in {given['transport']}")
+        options.refuse({"--keep": given["keep"]}, "orders come by a router: leave out --transport")
+    if given["keep"]:
+        options.refuse({"--plot": given["plot"]}, "the run has no end to draw: disknav recording plot does")
+
+
+def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path | None) -> None:
+    from rich.console import Console
+
+    console = Console(soft_wrap=True)
+    files = [("recording", each) for each in result["recordings"]]
+    drawn = None if STOP.requested else plot
+    files += [(what, str(target)) for what, target in (("picture", drawn), ("result", json_file)) if target]
+    for what, target in files:
+        console.print(f"{what}: {target}", highlight=False)
+
+
+def check(
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    json_file: options.Json = None,
+) -> None:
+    """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
+
+    Example: disknav check figure-2
+
+    Exit status: 0 valid (whatever the theory says), 2 invalid.
+    """
+    from deploy.library.load import load
+    from deploy.theory.check.check import report, to_json
+    from deploy.theory.check.render import render
+    from deploy.theory.check.surrounded import surrounded, theorem_for
+
+    json_output.check(json_file)
+    valid = load(scenario, setting or [], seed)
+    shown: RenderableType
+    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
+        found = report(valid, _certificate(scenario, valid))
+        plain, shown = to_json(found), render(found)
+    else:
+        among = surrounded(valid)
+        plain, shown = among.to_json(), among.render()
+    json_output.write_json(plain, json_file)
+    if not json_output.is_standard_output(json_file):
+        from rich.console import Console
+
+        Console().print(shown)
+
+
+def _certificate(name: str, scenario: Scenario) -> Certified | None:
+    """What lies beside the scenario."""
+    from deploy.theory.certify.certificate import ProofError, path_for, stored
+    from deploy.theory.check.check import Certified
+
+    path = str(path_for(name))
+    try:
+        found = stored(name, scenario)
+    except ProofError as error:
+        return Certified(path, None, str(error))
+    return None if found is None else Certified(path, found.proven)

@@ -1,0 +1,312 @@
+"""`disknav setup`: what comes before a fleet runs: keys, hosts, orchestrators, bases, this machine."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from deploy.cli import options
+from deploy.output import json_output
+from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
+from deploy.run.options import fresh_run_name
+from deploy.security.membership import Membership
+from deploy.security.roster import OPERATOR
+from protocol.errors import UsageError
+from protocol.keys import checked_run
+from protocol.process.signals import STOP
+from protocol.scenario.base import Base
+
+if TYPE_CHECKING:
+    from deploy.processes.hosts.table import Host
+    from deploy.software.findings import Finding
+
+app = typer.Typer(
+    name="setup", help="Prepare keys, hosts and bases; look at this machine.", no_args_is_help=True
+)
+_MARKS = {"good": ("ok", "green"), "note": ("--", "yellow"), "bad": ("!!", "red")}
+
+
+@app.command()
+def keys(
+    directory: Annotated[Path, typer.Argument(help="Directory to make.")],
+    scenario: Annotated[
+        str,
+        typer.Option(
+            "--scenario",
+            "-s",
+            help="A scenario file or library name: its robots take part, also those that orders add.",
+        ),
+    ],
+    run: options.FreshRun = None,
+    host: Annotated[
+        list[str] | None,
+        typer.Option(help="Name or address, besides those of this host, of the one router; repeatable."),
+    ] = None,
+    hosts: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Table of hosts: each gets a router's key for its robots only."),
+    ] = None,
+    days: Annotated[float, typer.Option(min=0.0, help="For how long they are valid.")] = 30.0,
+    force: Annotated[bool, typer.Option("--force", help="Replace keys that are there already.")] = False,
+) -> None:
+    """Make an authority and one certificate each for router, world, monitor, operator and every robot.
+
+    With [b]--hosts[/b], one for the router of each host, which speaks for the robots there and no others.
+
+    With [b]--secure DIR[/b] other commands use them: every link is TLS, both ends prove who they are, and
+    the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
+    the two files of each role that runs there.
+
+    Example: disknav setup keys keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
+    """
+    from deploy.library.load import read
+    from deploy.processes.hosts.protection import roster_of
+    from deploy.processes.hosts.table import read_hosts
+    from deploy.security.keystore import create
+    from deploy.security.roster import Roster
+
+    name = fresh_run_name() if run is None else checked_run(run)
+    found = read(scenario)
+    ids, newcomers = found.ids, [spec.id for spec in found.newcomers]
+    if hosts is not None and host:
+        raise UsageError("the table says where each router is: leave out --host, or --hosts")
+    if hosts is None:
+        roster = Roster(name, tuple(sorted({*ids, *newcomers})))
+    else:
+        roster = roster_of(name, read_hosts(hosts, ids, newcomers))
+    end = create(directory, roster, hosts=host or (), days=days, force=force)
+    print(
+        f"{directory}: {len(roster.roles)} certificates for the run {name}, "
+        f"valid until {end:%Y-%m-%d %H:%M} UTC"
+    )
+
+
+@app.command()
+def hosts(
+    table: Annotated[
+        Path, typer.Argument(metavar="TABLE", help="Which host runs what (TOML), as for run --hosts.")
+    ],
+    install: Annotated[
+        bool, typer.Option("--install", help="First put this checkout on every host that ssh reaches.")
+    ] = False,
+) -> None:
+    """Find out whether every host can be reached, has this version, a sound clock, its port and space.
+
+    [b]--install[/b] needs Python with venv there, and a package index that pip reaches; a C compiler and make
+    to compile. The software goes where the table's `command` says: FOLDER/bin/disknav.
+
+    Example: disknav setup hosts hosts.toml --install
+
+    Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid, 3 nothing could be installed.
+    """
+    from deploy.processes.hosts.install import install as put
+    from deploy.processes.hosts.table import read_any_hosts
+
+    found = read_any_hosts(table).hosts
+    for host in found if install else ():
+        if host.ssh:
+            print(f"{host.name}: {put(host)}", flush=True)
+    raise typer.Exit(EXIT_ARRIVED if _are_fit(found) else EXIT_OTHERWISE)
+
+
+@app.command()
+def deploy(
+    orchestrator: Annotated[
+        Literal["compose", "kubernetes", "systemd"], typer.Argument(help="What is to run the fleet.")
+    ],
+    scenario: options.Scenario,
+    out: Annotated[Path, options.out("Folder to make.", "--output", metavar="FOLDER")],
+    run: options.FreshRun = None,
+    mode: options.ModeOption = "realtime",
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    image: Annotated[
+        str | None,
+        typer.Option(help="compose, kubernetes: image with this software; localhost/disknav unless given."),
+    ] = None,
+    wait: Annotated[
+        float, typer.Option(min=1.0, help="How long router, world and robots may take to be there, s.")
+    ] = 300.0,
+    router: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ENDPOINT",
+            help="systemd: where the fleet's router listens; tls/127.0.0.1:7447 unless given.",
+        ),
+    ] = None,
+    days: Annotated[float, typer.Option(min=0.0, help="For how long the certificates are valid.")] = 30.0,
+) -> None:
+    """Write what Docker Compose, Kubernetes or systemd needs to run a scenario, keys included.
+
+    The first lines of the main file say how to start it. Every process gets its own key and no other;
+    who has the folder has them all.
+
+    Example: disknav setup deploy compose figure-1 -o fleet && cd fleet && docker compose up
+    """
+    from deploy.library.load import load
+    from deploy.manifests.folder import write
+    from deploy.manifests.plan import Plan, installation
+    from deploy.security.roster import Roster
+    from protocol.scenario.file import write_toml
+
+    if orchestrator == "systemd":
+        options.refuse({"--image": image}, "systemd runs no containers")
+    else:
+        options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
+    loaded = load(scenario, setting or [], seed)
+    if loaded.is_external:
+        raise UsageError("bases outside and keys cannot go together: start the fleet by hand, without")
+    added = {spec.id for spec in loaded.newcomers}
+    if again := sorted(added & {*loaded.ids}):
+        raise UsageError(
+            f"orders of the scenario add robot {again[0]} again, and nobody would start its process a second "
+            "time; give who comes an id of its own"
+        )
+    run_name = fresh_run_name() if run is None else checked_run(run)
+    roster = Roster(run_name, tuple(sorted({*loaded.ids, *added})))
+    command = str(Path(sys.executable).parent / "disknav")
+    endpoint = None if router is None else str(Membership(out).endpoint(router))
+    chosen = {"image": image, "router": endpoint}
+    named = {name: value for name, value in chosen.items() if value is not None}
+    plan = Plan(
+        roster,
+        write_toml(loaded),
+        mode,
+        command=command,
+        software=installation(),
+        wait=wait,
+        **named,
+    )
+    write(out, orchestrator, plan, days)
+    print(f"{out}: the run {roster.run} for {orchestrator}")
+
+
+@app.command()
+def calibrate(
+    scenario: options.Scenario,
+    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Its id in the scenario.")],
+    side: Annotated[
+        float, typer.Option(min=0.2, help="Of the square, m; it begins ahead, to the left.")
+    ] = 0.8,
+    speed: Annotated[float, typer.Option(min=0.01, help="m/s.")] = 0.1,
+    rate: Annotated[float, typer.Option(min=0.05, help="Of turns, rad/s.")] = 0.6,
+    wait: Annotated[float, typer.Option(min=1.0, help="How long its messages may take to come, s.")] = 10.0,
+    router: options.Router = None,
+    setting: options.Settings = None,
+    secure: options.Secure = None,
+) -> None:
+    """Drive a square with one robot's base, and say which bounds to state of it.
+
+    It needs no fleet, and nobody else may drive this base. It looks at nothing on its way: keep the floor
+    free.
+
+    Example: disknav setup calibrate yard.toml 1 --side 1.0
+
+    Exit status: 0 done, 2 invalid, 3 its messages do not come, or are others.
+    """
+    from deploy.calibrate.bounds import bounds, statements
+    from deploy.calibrate.node import Calibration
+    from deploy.calibrate.square import Driver, square
+    from deploy.library.load import load
+    from protocol.bus.drive import drive
+    from protocol.bus.zenoh import ZenohBus
+
+    options.refuse_bases(secure)
+    loaded = load(scenario, setting or [], None)
+    if robot not in loaded.ids:
+        raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
+    table = loaded.base_of(robot) or Base()
+    membership = Membership()
+    connection = membership.client(OPERATOR, (router or membership.default_router,))
+    driver = Driver(table, robot, square(side, speed, rate))
+    bus = ZenohBus(connection)
+    drive(Calibration(bus, driver, wait), bus)
+    STOP.check()
+    found = bounds(driver.log)
+    print(
+        f"measured: poses at rest within {1e3 * found.noise_bound:.1f} mm and {found.heading:.3f} rad; sides "
+        f"off by {100 * found.odometry:.1f} % by odometry, by {100 * found.error:.1f} % of the command;\n"
+        f"late by {found.lag:.3f} s; odometry at least every {found.interval:.3f} s; left alone it brakes "
+        f"after {found.timeout:.2f} s, by {found.acceleration:.2f} m/s^2\n"
+        f"to state, with room for what one square does not show:\n\n{statements(found)}"
+    )
+
+
+@app.command()
+def doctor(json_file: options.Json = None) -> None:
+    """Say what this installation and machine have, and what to do about what they lack; runs two robots.
+
+    ok: fine; --: fine unless what stands there is wanted; !!: fleets will not run.
+
+    Example: disknav setup doctor
+
+    Exit status: 0 fleets run, 1 something is marked with !!.
+    """
+    from deploy.software.findings import findings
+
+    json_output.check(json_file)
+    found = [*findings(), _trial()]
+    json_output.write_json([finding._asdict() for finding in found], json_file)
+    if not json_output.is_standard_output(json_file):
+        _print(found)
+    raise typer.Exit(EXIT_OTHERWISE if any(each.level == "bad" for each in found) else EXIT_ARRIVED)
+
+
+def _are_fit(hosts: Sequence[Host]) -> bool:
+    """Look at all hosts at once, and print what was found."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from deploy.processes.hosts.check import check
+    from deploy.processes.hosts.relay import printable
+
+    with ThreadPoolExecutor(len(hosts)) as pool:
+        findings = list(pool.map(check, hosts))
+    rows = Table(box=None, pad_edge=False)
+    for title in ("host", "", "what", "how it is"):
+        rows.add_column(title)
+    for host, about in zip(hosts, findings, strict=True):
+        for each in about:
+            rows.add_row(host.name, _MARKS[each.level][0], each.what, Text(printable(each.text)))
+    Console(soft_wrap=True, highlight=False).print(rows)
+    return all(each.level != "bad" for about in findings for each in about)
+
+
+def _trial() -> Finding:
+    """Two robots as real processes for some ticks, as every fleet runs."""
+    from deploy.library.load import load
+    from deploy.run.fleet import Fleet
+    from deploy.run.options import RunOptions
+    from deploy.software.findings import Finding
+    from protocol.errors import DisknavError
+
+    try:
+        with Fleet([load("head-on", ["time.limit=1.0"])], RunOptions()) as fleet:
+            (report,) = fleet.execute()
+    except DisknavError as error:
+        return Finding("fleet", "bad", f"two robots did not run: {error}", "see what stands above")
+    if report["verdict"] == "timeout" and report["collisions"] == 0:
+        rate = report["ticks"] / report["wall_time"]
+        return Finding("fleet", "good", f"two robots, a world and a router ran {rate:.0f} ticks a second")
+    text = f"two robots ran to {report['verdict']}: {report['reason']}"
+    return Finding("fleet", "bad", text, "disknav run head-on")
+
+
+def _print(found: list[Finding]) -> None:
+    """Line by line and not wrapped, so that commands can be copied."""
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(soft_wrap=True)
+    width = max(len(finding.what) for finding in found)
+    for finding in found:
+        console.print(Text.assemble(_MARKS[finding.level], f"  {finding.what:<{width}}  {finding.text}"))
+        if finding.remedy:
+            console.print(Text.assemble(" " * (width + 4), ("→ ", "dim"), finding.remedy))
