@@ -12,8 +12,8 @@ from typing import Final
 
 from agents.bodies.body import body_of
 from agents.hearing import Hearing
-from agents.laws import GuardedLaw, View
-from agents.laws.turns import turn_of
+from agents.law import GuardedLaw, View
+from agents.law.turns import turn_of
 from agents.localisation.estimate import Estimate
 from agents.movers.mover import Mover
 from agents.peers.fleet import fleet_of
@@ -163,7 +163,7 @@ class Robot:
         gamma = slice_norm = 0.0
         if position is not None:
             gamma = (position[0] - self.goal[0]) ** 2 + (position[1] - self.goal[1]) ** 2
-            slice_norm = min(self._law.slice_norm(position, self.goal), LARGEST)
+            slice_norm = self._law.slice_norm(position, self.goal)
             if self._filter is not None and self._filter.obeyed:
                 proposals, answers = self._filter.lines.entries(self._desired)
         return State(
@@ -262,7 +262,7 @@ class Robot:
         position = self._estimate.position
         if self.hearing.everybody or position is None or (self.tick + 1) % period(self._scenario):
             return None
-        return min(self._law.slice_norm(position, self.goal), LARGEST)
+        return self._law.slice_norm(position, self.goal)
 
     def _letter(self, filter_: SafetyFilter) -> Letter | None:
         """What is to be said to far peers, if anything."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.laws import require as require_law
+from agents.law import require as require_law
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
 from deploy.library.names import catalogue

@@ -16,7 +16,7 @@ import numpy as np
 from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
-from agents.navigation.far_field import FarField, far_field
+from agents.peers.far_field import FarField, far_field
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, AnyMessage, Summary, Vector

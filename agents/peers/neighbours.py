@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from agents.navigation.far_field import NOTHING
-from agents.navigation.slice import Peer
 from agents.peers.far import FarPicture
-from agents.peers.state import PeerState
+from agents.peers.far_field import NOTHING
+from agents.peers.state import Peer, PeerState
 from protocol.messages import Member
 
 

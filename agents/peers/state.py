@@ -7,10 +7,19 @@ from typing import NamedTuple, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.navigation.slice import Peer
 from protocol.messages import Answer, Claim, Letter, Proposal, State, Vector
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
+
+
+@mypyc_attr(acyclic=True)
+class Peer:
+    """A disk as a robot knows it: centre and radius in m, gamma_j = |b_j - g_j|^2 in m^2 (0 if fixed)."""
+
+    __slots__ = ("gamma", "radius", "x", "y")
+
+    def __init__(self, x: float, y: float, radius: float, gamma: float) -> None:
+        self.x, self.y, self.radius, self.gamma = x, y, radius, gamma
 
 
 @final

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from agents.laws import require as require_law
+from agents.law import require as require_law
 from deploy.library.names import build
 from deploy.library.trial import try_out
 from deploy.theory.tuning import gain_for

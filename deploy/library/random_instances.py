@@ -87,7 +87,7 @@ def random_instance(
 def in_turn(count: int, seed: int = 0) -> Scenario:
     """Robots of which only one moves at a time, each for a second, while the others stand."""
     drawn = random_instance(count, seed, density=0.1, name=f"in-turn-{count}")
-    turns = replace(drawn.control, turn=1.0, escape=False)
+    turns = replace(drawn.control, turn=1.0).without("escape")
     text = f"{count} robots of which one moves at a time, for a second each"
     limit = replace(drawn.time, limit=60.0 * count, deadlock=20.0 * count)
     return replace(drawn, description=text, control=turns, time=limit)

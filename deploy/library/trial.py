@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from agents.laws import View, choose
+from agents.law import View, choose
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from protocol.errors import UsageError

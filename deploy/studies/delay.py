@@ -71,7 +71,7 @@ def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
     return resolved(
         replace(
             scenario,
-            control=replace(scenario.control, pace=pace),
+            control=scenario.control if pace == "common" else scenario.control.without("pace"),
             link=Link(delay=late),
             time=replace(scenario.time, limit=LIMIT),
         )

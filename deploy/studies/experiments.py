@@ -1,6 +1,6 @@
 """The experiments of Karagoz, Bozma, Koditschek: figures 4 and 5, on the flow that the paper has.
 
-The law is the paper's own: common pace, no filter, no escape, perfect sensing and links. What remains between
+The law is the paper's own at the common pace, no filter, perfect sensing and links. What remains between
 a sampled fleet and the paper's continuous flow is the period, during which a robot's peers stand
 still in its eyes. At `PERIOD` and 0.1 m/s that is 1 mm a tick, and nrl differs from that of the
 exact flow by 0.1 % on average and by 2 % at most (figures 3a-3e, three starts each; at 0.02 s it is
@@ -73,7 +73,7 @@ def paper_flow(letter: str, k: float, seed: int) -> Scenario:
     scenario = figure_3(letter, seed)
     return replace(
         scenario,
-        control=replace(scenario.control, law="gradient", k=k, pace="common", filter="none", escape=False),
+        control=replace(scenario.control, law="gradient", k=k, filter="none", additions=("pace",)),
         time=replace(scenario.time, step=PERIOD, tolerance=TOLERANCE, limit=LIMIT),
     )
 

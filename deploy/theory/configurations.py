@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.navigation.passages import gaps, separating
+from agents.law.passages import gaps, separating
 from deploy.theory.function import Array, Problem
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from agents.navigation.attraction import Attraction
-from agents.navigation.passages import OUTSIDE, Gap, crosses, gaps
+from agents.law.obstacles import Attraction
+from agents.law.passages import OUTSIDE, Gap, crosses, gaps
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import RobotSpec, Scenario

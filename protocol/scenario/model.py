@@ -7,8 +7,8 @@ is `from` in the file). Ranges stand in the annotations and are enforced by `pro
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Annotated, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, get_args
 
 from annotated_types import Ge, Le, Len, Predicate
 
@@ -32,6 +32,8 @@ Point = tuple[Coordinate, Coordinate]
 Corners = Annotated[tuple[Point, ...], Len(3, 64)]
 Span = NonNegative | tuple[NonNegative, NonNegative]
 LAWS = ("gradient", "reciprocal", "orca", "barrier")
+Addition = Literal["obstacles", "jams", "late-states", "pace", "escape"]  # agents/law/additions.py
+ADDITIONS: tuple[Addition, ...] = get_args(Addition)
 LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition(":")))]  # docs/guides/law.md
 RobotId = Annotated[int, Ge(1), Le(999_999_999)]
 
@@ -132,10 +134,9 @@ class Control:
     __pydantic_config__ = STRICT
     law: LawName = "gradient"
     k: Gain | Literal["auto", "certified"] = "auto"
-    pace: Literal["common", "own"] = "common"  # one factor for all robots, or each saturates by itself
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
-    escape: bool = True  # gradient, reciprocal: leave deadlocks along negative curvature, unlike the paper
+    additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: what they have beside the paper's law
     # Of laws to compare with; each has a value of its own for what is not given.
     horizon: Positive | None = None  # s, orca: no collision may follow for this long
     barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
@@ -143,6 +144,10 @@ class Control:
     margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
     # Of any law.
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
+
+    def without(self, *names: Addition) -> Control:
+        """The same with some additions left out."""
+        return replace(self, additions=tuple(each for each in self.additions if each not in names))
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,11 @@ def of_library(name: str, workspace: float, period: float, pace: str) -> Scenari
     base = load(name)
     larger = scaled(base, workspace / base.workspace.radius)
     time = replace(larger.time, step=period, limit=120.0, fence=20.0 * period, deadlock=30.0)
-    return replace(larger, control=replace(larger.control, pace=pace), time=time)
+    return replace(larger, control=paced(larger.control, pace), time=time)
+
+
+def paced(control: Control, pace: str) -> Control:
+    return control if pace == "common" else control.without("pace")
 
 
 def circle(count: int, radius: float, k: float, pace: Literal["common", "own"]) -> Scenario:
@@ -35,7 +39,7 @@ def circle(count: int, radius: float, k: float, pace: Literal["common", "own"]) 
     return Scenario(
         tuple(RobotSpec(n, 1.5, (x, y), (-x, -y)) for n, (x, y) in enumerate(points, 1)),
         workspace=Workspace(radius + 5.0),
-        control=Control(k=k, pace=pace, speed=2.0),
+        control=paced(Control(k=k, speed=2.0), pace),
         time=Time(0.25, limit=600.0, tolerance=0.5),
     )
 

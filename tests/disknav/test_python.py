@@ -23,9 +23,11 @@ ROBOTS = [
 
 def test_settings_are_as_on_the_command_line() -> None:
     scenario = disknav.load(
-        "swap-3", {"control.k": np.int64(80), "control.pace": "own", "robots[0].goal": (0.1, 0.0)}, seed=5
+        "swap-3",
+        {"control.k": np.int64(80), "control.additions": ["escape"], "robots[0].goal": (0.1, 0.0)},
+        seed=5,
     )
-    assert (scenario.control.k, scenario.control.pace, scenario.seed) == (80, "own", 5)
+    assert (scenario.control.k, scenario.control.additions, scenario.seed) == (80, ("escape",), 5)
     assert scenario.robots[0].goal == (0.1, 0.0)
 
 

@@ -35,8 +35,8 @@ def _moved_swap(count: int) -> Scenario:
 CASES: Mapping[str, Callable[[], Scenario]] = {
     **{entry.name: partial(load, entry.name) for entry in catalogue() if not entry.name.endswith("-N")},
     **{name: partial(load, name) for name in _COUNTED},
-    "figure-3e, own pace": partial(load, "figure-3e", ["control.pace=own"]),
-    "figure-3d, bare law": partial(load, "figure-3d", ["control.filter=none", "control.escape=false"]),
+    "figure-3e, own pace": partial(load, "figure-3e", ['control.additions=["jams", "escape"]']),
+    "figure-3d, bare law": partial(load, "figure-3d", ["control.filter=none", 'control.additions=["pace"]']),
     "figure-3c, noise": partial(load, "figure-3c", _NOISE),
     "random-12, noise": partial(load, "random-12", _NOISE),
     "random-12, bad link": partial(load, "random-12", _LINK),

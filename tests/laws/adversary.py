@@ -10,7 +10,7 @@ import math
 from random import Random
 from typing import Final
 
-from agents.laws import View
+from agents.law import View
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 

@@ -15,20 +15,22 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from agents.laws.choice import require
-from agents.laws.own import found
+from agents.law.choice import require
+from agents.law.plugin import found
 from deploy.library.trial import try_out
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.peers.places import DELAYS, Group, Place, contest, places
 from deploy.studies.study import Build, Cell
 from protocol.errors import UsageError
+from protocol.scenario.model import Control
 
 RUNS = 20
+BARE = Control().without("escape").additions
 
 LAWS: dict[str, dict[str, Any]] = {
     "reciprocal + lines": {"law": "reciprocal", "filter": "separating-lines"},
     "gradient + lines": {"law": "gradient", "filter": "separating-lines"},
-    "gradient": {"law": "gradient", "filter": "none", "escape": False},
+    "gradient": {"law": "gradient", "filter": "none", "additions": BARE},
     "orca": {"law": "orca", "filter": "none"},
     "barrier": {"law": "barrier", "filter": "none"},
 }

@@ -11,9 +11,9 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from agents.law.obstacles import Attraction
 from agents.movers.places import Floor
 from agents.movers.plan import Planner
-from agents.navigation.attraction import Attraction
 from deploy.theory.check.check import finite
 from deploy.theory.configurations import Barrier, barriers
 from deploy.theory.doors import Door, doors

@@ -24,7 +24,7 @@ def along_the_wall(seed: int, sensing: Sensing, noise: float = 0.0) -> Scenario:
     return Scenario(
         (RobotSpec(1, RADIUS, (EDGE, 0.0), goal),),
         seed=seed,
-        control=Control(k=60.0, pace="own"),
+        control=Control(k=60.0).without("pace"),
         time=Time(limit=15.0, tolerance=5e-4, deadlock=15.0),
         sensing=(sensing,),
         actuation=Actuation(noise),

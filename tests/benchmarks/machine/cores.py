@@ -17,11 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.law.gradient import Slice
 from agents.lines.boundary import RoundBoundary
 from agents.lines.safe_velocity import safe_velocity
 from agents.lines.separating_lines import SeparatingLines
-from agents.navigation.slice import Peer, Slice
-from agents.peers.state import addressed_to
+from agents.peers.state import Peer, addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
 from protocol.codec import decode, encode

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from agents.navigation.pace import max_rate
+from agents.law.pace import max_rate
 from deploy.library.goal_sets import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.output.bar import bar
@@ -50,7 +50,7 @@ def pair(scenario: Scenario) -> Pair:
             scenario.k,
         ),
         np.array([robot.start for robot in scenario.robots]),
-        scenario.control.pace,
+        "common" if "pace" in scenario.control.additions else "own",
         tolerance=scenario.time.tolerance,
         ease=_ease(scenario),
     )
@@ -67,10 +67,11 @@ def _ease(scenario: Scenario) -> float:
 def instance(letter: str, pace: Pace, seed: int) -> Scenario:
     """Goal set `letter` from the random starts of `seed`, behind separating lines."""
     scenario = figure_3(letter, seed)
+    control = scenario.control if pace == "common" else scenario.control.without("pace")
     return resolved(
         replace(
             scenario,
-            control=replace(scenario.control, pace=pace, filter="separating-lines"),
+            control=replace(control, filter="separating-lines"),
             time=replace(scenario.time, step=PERIOD),
         )
     )

@@ -17,6 +17,7 @@ from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
+    ADDITIONS,
     Control,
     Journey,
     Order,
@@ -169,9 +170,8 @@ def _control(dice: Dice, scale: Scale, k: float) -> Control:
     return Control(
         law=law,
         k=dice.pick((k, k, dice.log_uniform(0.3, 1e4))),
-        pace=dice.pick(("common", "own")),
         speed=reach / scale.step,
-        escape=dice.chance(0.8),
+        additions=tuple(each for each in ADDITIONS if dice.chance(0.8)),
         horizon=dice.pick((None, scale.step * dice.log_uniform(0.5, 100.0))) if law == "orca" else None,
         barrier_gain=dice.pick((None, dice.log_uniform(0.01, 2.0) / scale.step))
         if law == "barrier"

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.navigation.flow import Flow, desired_velocity
-from agents.navigation.slice import Peer, Slice
+from agents.law.flow import Flow, desired_velocity
+from agents.law.gradient import Slice
+from agents.peers.state import Peer
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.software import compiled
@@ -31,7 +32,7 @@ def test_the_law_is_the_same_to_the_last_bit(seed: int) -> None:
     k = float(10 ** rng.uniform(0.5, 4.0))
     own, goal, *others = rng.uniform(-0.2, 0.2, (8, 2)).tolist()
     peers = [(*place, 0.03, float(rng.uniform(0.0, 0.05))) for place in others]
-    as_written, flow = interpreted("agents.navigation.slice", "agents.navigation.flow")
+    as_written, flow = interpreted("agents.law.gradient", "agents.law.flow")
     one = Slice(tuple(goal), 0.03, 0.30, k, [Peer(*peer) for peer in peers])
     other = as_written.Slice(tuple(goal), 0.03, 0.30, k, [as_written.Peer(*peer) for peer in peers])
     numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")

@@ -86,15 +86,19 @@ def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
         perform(_request(target=tmp_path / "nowhere" / "rows.json"))
     with pytest.raises(UsageError, match="picture"):
         perform(_request(plot=tmp_path / "rows.gif"))
-    with pytest.raises(ScenarioError, match="pace"):
-        perform(_request(settings=("control.pace=slow",)))
+    with pytest.raises(ScenarioError, match="additions"):
+        perform(_request(settings=('control.additions=["slow"]',)))
 
 
 def test_the_papers_flow_is_bare() -> None:
     scenario = paper_flow("d", 20.0, 3)
     control, time = scenario.control, scenario.time
-    assert (control.law, control.k, control.pace, control.filter) == ("gradient", 20.0, "common", "none")
-    assert not control.escape
+    assert (control.law, control.k, control.additions, control.filter) == (
+        "gradient",
+        20.0,
+        ("pace",),
+        "none",
+    )
     assert (time.step, time.tolerance) == (PERIOD, TOLERANCE)
     assert [cell.labels["k"] for cell in tuning(1).cells][4:] == [20.0, 30.0, 40.0, 60.0, 100.0, 300.0]
 

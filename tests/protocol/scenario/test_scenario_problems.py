@@ -48,7 +48,11 @@ def test_the_issue_in_one_line() -> None:
         ("[link]\ndelay = [1, 2, 3]" + ROBOTS, "link.delay", "2 elements, has 3"),
         ("[link]\ndelay = [0.3, 0.1]" + ROBOTS, "link.delay", "above the high end 0.1"),
         ("[control]\nk = 'automatic'" + ROBOTS, "control.k", 'a number, "auto" or "certified"'),
-        ("[control]\nescape = 1" + ROBOTS, "control.escape", "must be true or false, not 1"),
+        (
+            "[control]\nadditions = [1]" + ROBOTS,
+            "control.additions[0]",
+            "must be 'obstacles', 'jams', 'late-states', 'pace' or 'escape', not 1",
+        ),
         ("[control]\nk = 0" + ROBOTS, "control.k", "at least 1e-09, is 0"),
         ("[control]\nlaw = 'orka'" + ROBOTS, "control.law", "orca, barrier, or your own: module:Class"),
         ("[time]\nstep = 2.0\nlimit = 1.0" + ROBOTS, "time.limit", "less than one step"),

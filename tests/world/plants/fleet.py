@@ -66,7 +66,9 @@ class Setting:
                 endless=self.ticks > 0,
                 deadlock=1e6 if self.ticks else 20.0,
             ),
-            control=Control(k=self.k, pace=self.pace, speed=self.speed, law=self.law),
+            control=Control(k=self.k, speed=self.speed, law=self.law).without(
+                *(["pace"] if self.pace == "own" else [])
+            ),
             sensing=(Sensing(noise=self.noise, noise_bound=2.0 * self.noise, heading=self.heading),),
             link=Link(delay=self.delay, loss=self.loss),
             world=WorldTable(self.plant),

@@ -89,7 +89,7 @@ def test_every_setting_meets_the_same_scenarios_and_stays_in_the_row(tmp_path: P
 
 
 COURTESY = (
-    "from agents.laws.reciprocity.reciprocal import ReciprocalLaw as Inner\n"
+    "from agents.law.reciprocal import ReciprocalLaw as Inner\n"
     + """
 class Courtesy:
     def __init__(self, scenario, robot):

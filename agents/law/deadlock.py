@@ -1,0 +1,195 @@
+"""Deadlock: notice that a robot makes no progress, and leave along the direction of negative curvature.
+
+Two things stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction (exactly
+symmetric swaps come to rest on one), and a filter that projects the desired velocity to nothing. At a saddle
+phi falls when all members of a cluster circle its centroid, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]]
+(Karagoz, Bozma, Koditschek, Prop. C.4). The sense of rotation is a constant, so the members agree without
+a word. The escape is a drift within the flow: the other disks and the workspace repel it as ever.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, TypeVar
+
+from agents.peers.state import Peer
+from protocol.messages import Vector
+
+Other = TypeVar("Other", bound=Peer)
+Mean = tuple[Vector, Vector]  # averaged once, averaged twice
+MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
+
+# The times below hold where the largest disk needs LAP to move by its radius and is controlled every STEP.
+# All grow in proportion to the lap. A swing takes some periods, so the window has at least eight of them; all
+# other times have at least a quarter of the periods that they have here, and with shorter periods as many.
+LAP: Final = 0.4  # s
+STEP: Final = 0.05  # s
+SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
+WINDOW: Final = (
+    0.4  # s, eight periods, time constant over which motion is averaged, so that swinging to and fro is none
+)
+SWING: Final = 3.0  # the window grows by this times the latency: who is repelled late swings slowly
+STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
+PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
+TRIPS: Final = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
+RISE: Final = 0.5  # s from no drift to full drift
+BURST: Final = 3.0  # s that an escape lasts at most; then patience again, for a drift can hold a robot too
+RELEASE: Final = 1.0  # s from full drift to none, once there is progress or the burst is over
+FALL: Final = 0.98  # gamma has fallen when it is below this fraction of where it last had
+ADJACENT: Final = 1.25  # closest neighbours: beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij
+
+
+@dataclass
+class Progress:
+    """How much one robot is stuck, from what it wants and what it really does.
+
+    The free speed is what attraction alone would give, min(speed, 2 s |b_i - g_i|). A robot stalls when
+    it is off its goal and either moves along its desired velocity at less than a tenth of the free speed,
+    or desires less than that. The latter is also the lot of a robot nudged off its goal, which only waits
+    for gamma to fall: it stalls only if a disk bars the straight way to its goal, or gamma falls no more.
+
+    Args:
+        period: control period, s.
+        lap: in which the largest disk of the fleet moves by its radius at full speed, s.
+
+    Attributes:
+        strength: of the escape, 0 (none) to 1, continuous in time. The drift to add to the flow is
+            strength * free speed * `circling`: never more than the attraction, so that it cannot keep
+            a robot in orbit around its goal.
+    """
+
+    period: float
+    lap: float = 0.0
+    strength: float = 0.0
+    _moved: Mean = MOTIONLESS
+    _wanted: Mean = MOTIONLESS
+    _free: float = 0.0
+    _stalled: float = 0.0
+    _quiet: float = 0.0
+    _mark: float = math.inf
+
+    def update(
+        self,
+        *,
+        displacement: Vector,
+        desired: Vector,
+        free: float,
+        gamma: float,
+        barred: Callable[[], bool],
+        latency: float = 0.0,
+    ) -> float:
+        """Take in one tick and return the strength.
+
+        Args:
+            displacement: really executed during the last tick, m.
+            desired: velocity that the flow asks for, before drift and filter, m/s.
+            free: free speed, m/s; 0 at the goal.
+            gamma: sum of all robots' squared distances to their goals, m^2, as known.
+            barred: tells whether a disk bars the straight way to the goal (`barred`); not always asked.
+            latency: age of the oldest peer state in use, s. A filter that waits for answers holds a robot
+                for some round trips without any deadlock: the patience grows with it.
+        """
+        laps, periods = self.lap / LAP, self.period / STEP
+        scale = max(laps, min(periods, 1.0), 0.25 * periods)
+        latency = min(latency, STALEST * max(1.0, scale))
+        patience = PATIENCE * scale + TRIPS * latency
+        weight = min(1.0, self.period / (WINDOW * max(laps, periods) + SWING * latency))
+        moved = displacement[0] / self.period, displacement[1] / self.period
+        self._moved = _average(self._moved, moved, weight)
+        self._wanted = _average(self._wanted, desired, weight)
+        self._free += weight * (free - self._free)
+        self._quiet += self.period
+        if gamma < FALL * self._mark:
+            self._mark, self._quiet = gamma, 0.0
+        stalls = free > 0.0 and self._stalls(barred, patience)
+        self._stalled = self._stalled + self.period if stalls else 0.0
+        begun = self._stalled - patience
+        if 0.0 < begun <= BURST * scale:
+            self.strength = min(1.0, self.strength + self.period / (RISE * scale))
+        else:
+            self.strength = max(0.0, self.strength - self.period / (RELEASE * scale))
+        if begun > BURST * scale:
+            self._stalled = 0.0
+        return self.strength
+
+    def _stalls(self, barred: Callable[[], bool], patience: float) -> bool:
+        _, (wx, wy) = self._wanted
+        _, (mx, my) = self._moved
+        wanted = math.hypot(wx, wy)
+        if wanted < SLOW * self._free:
+            return barred() or self._quiet > patience
+        return mx * wx + my * wy < SLOW * self._free * wanted
+
+
+def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer]) -> bool:
+    """Whether a peer's disk (as known) bars this disk's straight way from position to goal (m)."""
+    x, y = position
+    wx, wy = goal[0] - x, goal[1] - y
+    square = wx * wx + wy * wy
+    for peer in peers:
+        dx, dy = peer.x - x, peer.y - y
+        along = dx * wx + dy * wy
+        if along > 0.0 and square > 0.0:
+            part = min(along / square, 1.0)
+            if math.hypot(dx - part * wx, dy - part * wy) < radius + peer.radius:
+                return True
+    return False
+
+
+def cluster(position: Vector, radius: float, peers: Sequence[Other]) -> list[Other]:
+    """The peers in this robot's class of closest neighbours: the transitive closure of beta_ij <= eps."""
+    members: list[Other] = []
+    rest = list(peers)
+    frontier = [(position[0], position[1], radius)]
+    while frontier:
+        x, y, own = frontier.pop()
+        far: list[Other] = []
+        for peer in rest:
+            near_squared = (1.0 + ADJACENT) * (own + peer.radius) ** 2
+            if (peer.x - x) ** 2 + (peer.y - y) ** 2 <= near_squared:
+                members.append(peer)
+                frontier.append((peer.x, peer.y, peer.radius))
+            else:
+                far.append(peer)
+        rest = far
+    return members
+
+
+def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer]) -> Vector:
+    """Own part of v, J (b_i - centroid), scaled so that the cluster's fastest member has length 1.
+
+    A robot without neighbours circles its own goal instead: it sidesteps in the same sense.
+    """
+    members = [(peer.x, peer.y) for peer in cluster(position, radius, peers)]
+    if members:
+        members.append(position)
+        cx, cy = centroid(members)
+    else:
+        members, (cx, cy) = [position], goal
+    farthest = max(math.hypot(x - cx, y - cy) for x, y in members)
+    if farthest == 0.0:
+        return 0.0, 0.0
+    return (position[1] - cy) / farthest, (cx - position[0]) / farthest
+
+
+def centroid(points: Sequence[Vector]) -> Vector:
+    """Mean of the points, m.
+
+    Added up one by one: `sum` rounds otherwise from Python 3.12 on, and trajectories would differ.
+    """
+    x, y = 0.0, 0.0
+    for px, py in points:
+        x, y = x + px, y + py
+    return x / len(points), y / len(points)
+
+
+def _average(mean: Mean, value: Vector, weight: float) -> Mean:
+    """Exponential mean of the exponential mean: a swing of angular frequency w fades by (w window)^2."""
+    first = _toward(mean[0], value, weight)
+    return first, _toward(mean[1], first, weight)
+
+
+def _toward(mean: Vector, value: Vector, weight: float) -> Vector:
+    return mean[0] + weight * (value[0] - mean[0]), mean[1] + weight * (value[1] - mean[1])

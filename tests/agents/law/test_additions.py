@@ -1,0 +1,72 @@
+"""Additions to the paper's law: without any it is the paper's, and each can be left out."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+
+from agents.law import View, choose
+from agents.law.additions import AugmentedLaw
+from agents.law.gradient import GradientLaw
+from agents.peers.neighbours import Neighbours
+from agents.peers.state import PeerState
+from deploy.library.load import load
+from deploy.library.random_instances import random_instance
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import ADDITIONS, Control, Scenario
+
+
+def with_additions(name: str, *additions: str) -> Scenario:
+    return load(name, [f"control.additions={json.dumps(additions)}", "time.limit=20.0", "time.deadlock=5.0"])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_without_additions_the_law_is_the_papers_to_the_last_bit(seed: int) -> None:
+    """Peers may be late, and some near a contact."""
+    scenario = replace(random_instance(6, seed), control=Control(k=60.0, additions=()))
+    papers, augmented = choose(scenario, 1), AugmentedLaw(scenario, 1)
+    assert isinstance(papers, GradientLaw)
+    (x, y), period = scenario.robots[0].start, scenario.time.step
+    vx = vy = 0.0
+    known = Neighbours({spec.id: spec.radius for spec in scenario.robots[1:]})
+    for tick in range(60):
+        for spec in scenario.robots[1:]:
+            if (tick + spec.id) % 3 == 0:
+                gamma = math.dist(spec.start, spec.goal) ** 2
+                state = (spec.id, 1, tick, True, *spec.start, 0.0, gamma, 0.1, 0.05, 0.05)
+                known.on_state(PeerState(*state, radius=spec.radius))
+        view = View(
+            tick=tick,
+            position=(x, y),
+            goal=scenario.robots[0].goal,
+            displacement=(period * vx, period * vy),
+            neighbours=known,
+        )
+        vx, vy = papers.velocity(view)
+        assert augmented.velocity(view) == (vx, vy)
+        assert augmented.slice_norm((x, y), view.goal) == papers.slice_norm((x, y), view.goal)
+        x, y = x + period * vx, y + period * vy
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
+@pytest.mark.parametrize("left_out", ADDITIONS)
+def test_any_addition_can_be_left_out(law: str, left_out: str) -> None:
+    for name in ("random-6", "boxes-4"):
+        scenario = load(name, [f"control.law={law}", "link.delay=0.1"])
+        scenario = replace(scenario, control=scenario.control.without(left_out))  # type: ignore[arg-type]
+        report = LocalFleet([scenario]).execute()[0]
+        assert (report["verdict"], report["collisions"]) in (("arrived", 0), ("deadlock", 0), ("timeout", 0))
+
+
+@pytest.mark.parametrize("filter_", ["separating-lines", "none"])
+def test_on_a_saddle_only_the_escape_gets_away(filter_: str) -> None:
+    def verdict(*additions: str) -> str:
+        scenario = with_additions("head-on", *additions)
+        control = replace(scenario.control, filter=filter_)  # type: ignore[arg-type]
+        return str(LocalFleet([replace(scenario, control=control)]).execute()[0]["verdict"])
+
+    assert [verdict("pace", "escape"), verdict("pace"), verdict()] == ["arrived", "deadlock", "deadlock"]

@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from agents.law.deadlock import PATIENCE, Progress, barred, circling, cluster
+from agents.peers.state import Peer
+from tests.agents.law.whole_fleet import Fleet, scattered, tight_goals
+
+
+def swap(n: int, **options: object) -> Fleet:
+    """n robots on a ring, each bound for the opposite point; two of them are symmetric to the last bit."""
+    angles = 2 * np.pi * np.arange(n) / n
+    starts = 0.4 * np.c_[np.cos(angles), np.sin(angles)]
+    starts[np.abs(starts) < 1e-12] = 0.0
+    return Fleet(starts, -starts, [0.03] * n, 0.45, 60.0 * max(1.0, n / 6) ** 2, **options)
+
+
+def test_without_an_escape_a_head_on_swap_rests_on_the_saddle() -> None:
+    fleet = swap(2)
+    assert not fleet.run(30.0)
+    assert all(y == 0.0 for _, y in fleet.positions)
+
+
+@pytest.mark.parametrize("n", range(2, 13))
+@pytest.mark.parametrize("pace", ["common", "own"])
+def test_symmetric_swaps_arrive_without_collision(n: int, pace: str) -> None:
+    fleet = swap(n, pace=pace, escapes=True)
+    assert fleet.run(30.0)
+    assert fleet.clearance > 0.0
+    assert fleet.nrl < 1.7
+
+
+def test_a_swap_among_late_peers_arrives() -> None:
+    assert swap(4, escapes=True, delay=6).run(60.0)
+
+
+def test_an_ordinary_run_never_escapes() -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
+        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, escapes=True)
+        assert fleet.run(30.0)
+        assert fleet.escaping == 0
+
+
+def still(progress: Progress, seconds: float, **changes: object) -> float:
+    tick = {
+        "displacement": (0.0, 0.0),
+        "desired": (0.1, 0.0),
+        "free": 0.1,
+        "gamma": 0.2,
+        "barred": lambda: False,
+    }
+    strength = 0.0
+    for _ in range(round(seconds / progress.period)):
+        strength = progress.update(**(tick | changes))
+    return strength
+
+
+def test_lines_that_block_are_noticed_by_what_was_really_executed() -> None:
+    progress = Progress(0.05)
+    assert still(progress, 0.9 * PATIENCE) == 0.0
+    assert 0.0 < still(progress, 0.4) < 1.0
+    assert still(progress, 1.0) == 1.0
+    assert still(progress, 0.5, displacement=(0.005, 0.0)) < 1.0
+    assert still(progress, 2.0, displacement=(0.005, 0.0)) == 0.0
+
+
+def test_swinging_to_and_fro_is_no_progress() -> None:
+    progress, strongest = Progress(0.05), 0.0
+    for tick in range(200):
+        swing = 0.1 * math.cos(2 * math.pi * tick / 8)
+        strength = progress.update(
+            displacement=(0.05 * swing, 0.0), desired=(swing, 0.0), free=0.1, gamma=0.2, barred=lambda: True
+        )
+        strongest = max(strongest, strength)
+    assert strongest == 1.0
+
+
+@pytest.mark.parametrize("period", [0.01, 0.05, 0.25, 0.5])
+@pytest.mark.parametrize("lap", [0.02, 0.4, 0.75, 10.0])
+def test_swinging_every_other_tick_is_no_progress_at_any_period(period: float, lap: float) -> None:
+    progress, strongest = Progress(period, lap), 0.0
+    for tick in range(max(400, round(10 * lap / period))):
+        swing = -1.0 if tick % 2 else 1.0
+        strength = progress.update(
+            displacement=(swing * period, 0.0), desired=(swing, 0.0), free=1.0, gamma=0.2, barred=lambda: True
+        )
+        strongest = max(strongest, strength)
+    assert strongest == 1.0
+
+
+@pytest.mark.parametrize("factor", [0.01, 0.1, 10.0, 1000.0])
+def test_time_has_no_scale_of_its_own(factor: float) -> None:
+    """Whoever moves and computes so many times slower waits and escapes so many times longer."""
+    usual, slow = Progress(0.05, 0.41), Progress(0.05 * factor, 0.41 * factor)
+    for tick in range(200):
+        moved = 0.0 if tick % 90 < 60 else 0.005
+        one, other = (
+            progress.update(
+                displacement=(moved, 0.0),
+                desired=(speed, 0.0),
+                free=speed,
+                gamma=0.2,
+                barred=lambda: True,
+            )
+            for progress, speed in ((usual, 0.1), (slow, 0.1 / factor))
+        )
+        assert other == pytest.approx(one, abs=1e-9)
+
+
+def test_an_escape_that_does_not_help_pauses() -> None:
+    progress = Progress(0.05)
+    strengths = [still(progress, 0.05) for _ in range(240)]
+    assert max(strengths) == 1.0
+    assert 0.0 in strengths[strengths.index(1.0) :]
+
+
+def test_patience_grows_with_the_latency() -> None:
+    assert still(Progress(0.05), 6.5, latency=1.0) == 0.0
+    assert still(Progress(0.05), 9.0, latency=1.0) == 1.0
+
+
+def test_a_peer_that_is_cut_off_does_not_stretch_the_patience_for_ever() -> None:
+    assert still(Progress(0.05), 15.0, latency=1e6) == 1.0
+
+
+def test_at_the_goal_there_is_nothing_to_escape() -> None:
+    assert still(Progress(0.05), 20.0, free=0.0) == 0.0
+
+
+def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
+    progress, gamma = Progress(0.05), 1.0
+    for _ in range(200):
+        gamma *= 0.99
+        assert (
+            progress.update(
+                displacement=(0.0, 0.0), desired=(0.0, 0.0), free=0.1, gamma=gamma, barred=lambda: False
+            )
+            == 0.0
+        )
+    assert still(progress, 3.0, desired=(0.0, 0.0), gamma=gamma) == 1.0
+
+
+def test_a_cluster_is_the_transitive_closure_of_closest_neighbours() -> None:
+    chain = [Peer(0.1 * n, 0.0, 0.04, 0.0) for n in (1, 2, 3)]
+    alone = Peer(0.0, 1.0, 0.04, 0.0)
+    found = cluster((0.0, 0.0), 0.04, [chain[2], alone, chain[0], chain[1]])
+    assert sorted(found, key=lambda peer: peer.x) == chain
+
+
+def test_members_of_a_cluster_circle_in_one_sense() -> None:
+    angles = [0.3 + 2 * math.pi * n / 5 for n in range(5)]
+    places = [(0.07 * math.cos(a), 0.07 * math.sin(a)) for a in angles]
+    for i, (x, y) in enumerate(places):
+        peers = [Peer(*place, 0.04, 0.0) for j, place in enumerate(places) if j != i]
+        assert circling((x, y), (0.0, 0.0), 0.04, peers) == pytest.approx((y / 0.07, -x / 0.07))
+
+
+def test_a_lone_robot_sidesteps_in_the_same_sense() -> None:
+    assert circling((-0.2, 0.0), (0.2, 0.0), 0.04, []) == pytest.approx((0.0, 1.0))
+    assert circling((0.2, 0.0), (0.2, 0.0), 0.04, []) == (0.0, 0.0)
+
+
+def test_only_a_disk_on_the_way_bars_it() -> None:
+    way = ((-0.2, 0.0), (0.2, 0.0), 0.04)
+    assert barred(*way, [Peer(0.0, 0.07, 0.04, 0.0)])
+    assert not barred(*way, [Peer(0.0, 0.09, 0.04, 0.0), Peer(-0.25, 0.0, 0.04, 0.0)])

@@ -1,0 +1,142 @@
+"""Where there is room, crowds pressed together come apart, and who has arrived lets others by."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import pytest
+
+from agents.law.jams import CROWD, JAM, QUEUE, WAIT, Dispersal
+from agents.peers.state import PeerState
+from deploy.library.load import resolved
+from deploy.run.local import LocalFleet
+from protocol.scenario.file import validated
+from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
+
+R = 0.04
+STEP = 0.05  # s
+LAP = 8  # ticks
+FAR = (1.0, 0.0)  # a goal
+
+
+def state(robot: int, x: float, y: float, gamma: float = 1.0) -> PeerState:
+    return PeerState(robot, 1, 0, True, x, y, 0.0, gamma, 1.0, 0.0, 0.0, radius=R)
+
+
+def ring(robots: int, gamma: float = 1.0) -> list[PeerState]:
+    """So many touch each other around (0.1, 0), the robots from 2 on."""
+    size = 1.02 * R / math.sin(math.pi / robots)
+    angles = [2.0 * math.pi * n / robots for n in range(robots)]
+    return [
+        state(n + 2, 0.1 + size * math.cos(angle), size * math.sin(angle), gamma)
+        for n, angle in enumerate(angles)
+    ]
+
+
+def held(robot: int, peers: list[PeerState], stuck: bool = True) -> tuple[Dispersal, int]:
+    """Stand at (0.1, 0) until the robot gives way, or until it does not."""
+    jams = Dispersal(robot, R, LAP * STEP, STEP)
+    tick = 0
+    for tick in range(int(2.0 * JAM * LAP)):
+        if jams.yielding(tick, FAR) is not None:
+            break
+        jams.look(tick, (0.1, 0.0), 0.9, peers, stuck=stuck)
+    return jams, tick
+
+
+def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
+    places = {1: (0.1, 0.0)} | {peer.robot: (peer.x, peer.y) for peer in ring(CROWD)}
+    went = []
+    for own, (x, y) in places.items():
+        jams = Dispersal(own, R, LAP * STEP, STEP)
+        others = [state(robot, *place) for robot, place in places.items() if robot != own]
+        for tick in range(int(JAM * LAP) + 2):
+            if jams.yielding(tick, FAR) is None:
+                jams.look(tick, (x, y), 0.9, others, stuck=True)
+        back = jams.yielding(int(JAM * LAP) + 2, FAR)
+        if back is None:
+            went.append(own)
+        else:
+            assert back == pytest.approx((2.0 * x - 0.1, 2.0 * y), abs=1e-9)
+            last = int((JAM + WAIT + QUEUE * CROWD) * LAP) + 2
+            assert jams.yielding(int((JAM + WAIT) * LAP), FAR) == back
+            assert jams.yielding(last, FAR) is None
+    assert len(went) == 1
+
+
+def test_few_do_not_spread_nor_does_who_is_not_stuck() -> None:
+    last = max(range(1, 100), key=lambda robot: robot * 7919 % 1_000_003)
+    crowd = ring(CROWD)
+    assert held(last, crowd)[0].yielding(0, FAR) is not None
+    assert held(last, crowd, stuck=False)[0].yielding(0, FAR) is None
+    assert held(last, crowd[: CROWD - 2])[0].yielding(0, FAR) is None
+
+
+def test_it_goes_on_at_once_to_another_goal() -> None:
+    last = max(range(1, 100), key=lambda robot: robot * 7919 % 1_000_003)
+    jams, tick = held(last, ring(CROWD))
+    assert jams.yielding(tick, FAR) is not None
+    assert jams.yielding(tick, (-1.0, 0.0)) is None
+
+
+def arrived(moves: float = 0.0, gamma: float = 1.0) -> tuple[float, float] | None:
+    """Where a robot at its goal steps aside to for another beside it that moves by so much, m, in JAM."""
+    jams = Dispersal(1, R, LAP * STEP, STEP)
+    for tick in range(int(2.5 * JAM * LAP)):
+        back = jams.yielding(tick, (0.0, 0.0))
+        if back is not None:
+            return back
+        peer = state(2, 0.081, moves * tick / (JAM * LAP), gamma)
+        jams.look(tick, (0.0, 0.0), 0.0, [peer], stuck=False)
+    return None
+
+
+def test_who_stands_at_its_goal_steps_aside_for_one_that_stands_beside_it() -> None:
+    assert arrived() == pytest.approx((-0.0405, 0.0))
+    assert arrived(moves=R) is None
+    assert arrived(gamma=R * R) is None
+
+
+def gate() -> Scenario:
+    """Two at their goals, less than a disk apart, and one that wants through between them."""
+    specs = (
+        RobotSpec(1, R, (0.0, 0.3), (0.0, -0.12)),
+        RobotSpec(2, R, (-0.07, 0.0), (-0.07, 0.0)),
+        RobotSpec(3, R, (0.07, 0.0), (0.07, 0.0)),
+        RobotSpec(4, R, (-0.2, -0.06), (-0.2, -0.06)),
+        RobotSpec(5, R, (0.2, -0.06), (0.2, -0.06)),
+    )
+    time = Time(step=STEP, limit=60.0, deadlock=60.0)
+    control = Control(k=1e6)
+    return resolved(validated(Scenario(specs, "gate", "", 1, Workspace(0.6), time, control)))
+
+
+def crowd(law: str) -> Scenario:
+    """37 packed as tightly as disks can be, each bound for somewhere on the far side."""
+    draw = Random(1)
+    pitch, span = 2.005 * R, range(-6, 7)
+    cells = [(pitch * (i + 0.5 * (j % 2)), pitch * math.sqrt(0.75) * j) for i in span for j in span]
+    cells.sort(key=lambda cell: (math.hypot(*cell), cell))
+    specs: list[RobotSpec] = []
+    for x, y in cells[:37]:
+        goal = x, y
+        while any(math.dist(goal, other) < 3.0 * R for other in [(x, y), *[spec.goal for spec in specs]]):
+            angle, away = math.atan2(-y, -x) + draw.uniform(-1.2, 1.2), draw.uniform(0.7, 2.1)
+            goal = round(away * math.cos(angle), 6), round(away * math.sin(angle), 6)
+        specs.append(RobotSpec(len(specs) + 1, R, (round(x, 6), round(y, 6)), goal))
+    time, control = Time(limit=150.0, deadlock=150.0), Control(law=law, k=1e6)
+    return resolved(validated(Scenario(tuple(specs), "crowd", "", 1, Workspace(2.2), time, control)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
+def test_a_crowd_that_presses_itself_together_comes_apart(law: str) -> None:
+    (report,) = LocalFleet([crowd(law)]).execute()
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+
+
+@pytest.mark.slow
+def test_one_gets_through_between_two_at_their_goals() -> None:
+    (report,) = LocalFleet([gate()]).execute()
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)

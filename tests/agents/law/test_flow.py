@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from agents.law.flow import MAX_STEPS, Flow, desired_velocity
+from agents.law.gradient import Slice
+from agents.law.pace import max_rate
+from agents.peers.state import Peer
+from deploy.theory.function import Problem, reduced_gradient
+from tests.agents.law.whole_fleet import SPEED, TOLERANCE, Fleet, scattered, tight_goals
+from tests.interpreted import interpreted
+
+PERIOD = 0.05
+
+
+# What is compiled can neither be counted nor inherited from.
+as_written, flow = interpreted("agents.law.gradient", "agents.law.flow")
+
+
+class Counted(as_written.Slice):
+    evaluations = 0
+
+    def __call__(self, x: float, y: float) -> tuple[float, float]:
+        self.evaluations += 1
+        return super().__call__(x, y)
+
+    def gradient(self, x: float, y: float):
+        self.evaluations += 1
+        return super().gradient(x, y)
+
+
+def crowd(seed: int, k: float = 60.0) -> tuple[Slice, tuple[float, float]]:
+    rng = np.random.default_rng(seed)
+    places = [(float(x), float(y)) for x, y in scattered(rng, 7, 0.04, 0.30)]
+    peers = [Peer(*place, 0.04, float(rng.uniform(0.0, 0.04))) for place in places[2:]]
+    return Slice(places[1], 0.04, 0.30, k, peers), places[0]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_end_is_that_of_an_exact_integration(seed: int) -> None:
+    field, start = crowd(seed)
+    scale = SPEED / field.norm(*start)
+    vx, vy = desired_velocity(Flow(field, scale), start, period=PERIOD, speed=1.0)
+    exact = solve_ivp(
+        lambda _, y: [-scale * d for d in field(*y)], (0, PERIOD), start, "LSODA", rtol=1e-10, atol=1e-13
+    ).y[:, -1]
+    error = math.hypot(start[0] + vx * PERIOD - exact[0], start[1] + vy * PERIOD - exact[1])
+    assert error < 0.02 * SPEED * PERIOD
+
+
+def test_away_from_contact_a_period_costs_three_evaluations() -> None:
+    field = Counted((0.2, 0.0), 0.04, 0.30, 60.0, [Peer(0.0, 0.2, 0.04, 0.01)])
+    flow.desired_velocity(flow.Flow(field, 0.2), (-0.2, 0.0), period=PERIOD, speed=SPEED)
+    assert field.evaluations == 3
+
+
+@pytest.mark.parametrize("k", [5.0, 60.0, 1_000.0, 10_000.0])
+@pytest.mark.parametrize("gap", [-0.01, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_never_faster_than_the_limit_nor_into_a_disk(k: float, gap: float) -> None:
+    field = Counted((0.2, 0.0), 0.04, 0.30, k, [Peer(0.0, 0.0, 0.04, 0.01)])
+    x, y = -0.08 - gap, 0.0
+    for _ in range(40):
+        before = math.hypot(x, y)
+        vx, vy = flow.desired_velocity(flow.Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
+        assert math.hypot(vx, vy) <= SPEED * (1 + 1e-12)
+        x, y = x + vx * PERIOD, y + vy * PERIOD
+        assert math.hypot(x, y) > min(before, 0.08)
+    assert math.hypot(x, y) > 0.08
+    rest = flow.desired_velocity(flow.Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
+    assert math.hypot(*rest) < 0.02 * SPEED
+    assert field.evaluations < 41 * 2 * MAX_STEPS
+
+
+def test_a_drift_is_repelled_like_the_law() -> None:
+    field = Slice((-0.1, 0.0), 0.04, 0.30, 60.0, [Peer(0.0, 0.0, 0.04, 0.01)])
+    x = -0.1
+    for _ in range(100):
+        x += PERIOD * desired_velocity(Flow(field, 1.0, (1.0, 0.0)), (x, 0.0), period=PERIOD, speed=SPEED)[0]
+    assert -0.1 < x < -0.08
+
+
+def exact_nrl(starts: np.ndarray, goals: np.ndarray, k: float, pace: str) -> float:
+    problem = Problem(goals, np.full(6, 0.04), 0.30, k)
+    limit = max_rate(SPEED, PERIOD, TOLERANCE)
+
+    def rate(_: float, z: np.ndarray) -> np.ndarray:
+        d = reduced_gradient(problem, z[:12].reshape(6, 2))
+        if np.isnan(d).any():
+            return np.full(18, np.nan)
+        norms = np.hypot(*d.T)
+        scale = np.minimum(SPEED / (norms.max() if pace == "common" else norms), limit)
+        u = -(d.T * scale).T
+        return np.concatenate([u.ravel(), np.hypot(*u.T)])
+
+    def apart(_: float, z: np.ndarray) -> float:
+        return float(np.hypot(*(z[:12].reshape(6, 2) - goals).T).max()) - TOLERANCE
+
+    apart.terminal = True
+    start = np.concatenate([starts.ravel(), np.zeros(6)])
+    end = solve_ivp(rate, (0, 60), start, "LSODA", events=apart, rtol=1e-5, atol=1e-7)
+    assert end.status == 1
+    return float(end.y[12:, -1].sum() / np.hypot(*(starts - goals).T).sum())
+
+
+@pytest.mark.parametrize("pace", ["common", "own"])
+def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow(pace: str) -> None:
+    sampled, exact = [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
+        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, pace)
+        assert fleet.run(30.0)
+        assert fleet.clearance > 0.0
+        sampled.append(fleet.nrl)
+        exact.append(exact_nrl(starts, goals, 60.0, pace))
+    assert np.mean(sampled) == pytest.approx(np.mean(exact), rel=0.05)
+
+
+@pytest.mark.parametrize("delay", [6, 20])
+def test_late_peers_cost_time_but_not_arrival(delay: int) -> None:
+    rng = np.random.default_rng(3)
+    goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
+    assert Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, delay=delay).run(60.0)

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import math
+from operator import attrgetter
+
+import numpy as np
+import pytest
+
+from agents.law.gradient import Slice
+from agents.peers.state import Peer
+from deploy.theory.function import Problem, reduced_gradient
+from tests.agents.law.whole_fleet import scattered
+
+numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")  # of a gradient
+
+
+def configuration(n: int, k: float, seed: int) -> tuple[Problem, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    workspace = 0.30 * math.sqrt(n / 6)
+    starts, goals = (scattered(rng, n, 0.04, workspace) for _ in range(2))
+    return Problem(goals, rng.uniform(0.02, 0.04, n), workspace, k), starts
+
+
+def slice_of(problem: Problem, b: np.ndarray, i: int) -> Slice:
+    gammas = ((b - problem.goals) ** 2).sum(1)
+    peers = [
+        Peer(float(x), float(y), float(problem.radii[j]), float(gammas[j]))
+        for j, (x, y) in enumerate(b)
+        if j != i
+    ]
+    goal = (float(problem.goals[i][0]), float(problem.goals[i][1]))
+    return Slice(goal, float(problem.radii[i]), problem.workspace, problem.k, peers)
+
+
+@pytest.mark.parametrize(("n", "k"), [(1, 60.0), (2, 5.0), (6, 60.0), (24, 960.0), (200, 10_000.0)])
+def test_slices_are_the_rows_of_the_reduced_gradient(n: int, k: float) -> None:
+    problem, b = configuration(n, k, seed=n)
+    expected = reduced_gradient(problem, b)
+    for i in range(n):
+        own = slice_of(problem, b, i)
+        value = own(*map(float, b[i]))
+        assert np.isfinite(value).all()
+        np.testing.assert_allclose(value, expected[i], rtol=1e-10, atol=1e-12)
+        assert numbers(own.gradient(*map(float, b[i])))[:2] == value
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_jacobian_is_the_finite_difference(seed: int) -> None:
+    problem, b = configuration(6, 60.0, seed)
+    step = 1e-6
+    for i in range(6):
+        own, (x, y) = slice_of(problem, b, i), map(float, b[i])
+        found = np.reshape(numbers(own.gradient(x, y))[2:], (2, 2))
+        columns = [
+            np.subtract(own(x + step, y), own(x - step, y)) / (2 * step),
+            np.subtract(own(x, y + step), own(x, y - step)) / (2 * step),
+        ]
+        np.testing.assert_allclose(found, np.transpose(columns), rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("gap", [1e-13, 0.0, -1e-9, -1e-3, -0.03])
+def test_at_and_behind_a_contact_the_slice_pushes_apart(gap: float) -> None:
+    own = Slice((0.2, 0.0), 0.04, 0.30, 10_000.0, [Peer(0.1, 0.0, 0.04, 0.01)])
+    dx, dy = own(0.1 - 0.08 - gap, 0.0)
+    assert dx > 0.0
+    assert math.isfinite(dx)
+    assert dy == 0.0
+    assert all(map(math.isfinite, numbers(own.gradient(0.1 - 0.08 - gap, 0.0))))
+
+
+def test_the_push_grows_with_the_depth() -> None:
+    own = Slice((0.2, 0.0), 0.04, 0.30, 60.0, [Peer(0.1, 0.0, 0.04, 0.01)])
+    pushes = [own(0.02 + depth, 0.0)[0] for depth in (-1e-4, -1e-8, 0.0, 1e-8, 1e-4, 0.02)]
+    assert pushes == sorted(pushes)
+
+
+def test_outside_the_workspace_the_slice_points_home() -> None:
+    own = Slice((0.0, 0.0), 0.04, 0.30, 60.0, [Peer(-0.1, 0.0, 0.04, 0.01)])
+    assert own(0.27, 0.0)[0] > 1e3
+    assert all(map(math.isfinite, numbers(own.gradient(0.27, 0.0))))
+
+
+def test_coincident_centres_stay_finite() -> None:
+    own = Slice((0.2, 0.0), 0.04, 0.30, 60.0, [Peer(0.1, 0.0, 0.04, 0.01)])
+    assert all(map(math.isfinite, numbers(own.gradient(0.1, 0.0))))

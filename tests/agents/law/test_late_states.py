@@ -1,0 +1,122 @@
+"""Late States: peers that go first are foreseen, and gain and speed near the goal follow the latency."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.law.late_states import FIRST, KEPT, LATEST, LONGEST, SOFT_WITHIN, SOFTER, foreseen, late_gain
+from agents.peers.state import Peer, PeerState
+from deploy.library.goal_sets import figure_3
+from deploy.run.local import LocalFleet
+from deploy.studies.peers.places import Place, contest
+
+R = 0.04
+PERIOD = 0.05  # s
+LAP = 0.4  # s
+ME = Peer(0.0, 0.0, R, 0.01)
+
+
+def peer(x: float, y: float, gamma: float, vx: float = 0.0, vy: float = 0.0, tick: int = 0) -> PeerState:
+    return PeerState(2, 1, tick, True, x, y, 0.0, gamma, 1.0, vx, vy, radius=R)
+
+
+def place(of: PeerState, tick: int) -> tuple[float, float]:
+    (found,) = foreseen(ME, [of], tick, PERIOD, LAP)
+    assert (found.radius, found.gamma) == (of.radius, of.gamma)
+    return found.x, found.y
+
+
+def test_a_peer_that_goes_first_has_gone_on_as_it_wished() -> None:
+    assert place(peer(0.3, 0.1, 0.09, -0.1, 0.05), 4) == pytest.approx((0.28, 0.11))
+
+
+def test_who_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> None:
+    assert place(peer(0.3, 0.1, FIRST * ME.gamma, -0.1), 4) == (0.3, 0.1)
+    assert place(peer(0.3, 0.1, 0.09, -0.1, tick=4), 4) == (0.3, 0.1)
+
+
+def test_of_two_only_one_makes_room() -> None:
+    other = peer(0.3, 0.0, 0.09, -0.1)
+    mine = PeerState(1, 1, 0, True, 0.0, 0.0, 0.0, ME.gamma, 1.0, 0.1, 0.0, radius=R)
+    (seen,) = foreseen(Peer(other.x, other.y, R, other.gamma), [mine], 4, PERIOD, LAP)
+    assert (seen.x, seen.y) == (0.0, 0.0)
+    assert place(other, 4) != (0.3, 0.0)
+
+
+def test_a_wish_is_followed_for_a_lap_at_most() -> None:
+    assert place(peer(0.3, 0.1, 0.09, 0.1), 10_000)[0] == pytest.approx(0.3 + 0.1 * LONGEST * LAP)
+
+
+def test_a_wish_so_small_that_its_square_is_0_is_none() -> None:
+    assert place(peer(0.3, 0.0, 0.09, -1e-170), 4) == (0.3, 0.0)
+
+
+def test_a_disk_that_stands_is_where_it_stands() -> None:
+    disk = Peer(0.1, 0.0, R, 0.0)
+    assert foreseen(ME, [disk], 4, PERIOD, LAP) == [disk]
+
+
+@given(
+    st.floats(0.0, 0.2),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.0, 0.5),
+    st.floats(-math.pi, math.pi),
+    st.integers(0, 20),
+)
+def test_some_of_the_gap_remains_even_of_one_who_would_have_passed(
+    gap: float, bearing: float, speed: float, heading: float, age: int
+) -> None:
+    distance = 2.0 * R + gap
+    x, y = distance * math.cos(bearing), distance * math.sin(bearing)
+    vx, vy = speed * math.cos(heading), speed * math.sin(heading)
+    seen = place(peer(x, y, 0.09, vx, vy), age)
+    for part in (0.25, 0.5, 0.75, 1.0):
+        passed = math.hypot(x + part * (seen[0] - x), y + part * (seen[1] - y))
+        assert passed >= 2.0 * R + KEPT * gap - 1e-9
+    assert math.hypot(seen[0] - x, seen[1] - y) <= speed * age * PERIOD + 1e-12
+
+
+K = 60.0
+WHOLLY, AT_ALL = SOFT_WITHIN
+distances = st.floats(0.0, 20.0)  # radii
+latencies = st.floats(0.0, 10.0)  # laps
+
+
+@given(distances)
+def test_fresh_states_change_nothing(away: float) -> None:
+    assert late_gain(K, away, 0.0) == K
+
+
+@given(st.floats(AT_ALL, 100.0), latencies)
+def test_nothing_is_softer_far_from_the_goal(away: float, latency: float) -> None:
+    assert late_gain(K, away, latency) == K
+
+
+@given(st.floats(0.0, WHOLLY), st.floats(LATEST, 100.0))
+def test_at_the_goal_it_is_softest_and_no_later_state_makes_it_softer(away: float, latency: float) -> None:
+    assert late_gain(K, away, latency) == pytest.approx(K / (1.0 + SOFTER))
+
+
+@given(distances, distances, latencies, latencies)
+def test_nearer_and_later_is_softer_without_a_leap(a: float, b: float, c: float, d: float) -> None:
+    near, far, early, late = min(a, b), max(a, b), min(c, d), max(c, d)
+    assert late_gain(K, near, late) <= late_gain(K, far, early) <= K
+    steepest = K * SOFTER * ((far - near) / (AT_ALL - WHOLLY) + late - early)
+    assert late_gain(K, far, early) - late_gain(K, near, late) <= steepest + 1e-9
+
+
+@pytest.mark.slow
+def test_late_robots_get_to_tight_goals_sooner() -> None:
+    place = Place("tight 3.30", partial(figure_3, "d"), 0.3)
+    control = {"law": "gradient", "filter": "separating-lines"}
+    took = 0.0
+    for seed in range(8):
+        report = LocalFleet([contest(place, control, seed)]).execute()[0]
+        assert report["verdict"] == "arrived"
+        took += report["sim_time"]
+    assert took < 51.5  # s; with the same k as for fresh States 53.4

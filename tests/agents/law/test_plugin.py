@@ -1,0 +1,193 @@
+"""A law of the user's: found by path, module and entry point, checked, and safe behind lines."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from agents.law import GuardedLaw, View, choose
+from agents.peers.neighbours import Neighbours
+from deploy.library.load import load
+from deploy.library.trial import try_out
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions
+from disknav import Simulation
+from protocol.errors import LawError, UsageError
+from protocol.scenario.model import Control, Link, ProcessFault, Scenario
+
+PAGE = Path(__file__).parents[3] / "docs" / "guides" / "law.md"
+Write = Callable[[str], str]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes the body of `velocity` of a law to a file, and gives its name."""
+
+    def put(body: str) -> str:
+        path = tmp_path / f"law_{len(list(tmp_path.iterdir()))}.py"
+        head = "import time\nclass Mine:\n    def __init__(self, scenario, robot): self.robot = robot\n"
+        path.write_text(f"{head}    def velocity(self, view): {body}\n")
+        return f"{path}:Mine"
+
+    return put
+
+
+def example(folder: Path) -> str:
+    """The law of the page, as a file."""
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    (folder / "courtesy.py").write_text(code)
+    return f"{folder / 'courtesy.py'}:Courtesy"
+
+
+def under(law: str, scenario: str = "head-on", **over: object) -> Scenario:
+    base = load(scenario, [f"control.law={law}"])
+    return replace(base, **over)  # type: ignore[arg-type]
+
+
+def a_view() -> View:
+    return View(
+        tick=3, position=(0.0, 0.0), goal=(0.1, 0.0), displacement=(0.0, 0.0), neighbours=Neighbours({})
+    )
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.2])
+def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path, delay: float) -> None:
+    scenario = under(example(tmp_path), "swap-8", link=Link(delay=delay))
+    one, again = (LocalFleet([scenario]).execute()[0] for _ in range(2))
+    assert (one["verdict"], one["collisions"]) == ("arrived", 0), one["reason"]
+    assert one["trajectory_sha256"] == again["trajectory_sha256"]
+
+
+def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_process(write: Write) -> None:
+    law = write("return (-9 * view.position[0], -9 * view.position[1])")
+    faults = (ProcessFault(2, 1.0, "kill"),)
+    scenario = under(law, "swap-8", link=Link(delay=(0.0, 0.3), loss=0.3), process=faults)
+    scenario = replace(scenario, time=replace(scenario.time, limit=8.0))
+    (behind,) = LocalFleet([scenario]).execute()
+    assert behind["collisions"] == 0
+    (bare,) = LocalFleet([replace(scenario, control=replace(scenario.control, filter="none"))]).execute()
+    assert bare["collisions"] > 0
+
+
+def test_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    under("agents.law.reciprocal:ReciprocalLaw")
+    entry = EntryPoint("mine", "agents.law.reciprocal:ReciprocalLaw", "disknav.laws")
+    monkeypatch.setattr("agents.law.plugin.entry_points", lambda **_: EntryPoints([entry]))
+    under("entry-point:mine")
+
+
+@pytest.mark.parametrize(
+    "law", ["nowhere.py:Mine", "no_such_module:Mine", "math:Mine", "math:sqrt", "entry-point:none"]
+)
+def test_what_is_not_there_or_no_law_is_named_before_anything_starts(law: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(law)):
+        under(law)
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["return None", "return (1.0,)", "return ('a', 'b')", "return (float('nan'), 0.0)", "return 1 / 0"],
+)
+def test_what_returns_no_velocity_is_refused(write: Write, body: str) -> None:
+    with pytest.raises(LawError, match=r"Mine.*tick 0"):
+        under(write(body))
+
+
+def test_what_takes_longer_than_a_period_is_refused(write: Write) -> None:
+    law = write("return time.sleep(0.002) or (0.0, 0.0)")
+    scenario = under(law)
+    with pytest.raises(UsageError, match="longer than a period"):
+        try_out(replace(scenario, time=replace(scenario.time, step=0.001)))
+
+
+def test_what_is_too_fast_is_slowed_down_and_the_attraction_is_told(write: Write) -> None:
+    base = load("head-on")
+    law = choose(replace(base, control=Control(law=write("return (3, 4)"), k=60.0)), 1)
+    assert law.velocity(a_view()) == pytest.approx((0.06, 0.08))
+    assert law.slice_norm((0.0, 0.0), (3.0, 4.0)) == pytest.approx(10.0)
+    assert math.hypot(*law.velocity(a_view())) <= 0.1 + 1e-12
+
+
+@pytest.fixture
+def failing(write: Write) -> Scenario:
+    """Robot 2 of 3 has a law that fails in tick 21."""
+    aside = "0.3 * (view.goal[1] - view.position[1])"
+    law = write(
+        f"return 0.3 * (view.goal[0] - view.position[0]) / (self.robot != 2 or view.tick < 21), {aside}"
+    )
+    scenario = under(law, "swap-3")
+    return replace(scenario, time=replace(scenario.time, limit=4.0))
+
+
+def test_a_robot_whose_law_fails_stands_and_the_others_go_on(
+    failing: Scenario, caplog: pytest.LogCaptureFixture
+) -> None:
+    simulation = Simulation(failing)
+    places = [positions.copy() for positions in simulation]
+    assert simulation.verdict == "timeout"
+    assert (places[25][1] == places[-1][1]).all()
+    assert (places[-1] != places[25]).any(axis=1).tolist() == [True, False, True]
+    (said,) = [record.message for record in caplog.records if record.levelname == "WARNING"]
+    assert said.startswith("robot-2: ")
+    assert "tick 21" in said
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_equal_runs_with_a_law_that_fails_are_equal_as_fleets(failing: Scenario) -> None:
+    """Twenty in real processes, and one in this one."""
+    hashes = {LocalFleet([failing]).execute()[0]["trajectory_sha256"]}
+    for number in range(20):
+        with Fleet([failing], RunOptions(run=f"law-fails-{os.getpid()}-{number}")) as fleet:
+            (report,) = fleet.execute()
+            assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
+            rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
+        assert set(rows.values()) == {0}, rows
+        hashes.add(report["trajectory_sha256"])
+    assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("broken", ["__init__", "velocity", "slice_norm"])
+def test_whatever_fails_of_a_law_is_not_called_again(monkeypatch: pytest.MonkeyPatch, broken: str) -> None:
+    module = ModuleType("broken_law")
+
+    class Broken:
+        calls = 0
+
+        def __init__(self, scenario: Scenario, robot: int) -> None:
+            self.fail("__init__")
+
+        def fail(self, where: str) -> None:
+            if where == broken:
+                Broken.calls += 1
+                raise ValueError("sensor gone")
+
+        def velocity(self, view: View) -> tuple[float, float]:
+            self.fail("velocity")
+            return 0.01, 0.0
+
+        def slice_norm(self, position: tuple[float, float], goal: tuple[float, float]) -> float:
+            self.fail("slice_norm")
+            return 7.0
+
+    module.Broken = Broken  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "broken_law", module)
+    scenario = replace(load("head-on"), control=Control(law="broken_law:Broken", k=60.0))
+    law = GuardedLaw(scenario, 1)
+    for _ in range(3):
+        law.slice_norm((0.0, 0.0), (3.0, 4.0))
+        law.velocity(a_view())
+    assert law.velocity(a_view()) == (0.0, 0.0)
+    assert law.slice_norm((0.0, 0.0), (3.0, 4.0)) == pytest.approx(10.0)
+    assert "sensor gone" in law.failure
+    assert Broken.calls == 1

@@ -1,0 +1,137 @@
+"""Shortest ways among things, against what is known of them, and the pull along them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from agents.law.obstacles import Attraction
+from agents.law.route import MARGIN, Route, way_points
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from tests.protocol.geometry.shapes import points, shapes
+
+ROOM = Disk(0.0, 0.0, 2.0)
+RADIUS = 0.03
+BOX = ConvexPolygon([(-0.1, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.1, 0.2)])
+
+
+def way(route: Route, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]]:
+    """The corners of a way, from start to goal."""
+    corners = [start]
+    while corners[-1] != goal:
+        found = route.ahead(corners[-1], goal)
+        assert found is not None
+        corners.append(found[0])
+        assert len(corners) < 100
+    return corners
+
+
+def clearance(shape: Shape, one: tuple[float, float], other: tuple[float, float]) -> float:
+    """Smallest distance from a shape along a straight way, densely sampled."""
+    parts = [n / 200 for n in range(201)]
+    return min(
+        shape.distance(one[0] + t * (other[0] - one[0]), one[1] + t * (other[1] - one[1])) for t in parts
+    )
+
+
+SLIVER = ConvexPolygon(
+    [
+        (0.002210537552115716, 0.0311717183313767),
+        (0.0018305281463367985, 0.030722716659778253),
+        (0.0013948990691233741, 0.029340220788917206),
+        (0.0009168866895476232, 0.027066237156253),
+        (-0.0018305281463367996, -0.030722716659778257),
+    ]
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(shapes, min_size=1, max_size=4), points, points)
+@example([SLIVER], (0.0, 0.0625), (0.0, -0.25))  # from its corner a shorter one is seen
+def test_ways_are_clear_and_no_longer_than_they_say(things, start, goal):
+    """From where the disk itself is clear; from a corner a chord of the ring around a thing may be seen that
+    is clear of the thing, too, so that the rest of the way is a little shorter, never longer."""
+    free = [s for s in things if min(s.distance(*start), s.distance(*goal)) > RADIUS * (1.0 + MARGIN)]
+    route = Route(way_points(ROOM, tuple(free), RADIUS))
+    found = route.ahead(start, goal)
+    if found is None:
+        return
+    corners = way(route, start, goal)
+    length = sum(math.dist(*ends) for ends in pairwise(corners))
+    assert (1.0 - MARGIN) * found[1] <= length <= found[1] * (1.0 + 1e-9)
+    assert length >= math.dist(start, goal) - 1e-12
+    for ends in pairwise(corners):
+        assert all(clearance(shape, *ends) >= RADIUS * (1.0 - 0.03) for shape in free)
+
+
+def test_round_a_box_the_way_is_the_known_one():
+    route = Route(way_points(ROOM, (BOX,), RADIUS))
+    start, goal = (-0.5, 0.05), (0.5, 0.05)
+    shortest = 2.0 * math.dist(start, (-0.1, 0.2 + RADIUS)) + 0.2
+    (_, length), corners = route.ahead(start, goal), way(route, start, goal)
+    assert shortest - RADIUS < length < shortest + RADIUS
+    assert all(y > 0.2 for _, y in corners[1:-1])
+
+
+def test_where_nothing_is_between_the_goal_is_ahead():
+    route = Route(way_points(ROOM, (BOX,), RADIUS))
+    assert route.ahead((-0.5, 0.5), (0.5, 0.5)) == ((0.5, 0.5), 1.0)
+
+
+def test_through_a_gap_that_is_too_narrow_there_is_no_way():
+    half = ConvexPolygon([(-0.01, 0.05), (0.01, 0.05), (0.01, 2.5), (-0.01, 2.5)])
+    other = ConvexPolygon([(-0.01, -0.005), (0.01, -0.005), (0.01, -2.5), (-0.01, -2.5)])
+    assert Route(way_points(ROOM, (half, other), RADIUS)).ahead((-0.5, 0.0), (0.5, 0.0)) is None
+    assert Route(way_points(ROOM, (half, other), 0.5 * RADIUS)).ahead((-0.5, 0.0), (0.5, 0.0)) is not None
+
+
+@pytest.mark.parametrize("things", [(), (Disk(0.0, 0.0, 0.1),)])
+def test_alone_or_in_a_sphere_world_the_pull_is_straight(things):
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), (0.5, 0.0), things) == (0.5, 0.0)
+
+
+def test_elsewhere_it_is_along_the_way_and_as_long():
+    start, goal = (-0.5, 0.0), (0.5, 0.01)
+    attraction = Attraction(ROOM, RADIUS, alone=True)
+    x, y = attraction.aim(start, goal, (BOX,))
+    (corner, length) = Route(way_points(ROOM, (BOX,), RADIUS)).ahead(start, goal)
+    assert math.isclose(math.dist(start, (x, y)), length)
+    cross = (x - start[0]) * (corner[1] - start[1]) - (y - start[1]) * (corner[0] - start[0])
+    assert abs(cross) < 1e-12
+    assert attraction.straight == math.dist(start, corner)
+    attraction.aim((0.5, 0.5), goal, (BOX,))
+    assert attraction.straight == math.inf
+
+
+def test_once_all_things_are_gone_no_way_winds():
+    attraction, goal = Attraction(ROOM, RADIUS, alone=True), (0.5, 0.01)
+    attraction.aim((-0.5, 0.0), goal, (BOX,))
+    assert attraction.winds
+    assert attraction.aim((-0.5, 0.0), goal, ()) == goal
+    assert attraction.straight == math.inf
+    assert not attraction.winds
+
+
+@pytest.mark.parametrize("gap", [1.2, 1.6, 1.99])
+def test_a_way_leads_to_a_goal_that_is_nearer_to_a_thing_than_ways_keep(gap: float):
+    start, goal = (-0.5, 0.0), (0.1 + gap * RADIUS, 0.05)
+    corners = way(Route(way_points(ROOM, (BOX,), 2.0 * RADIUS)), start, goal)
+    assert corners[-1] == goal
+    assert all(clearance(BOX, *leg) >= RADIUS for leg in pairwise(corners))
+
+
+def test_of_two_passages_one_that_two_can_pass_is_taken():
+    narrow, wide = 0.05, 0.2
+    things = (
+        ConvexPolygon([(-0.01, -2.5), (0.01, -2.5), (0.01, -narrow), (-0.01, -narrow)]),
+        ConvexPolygon([(-0.01, narrow), (0.01, narrow), (0.01, 0.6), (-0.01, 0.6)]),
+        ConvexPolygon([(-0.01, 0.6 + wide), (0.01, 0.6 + wide), (0.01, 2.5), (-0.01, 2.5)]),
+    )
+    goal = (0.5, 0.0)
+    assert Attraction(ROOM, RADIUS, alone=True).aim((-0.5, 0.0), goal, things) == goal
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, things)[1] > 0.3
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, things[:2])[1] > 0.3
