@@ -44,7 +44,7 @@ class Campaign:
             exception is a violation.
         runs: how many there are unless asked for.
         mutants: the product without one rule each; each has to be found.
-        patience: s that one run may take.
+        patience: s of processor time that one run may take.
         alone: whether a run starts processes of its own; such runs are not made in workers.
     """
 

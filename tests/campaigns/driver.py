@@ -23,7 +23,7 @@ from tests.campaigns.shrinking import Shrinker
 TRIES = 600  # runs of one shrinking
 _BATCH = 64  # runs, at most, that a worker is given at a time
 _SAVED = 50  # inputs; more would show nothing new
-_DYING = 60.0  # s beyond its time after which a worker is taken for dead
+_DEAD = 600.0  # s without any result after which the workers are taken for dead
 
 
 @dataclass
@@ -112,7 +112,7 @@ def outcomes(
         results = pool.imap_unordered(partial(_batch, name), batches)
         while time.monotonic() < until:
             try:
-                yield from results.next(batch * campaign.patience + _DYING)
+                yield from results.next(batch * campaign.patience + _DEAD)
             except StopIteration:
                 return
 
@@ -182,15 +182,15 @@ def _hunt(name: str, place: int) -> tuple[str, int, str]:
 
 @contextmanager
 def _within(seconds: float) -> Iterator[None]:
-    """Raises TimeoutError inside after a while; in the main thread only."""
+    """Raises TimeoutError inside after so much processor time; in the main thread only."""
 
     def late(*_: object) -> None:
         raise TimeoutError(f"more than {seconds:g} s")
 
-    before = signal.signal(signal.SIGALRM, late)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, late)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)

@@ -17,7 +17,7 @@ from protocol.messages import Clock, Command, Health, State
 from protocol.scenario.model import Scenario
 from tests.skipped_waits import skipped_waits
 
-PATIENCE = 120.0  # s that a run may take, skipped waits included; the world itself gives up sooner
+PATIENCE = 120.0  # s, skipped waits included, that a run may take; the world itself gives up sooner
 _CUT = "interrupted"  # verdict of a run that exceeds it
 _HOLDUP, _HOLDUPS = 0.7, 80  # s after which a tick is told again; most of them in a run
 _OFTEN = 0.05  # of the messages after which the machine is busy
