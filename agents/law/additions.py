@@ -24,8 +24,7 @@ from agents.law.obstacles import Attraction, obstacle_disks
 from agents.peers.far_field import NOTHING
 from agents.peers.state import Peer, PeerState
 from protocol.messages import Vector
-from protocol.scenario.gain import grown
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Scenario, gain_for_fleet
 
 
 class AugmentedLaw:
@@ -92,7 +91,7 @@ class AugmentedLaw:
         self.straight = math.inf if self._attraction is None else self._attraction.straight
         self._far = view.neighbours.far
         self._late = view.tick - self._far.tick
-        k = grown(self._k, self._robots, len(others) + self._far.count + 1)
+        k = gain_for_fleet(self._k, self._robots, len(others) + self._far.count + 1)
         gx, gy = self.aim
         self._away = math.hypot(x - gx, y - gy)
         if self._adapts and self._latency > 0.0:

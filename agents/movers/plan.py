@@ -19,8 +19,7 @@ from agents.movers.places import MARGIN, Floor, Places
 from agents.movers.reach import Reach
 from protocol.geometry import Disk
 from protocol.messages import Vector
-from protocol.scenario.model import Scenario
-from protocol.scenario.ranges import CELLS
+from protocol.scenario.model import CELLS, Scenario
 
 _OTHER: Final = 7  # places on from one attempt to the next
 _TRIES: Final = 60  # spare places that are looked at

@@ -14,7 +14,7 @@ from protocol.draws import checked_seed
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
-from protocol.scenario.shape import Document
+from protocol.scenario.tables import Document
 from world.plants.plant import require as require_plant
 
 

@@ -9,10 +9,10 @@ from dataclasses import MISSING, Field, fields
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from annotated_types import Ge, Le, Len
+from msgspec import Meta
 
 from protocol.scenario import model
-from protocol.scenario.shape import keys_of
+from protocol.scenario.tables import keys_of
 
 
 def page() -> str:
@@ -100,12 +100,12 @@ def _kind(hint: Any) -> str:
     return words
 
 
-def _bound(bound: Any) -> str:
-    match bound:
-        case Ge(least):
-            return f" ≥ {least:g}"
-        case Le(most):
-            return f" ≤ {most:g}" if most < 2**53 else ""
-        case Len(least, most):
-            return f" of {least} to {most}" if most else f" of at least {least}"
-    return ""
+def _bound(bound: Meta) -> str:
+    words = "" if bound.ge is None else f" ≥ {bound.ge:g}"
+    if bound.le is not None and bound.le < 2**53:
+        words += f" ≤ {bound.le:g}"
+    if bound.max_length is not None:
+        words += f" of {bound.min_length or 0} to {bound.max_length}"
+    elif bound.min_length is not None:
+        words += f" of at least {bound.min_length}"
+    return words

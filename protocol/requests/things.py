@@ -19,7 +19,7 @@ from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.geometry.defects import defect
 from protocol.messages import Count, Id, Size, Thing, Vector
 from protocol.requests.form import read_request
-from protocol.scenario.ranges import FARTHEST
+from protocol.scenario.body import FARTHEST
 
 LIMIT = 16 * 1024  # bytes of a request
 MOST_CORNERS = 64

@@ -6,17 +6,16 @@ import re
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-from annotated_types import Len
+from msgspec import Meta
 
 from protocol.errors import UsageError
-from protocol.scenario.body import Body
-from protocol.scenario.ranges import STRICT, NonNegative, Positive
+from protocol.scenario.body import Body, NonNegative, Positive
 
 TOPICS = ("velocity", "odometry", "pose")
 FRAMES = ("map_frame", "odometry_frame", "base_frame")
 _CHARACTER = r"(?:[A-Za-z0-9_.-]|\{id\})"
 _NAME = re.compile(rf"/?(?:{_CHARACTER}+(?:/{_CHARACTER}+)*/?)?")
-_Text = Annotated[str, Len(0, 200)]
+_Text = Annotated[str, Meta(max_length=200, description="of at most 200 characters")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +27,6 @@ class Base:
     `{id}` stands for the robot's id.
     """
 
-    __pydantic_config__ = STRICT
     kind: Literal["ros2"] = "ros2"
     namespace: _Text = "/bot{id}"  # "/" for a robot that has none
     velocity: _Text = "cmd_vel"

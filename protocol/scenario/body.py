@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
-from protocol.scenario.ranges import STRICT, Length, NonNegative, Positive, Share
+from msgspec import Meta
+
+# The bounds of size keep squares and products of lengths away from the ends of a double's range.
+# Rounding of coordinates stays a tenth of the nanometre with which lines are kept (docs/safety.md, A8).
+FARTHEST: Final = 1e5  # m, of a coordinate
+Length = Annotated[float, Meta(ge=1e-9, le=FARTHEST)]
+Positive = Annotated[float, Meta(ge=1e-9, le=1e6)]
+NonNegative = Annotated[float, Meta(ge=0, le=1e6)]
+Share = Annotated[float, Meta(ge=0, le=0.9)]
 
 Kind = Literal["point", "omnidirectional", "differential-drive"]
 Preset = Literal[
@@ -22,7 +30,6 @@ class Body:
     wheels; the control point lies `offset` ahead of the middle of their axle.
     """
 
-    __pydantic_config__ = STRICT
     kind: Kind = "point"
     radius: Length | None = None  # m, of the hull around its middle; the disk has `offset` more
     offset: NonNegative = 0.0  # m, differential drive: from the axle's middle to the control point

@@ -1,4 +1,4 @@
-"""Scenario files: TOML in, `Scenario` out, or every problem at once, each with its path.
+"""Scenario files: TOML in, `Scenario` out, or every problem at once, each with its path; and back.
 
 Positions in paths count from 0, as they stand in the file: `robots[2].start` is the start of the third
 `[[robots]]`. Robots are named by their ids: "overlaps robot 1".
@@ -6,17 +6,21 @@ Positions in paths count from 0, as they stand in the file: `robots[2].start` is
 
 from __future__ import annotations
 
+import json
 import tomllib
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import Any
+
+import msgspec
 
 from protocol.errors import DocumentError, Problem, ScenarioError
-from protocol.scenario.checks.bodies import with_radii
-from protocol.scenario.checks.fields import checked
-from protocol.scenario.model import Scenario
-from protocol.scenario.schema import json_schema, typed
+from protocol.scenario.body import PRESETS
+from protocol.scenario.checks import checked
+from protocol.scenario.model import Scenario, Sensing
 from protocol.scenario.settings import apply_settings
-from protocol.scenario.shape import Document, Steps, file_order, written
-from protocol.scenario.toml import document_of, write_toml
+from protocol.scenario.tables import Document, Steps, file_order, read_table, written
 
 __all__ = [
     "apply_settings",
@@ -30,6 +34,8 @@ __all__ = [
     "validated",
     "write_toml",
 ]
+
+_ALWAYS = ("workspace", "time", "control")  # written even where they say what holds anyway
 
 
 def read_scenario(path: Path | str) -> Scenario:
@@ -69,12 +75,12 @@ def parse_document(document: Document, source: str = "scenario") -> Scenario:
         ScenarioError: with every problem, in the order of the file.
     """
     single = isinstance(document.get("sensing"), dict)
-    arrays = with_radii(document | {"sensing": [document["sensing"]]} if single else document)
-    scenario, findings = typed(arrays, Scenario)
-    findings += checked(arrays, [steps for steps, _ in findings])
-    if scenario is not None and not findings:
+    arrays = _with_radii(document | {"sensing": [document["sensing"]]} if single else document)
+    scenario, findings = read_table(arrays, Scenario)
+    findings += checked(scenario, {steps for steps, _ in findings})
+    if not findings:
         return scenario
-    findings.sort(key=file_order)
+    findings.sort(key=file_order(Scenario))
     raise ScenarioError(source, [Problem(_path(steps, single), text) for steps, text in findings])
 
 
@@ -82,6 +88,37 @@ def validated(scenario: Scenario) -> Scenario:
     """Return a scenario that was put together in Python if it is valid; raises ScenarioError."""
     parse_document(document_of(scenario), scenario.name)
     return scenario
+
+
+def _with_radii(document: Document) -> Document:
+    """The document, where a robot that has no radius is given that of its body's disk, if this has one."""
+    robots, orders, body = document.get("robots"), document.get("orders"), document.get("body")
+    if isinstance(robots, list):
+        document = document | {"robots": [_with_radius(robot, body) for robot in robots]}
+    if isinstance(orders, list):
+        adding = [isinstance(order, dict) and "add" in order for order in orders]
+        document = document | {
+            "orders": [
+                order | {"add": _with_radius(order["add"], body)} if adds else order
+                for order, adds in zip(orders, adding, strict=True)
+            ]
+        }
+    return document
+
+
+def _with_radius(robot: Any, default: Any) -> Any:
+    if not isinstance(robot, dict) or "radius" in robot:
+        return robot
+    body = robot.get("body", default)
+    if isinstance(body, str) and body in PRESETS:
+        hull, offset = PRESETS[body].radius, PRESETS[body].offset
+    elif isinstance(body, dict):
+        hull, offset = body.get("radius"), body.get("offset", 0.0)
+    else:
+        return robot
+    if isinstance(hull, int | float) and isinstance(offset, int | float):
+        return robot | {"radius": hull + offset}
+    return robot
 
 
 def _path(steps: Steps, single_sensing: bool) -> str:
@@ -97,3 +134,99 @@ def _loads(text: str, source: str, failure: type[DocumentError] = ScenarioError)
         raise failure(source, [Problem("", f"not TOML: {error}")]) from None
     except RecursionError:
         raise failure(source, [Problem("", "not TOML: nested too deeply")]) from None
+
+
+# -- and back
+
+
+def document_of(scenario: Scenario) -> Document:
+    """The scenario as plain tables, arrays and values, leaving out what holds anyway."""
+    document: Document = {"name": scenario.name}
+    if scenario.description:
+        document["description"] = scenario.description
+    document["seed"] = scenario.seed
+    for key in _ALWAYS:
+        document[key] = _table(getattr(scenario, key), complete=True)
+    if scenario.sensing != (Sensing(),):
+        document["sensing"] = [_table(sensing) for sensing in scenario.sensing]
+    for key in ("link", "network", "process", "actuation", "world", "things", "parts", "carrying", "orders"):
+        if value := _plain(getattr(scenario, key)):
+            document[key] = value
+    if scenario.body != "point":
+        document["body"] = _plain(scenario.body)
+    if scenario.base is not None:
+        document["base"] = _plain(scenario.base)
+    document["robots"] = _plain(scenario.robots)
+    return document
+
+
+def write_toml(scenario: Scenario) -> str:
+    """The scenario as a TOML file; reading it back gives the same scenario, bit for bit.
+
+    A library's writer puts each coordinate of a point on a line of its own.
+    """
+    document = document_of(scenario)
+    if len(document.get("sensing", ())) == 1:
+        document["sensing"] = document["sensing"][0]
+    return "\n".join(_lines((), document)).lstrip("\n") + "\n"
+
+
+def _table(value: Any, *, complete: bool = False) -> Document:
+    """One dataclass; fields that have their default are left out unless `complete`."""
+    items = {field: getattr(value, field.name) for field in fields(value)}
+    return {
+        field.name.rstrip("_"): _plain(item)
+        for field, item in items.items()
+        if item is not None and (complete or item != field.default)
+    }
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        return _table(value)
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _lines(path: tuple[str, ...], table: Document) -> Iterator[str]:
+    """A table's own values first, then its tables: TOML allows no other order."""
+    for key, value in table.items():
+        if not _holds_tables(value):
+            yield f"{key} = {_value(value)}"
+    for key, value in table.items():
+        inner = (*path, key)
+        if isinstance(value, dict):
+            yield f"\n[{'.'.join(inner)}]"
+            yield from _lines(inner, value)
+        elif _holds_tables(value):
+            for item in value:
+                yield f"\n[[{'.'.join(inner)}]]"
+                yield from _lines(inner, item)
+
+
+def _holds_tables(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_value(item) for item in value)}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):  # JSON's escapes are TOML's, but for the one control character JSON allows
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema of the scenario file, for editors; `sensing` may be one table or an array of them."""
+    tables: dict[str, Any] = msgspec.json.schema(Scenario)["$defs"]
+    for table in tables.values():
+        if "properties" in table:
+            table["properties"] = {key.rstrip("_"): value for key, value in table["properties"].items()}
+            table["required"] = [key.rstrip("_") for key in table["required"]]
+            table["additionalProperties"] = False
+    top: dict[str, Any] = tables.pop("Scenario")
+    top["properties"]["sensing"] = {"anyOf": [{"$ref": "#/$defs/Sensing"}, top["properties"]["sensing"]]}
+    return {**top, "$defs": tables}

@@ -1,7 +1,8 @@
 """A scenario: everything that determines a run, besides the transport. SI units, plain data.
 
 Field names are the keys of the TOML file; a trailing underscore avoids a Python keyword (`from_`
-is `from` in the file). Ranges stand in the annotations and are enforced by `protocol.scenario.file`.
+is `from` in the file). Ranges stand in the annotations; `protocol.scenario.tables` enforces them in files,
+msgspec in messages.
 """
 
 from __future__ import annotations
@@ -10,33 +11,44 @@ import math
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal, get_args
 
-from annotated_types import Ge, Le, Len, Predicate
+from msgspec import Meta
 
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.base import Base
-from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.ranges import (
-    STRICT,
-    Angle,
-    Coordinate,
-    HalfTurn,
-    Length,
-    NonNegative,
-    Positive,
-)
+from protocol.scenario.body import FARTHEST, PRESETS, Body, Length, NonNegative, Positive, Preset
 
-Gain = Annotated[float, Ge(1e-9), Le(1e12)]
-Probability = Annotated[float, Ge(0), Le(1)]
+LARGEST_GAIN = 1e12
+Gain = Annotated[float, Meta(ge=1e-9, le=LARGEST_GAIN)]
+Probability = Annotated[float, Meta(ge=0, le=1)]
+Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
+Angle = Annotated[float, Meta(ge=-1e3, le=1e3)]
+HalfTurn = Annotated[float, Meta(ge=0, le=0.5)]
 Point = tuple[Coordinate, Coordinate]
-Corners = Annotated[tuple[Point, ...], Len(3, 64)]
-Span = NonNegative | tuple[NonNegative, NonNegative]
+Corners = Annotated[tuple[Point, ...], Meta(min_length=1, max_length=64)]
+# The number has its range from `checks`: msgspec 0.22 fails on one that is bounded beside a tuple.
+Span = Annotated[
+    float | tuple[NonNegative, NonNegative],
+    Meta(description="a number of seconds or an array [low, high]"),
+]
 LAWS = ("gradient", "reciprocal", "orca", "barrier")
 Addition = Literal["obstacles", "jams", "late-states", "pace", "escape"]  # agents/law/additions.py
 ADDITIONS: tuple[Addition, ...] = get_args(Addition)
-LawName = Annotated[str, Predicate(lambda law: law in LAWS or all(law.rpartition(":")))]  # docs/guides/law.md
-RobotId = Annotated[int, Ge(1), Le(999_999_999)]
+LawName = Annotated[  # docs/guides/law.md
+    str,
+    Meta(
+        pattern=rf"^({'|'.join(LAWS)}|(?s:.+:[^:]+))\Z",
+        description=f"one of {', '.join(LAWS)}, or your own: module:Class, file.py:Class or entry-point:NAME",
+    ),
+]
+GainChoice = Annotated[
+    Gain | Literal["auto", "certified"], Meta(description='a number, "auto" or "certified"')
+]
+BodyChoice = Annotated[Preset | Body, Meta(description=f"a table or one of {', '.join(PRESETS)}")]
+RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 
+CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smallest radius
+MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 DEFAULT_RADIUS = 0.30  # m, of the workspace
 CROWD = 32  # robots, up to which everybody hears everybody unless the scenario says otherwise
 
@@ -46,7 +58,6 @@ class Workspace:
     """What all robots share: a disk around the origin (`radius`, m), 0.30 m unless anything is given, or a
     convex polygon (`points`, m)."""
 
-    __pydantic_config__ = STRICT
     radius: Length | None = None
     points: Corners | None = None
 
@@ -78,7 +89,6 @@ class Workspace:
 class Thing:
     """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
 
-    __pydantic_config__ = STRICT
     center: Point | None = None
     radius: Length | None = None
     points: Corners | None = None
@@ -97,7 +107,6 @@ class Thing:
 class Part:
     """What robots carry from where it stands to its goal: a disk (m)."""
 
-    __pydantic_config__ = STRICT
     radius: Positive  # m
     start: Point  # m, of its centre
     goal: Point  # m
@@ -107,7 +116,6 @@ class Part:
 class Carrying:
     """How robots carry parts. A loaded robot is a disk of the larger radius of the two around its centre."""
 
-    __pydantic_config__ = STRICT
     reach: Positive = 0.01  # m, the largest gap to a part across which it is taken up or put down
 
 
@@ -118,7 +126,6 @@ class Time:
     An endless run has no verdict of its own: it goes on until it is stopped.
     """
 
-    __pydantic_config__ = STRICT
     step: Positive = 0.05  # s, control period
     limit: Positive = 60.0  # s of simulated time, after which the run is over
     tolerance: Positive = 0.005  # m, arrived when all robots at once are within this of their goals
@@ -131,9 +138,8 @@ class Time:
 class Control:
     """The law: what each robot wants, how fast, and what keeps it safe."""
 
-    __pydantic_config__ = STRICT
     law: LawName = "gradient"
-    k: Gain | Literal["auto", "certified"] = "auto"
+    k: GainChoice = "auto"
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
     additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: what they have beside the paper's law
@@ -154,13 +160,12 @@ class Control:
 class Sensing:
     """How a robot's own position is measured: delay (s), noise and bias (m), dropout."""
 
-    __pydantic_config__ = STRICT
     delay: Span = 0.0  # s, age of a measurement
     noise: NonNegative = 0.0  # m, standard deviation per axis, truncated at noise_bound
     noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
     bias: Point = (0.0, 0.0)  # m, added to every measurement
     dropout: Probability = 0.0  # that a measurement is missing
-    robots: Annotated[tuple[RobotId, ...], Len(1)] | None = None  # all, unless named
+    robots: Annotated[tuple[RobotId, ...], Meta(min_length=1)] | None = None  # all, unless named
     heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
     # Measurements that exclude each other refute the bounds: stand still, or trust the newest one alone.
     contradiction: Literal["stand", "newest"] = "stand"
@@ -176,7 +181,6 @@ class Sensing:
 class Partition:
     """Between two times (s), States pass only inside each group; a robot in no group hears nobody."""
 
-    __pydantic_config__ = STRICT
     from_: NonNegative  # s of simulated time
     until: Positive  # s
     groups: tuple[tuple[RobotId, ...], ...]
@@ -186,7 +190,6 @@ class Partition:
 class Link:
     """How States travel between every two robots. A random delay reorders by itself."""
 
-    __pydantic_config__ = STRICT
     delay: Span = 0.0  # s, one way
     jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
     loss: Probability = 0.0  # that a State is lost
@@ -199,7 +202,6 @@ class Network:
     """Who hears whom: everybody everybody, or each robot those near it, and of the others, twice a second,
     where they are."""
 
-    __pydantic_config__ = STRICT
     interest: Literal["near", "all"] | None = None  # unless given, near from 33 robots on
     reach: Positive | None = None  # m, gap of two disks below which they are near; by speed unless given
 
@@ -208,7 +210,6 @@ class Network:
 class ProcessFault:
     """Something that happens to a robot's process at a time (s of simulated time)."""
 
-    __pydantic_config__ = STRICT
     robot: RobotId
     at: NonNegative  # s of simulated time
     event: Literal["kill", "pause", "resume", "restart"]
@@ -218,8 +219,7 @@ class ProcessFault:
 class Actuation:
     """Executed velocity = v + |v| w; `noise` is the deviation of w per axis, truncated at three of them."""
 
-    __pydantic_config__ = STRICT
-    noise: Annotated[float, Ge(0), Le(0.3)] = 0.0
+    noise: Annotated[float, Meta(ge=0, le=0.3)] = 0.0
 
     @property
     def bound(self) -> float:
@@ -234,13 +234,12 @@ class RobotSpec:
     Start and goal are of the disk's centre. A body that lies beside that has a direction, too.
     """
 
-    __pydantic_config__ = STRICT
     id: RobotId  # unlike all others
     radius: Length  # m
     start: Point  # m
     goal: Point  # m
     heading: Angle = 0.0  # rad, at the start
-    body: Preset | Body | None = None  # the scenario's, unless given
+    body: BodyChoice | None = None  # the scenario's, unless given
     base: Base | None = None  # the scenario's, unless given
 
 
@@ -248,9 +247,8 @@ class RobotSpec:
 class Journey:
     """Where a robot is sent: to `points` (m), one after another; without any it stays where it is."""
 
-    __pydantic_config__ = STRICT
     robot: RobotId
-    points: Annotated[tuple[Point, ...], Len(0, 512)] = ()
+    points: Annotated[tuple[Point, ...], Meta(max_length=512)] = ()
     queue: bool = False  # go there after what is ahead already, instead of at once
     patrol: bool = False  # begin anew with the first of all points after the last
     within: Positive | None = None  # s, after which it gives up and stays where it is
@@ -261,13 +259,12 @@ class Order:
     """What is asked for while the run goes on, as an operator would: one of these. What cannot be at that
     time is refused, and the result says so."""
 
-    __pydantic_config__ = STRICT
     at: NonNegative  # s of simulated time
     goal: Journey | None = None
     add: RobotSpec | None = None  # it appears once everybody keeps clear of its start
     remove: RobotId | None = None
     place: Thing | None = None  # it stands once everybody keeps clear of it
-    take: Annotated[int, Ge(1), Le(999_999_999)] | None = None  # thing that is taken away
+    take: RobotId | None = None  # thing that is taken away
     halt: bool | None = None  # everybody stands; or is released
 
 
@@ -275,7 +272,6 @@ class Order:
 class World:
     """What moves the disks: formulas, a physics engine (extra `mujoco`), or bases outside, in real time."""
 
-    __pydantic_config__ = STRICT
     plant: Literal["integrator", "mujoco", "external"] = "integrator"
     lease: Positive = 0.5  # s, external: a robot stands that has not heard of the coordinator for so long
 
@@ -284,11 +280,10 @@ class World:
 class Scenario:
     """Everything that determines a run."""
 
-    __pydantic_config__ = STRICT
-    robots: Annotated[tuple[RobotSpec, ...], Len(1, 1000)]
+    robots: Annotated[tuple[RobotSpec, ...], Meta(min_length=1, max_length=1000)]
     name: str = "scenario"  # stands in results, and names certificates
     description: str = ""
-    seed: Annotated[int, Ge(0), Le(2**63 - 1)] = 0  # determines everything that is random in a run
+    seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] = 0  # determines everything that is random in a run
     workspace: Workspace = Workspace()
     time: Time = Time()
     control: Control = Control()
@@ -297,12 +292,12 @@ class Scenario:
     process: tuple[ProcessFault, ...] = ()
     actuation: Actuation = Actuation()
     world: World = World()
-    body: Preset | Body = "point"  # of every robot that has none of its own
+    body: BodyChoice = "point"  # of every robot that has none of its own
     base: Base | None = None  # of every robot that has none of its own
-    things: Annotated[tuple[Thing, ...], Len(0, 1000)] = ()  # what stands; the first is thing 1
-    parts: Annotated[tuple[Part, ...], Len(0, 100)] = ()  # what is carried; the first is part 1
+    things: Annotated[tuple[Thing, ...], Meta(max_length=1000)] = ()  # what stands; the first is thing 1
+    parts: Annotated[tuple[Part, ...], Meta(max_length=100)] = ()  # what is carried; the first is part 1
     carrying: Carrying = Carrying()
-    orders: Annotated[tuple[Order, ...], Len(0, 1000)] = ()
+    orders: Annotated[tuple[Order, ...], Meta(max_length=1000)] = ()
     network: Network = Network()
 
     def ticks(self, seconds: float) -> int:
@@ -386,3 +381,12 @@ class Scenario:
             if sensing.robots is None or robot in sensing.robots:
                 return sensing
         return Sensing()
+
+
+def gain_for_fleet(k: float, robots: int, present: int) -> float:
+    """The gain for `present` robots, if `k` is that for `robots`.
+
+    gamma is a sum over robots, so the repulsive layer gamma / k must be thinned as they grow in number: by
+    the square of it, as the rule behind k = "auto" says. A fleet that shrinks keeps its gain.
+    """
+    return k if present <= robots else min(LARGEST_GAIN, k * (present / robots) ** 2)

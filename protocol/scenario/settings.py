@@ -9,7 +9,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from protocol.errors import Problem, ScenarioError
-from protocol.scenario.shape import Document, Step, Steps, keys_of, table_at, unknown_key, written
+from protocol.scenario.model import Scenario
+from protocol.scenario.tables import Document, Step, Steps, keys_of, unknown_key, written
 
 _STEP = re.compile(r"\.?([A-Za-z_][A-Za-z0-9_-]*)|\[(0|[1-9][0-9]{0,5})\]")
 
@@ -120,7 +121,16 @@ def _absent(holder: Any, step: Step, gone: Steps) -> bool:
             if isinstance(holder, list)
             else f"{parent} is not a table"
         )
-    table = table_at(gone[:-1])
+    table = _table_at(gone[:-1])
     if table is None or step not in keys_of(table):
         raise _RefusedError(unknown_key(step, table) if table else f"{parent} has no keys")
     return step not in holder
+
+
+def _table_at(steps: Steps) -> type | None:
+    """The table that a path leads to, None where the path leads to a value or out of the document."""
+    table: type | None = Scenario
+    for step in steps:
+        if isinstance(step, str) and table is not None:
+            table = keys_of(table).get(step)
+    return table

@@ -12,10 +12,8 @@ from dataclasses import replace
 from typing import Literal
 
 from protocol.messages import Vector
-from protocol.scenario.checks.bodies import misfits
-from protocol.scenario.checks.in_range import out_of_range
-from protocol.scenario.gain import grown
-from protocol.scenario.model import RobotSpec, Scenario
+from protocol.scenario.checks import misfits
+from protocol.scenario.model import RobotSpec, Scenario, gain_for_fleet
 from world.coordinator.lives import Lives
 from world.coordinator.missions import Missions
 
@@ -92,7 +90,7 @@ class Membership:
         new = [self._announced.pop(robot) for robot in settled]
         self.newcomers = self.newcomers.union(settled) - left
         robots = (*stay, *new)
-        k = grown(self._k, self._robots, len(robots))
+        k = gain_for_fleet(self._k, self._robots, len(robots))
         interest: Literal["near", "all"] = "near" if self.scenario.hears_near else "all"  # for good
         network = replace(self.scenario.network, interest=interest)
         control = replace(self.scenario.control, k=k)
@@ -102,7 +100,7 @@ class Membership:
     def unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""
         robot = spec.id
-        for problem in (*out_of_range(spec), *misfits(spec, self.scenario.body)):
+        for problem in misfits(spec, self.scenario.body):
             return f"robot {robot}: {problem}"
         if (status := self._lives.status_of(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"

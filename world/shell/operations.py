@@ -94,8 +94,12 @@ class Operations:
 
     def _change(self, _: Address, payload: bytes, run: Run) -> bytes:
         """A robot is to come or to go, or the question who is there."""
-        world, text = run.world, ""
-        change = decode_change(payload)
+        world, text, change = run.world, "", None
+        try:
+            change = decode_change(payload)
+        except MessageError as error:
+            run.rejected[error.reason] += 1
+            text = str(error)
         if change is not None and self._several:
             text = "this world judges several scenarios one after another: each says who is in it"
         elif change is not None and change.add is not None:

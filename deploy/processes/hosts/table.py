@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from annotated_types import Ge, Le, MinLen
+from msgspec import Meta
 
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import HostsError, Problem, UsageError
-from protocol.scenario.checks.sound import Sound
 from protocol.scenario.file import read_toml
 from protocol.scenario.model import RobotId
-from protocol.scenario.ranges import STRICT
-from protocol.scenario.schema import typed
-from protocol.scenario.shape import Document, Finding, keys_of, written
+from protocol.scenario.tables import Document, Finding, Steps, file_order, read_table, written
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
 
@@ -26,10 +23,9 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
 class Host:
     """One host: its router, its robots, and how OpenSSH reaches it."""
 
-    __pydantic_config__ = STRICT
     name: str
     address: str  # name or address at which the other hosts, and the launcher, reach its router
-    port: Annotated[int, Ge(1), Le(65535)] = 7447  # of its router
+    port: Annotated[int, Meta(ge=1, le=65535)] = 7447  # of its router
     listen: str = ""  # address that its router listens on; `address` unless given
     robots: tuple[RobotId, ...] = ()
     ssh: str = ""  # destination as OpenSSH understands it; without it, the host is this machine
@@ -41,8 +37,7 @@ class Host:
 class HostsTable:
     """All hosts of a run."""
 
-    __pydantic_config__ = STRICT
-    hosts: Annotated[tuple[Host, ...], MinLen(1)]
+    hosts: Annotated[tuple[Host, ...], Meta(min_length=1)]
     world: str = ""  # name of the host that runs the world; the first unless given
 
     @property
@@ -100,80 +95,60 @@ def parse_hosts(
     document: Document, robots: Sequence[int], source: str = "hosts", newcomers: Sequence[int] = ()
 ) -> HostsTable:
     """The same from plain tables, as tomllib makes them."""
-    table, findings = typed(document, HostsTable)
-    findings += _checked(Sound(document, [steps for steps, _ in findings]), robots, newcomers)
-    if table is not None and not findings:
+    table, findings = read_table(document, HostsTable)
+    malformed = {steps for steps, _ in findings}
+    findings += [
+        (steps, text)
+        for steps, text in _checked(table, malformed, robots, newcomers)
+        if not any(steps[:length] in malformed for length in range(len(steps) + 1))
+    ]
+    if not findings:
         return table
-    findings.sort(key=_file_order)
+    findings.sort(key=file_order(HostsTable))
     raise HostsError(source, [Problem(written(steps), text) for steps, text in findings])
 
 
-def _file_order(finding: Finding) -> tuple[tuple[int, str], ...]:
-    steps, _ = finding
-    top = list(keys_of(HostsTable))
-    rank = top.index(str(steps[0])) if steps and steps[0] in top else -1
-    rest = steps[1:]
-    return ((rank, ""), *((step, "") if isinstance(step, int) else (-1, step) for step in rest))
-
-
-def _checked(sound: Sound, robots: Sequence[int], newcomers: Sequence[int]) -> Iterator[Finding]:
+def _checked(
+    table: HostsTable, malformed: Collection[Steps], robots: Sequence[int], newcomers: Sequence[int]
+) -> Iterator[Finding]:
     """Names and endpoints that are unique, options that are what they seem, every robot on one host."""
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
     homes: dict[int, int] = {}
-    for n in range(sound.size("hosts")):
-        yield from _host(sound, n, names, endpoints)
-        yield from _robots(sound, n, (*robots, *newcomers), homes)
+    for n, host in enumerate(table.hosts):
+        yield from _host(host, n, names, endpoints)
+        for m, robot in enumerate(host.robots):
+            if robot not in (*robots, *newcomers):
+                yield ("hosts", n, "robots", m), f"the scenario has no robot {robot}"
+            elif homes.setdefault(robot, n) != n:
+                yield ("hosts", n, "robots", m), f"robot {robot} is on hosts[{homes[robot]}] already"
     missing = [robot for robot in robots if robot not in homes]
-    if missing and _all_robots_known(sound):
+    hidden = any(len(steps) < 3 or steps[2] == "robots" for steps in malformed if steps[0] == "hosts")
+    if missing and not hidden:
         plural = "" if len(missing) == 1 else "s"
         yield ("hosts",), f"robot{plural} {', '.join(map(str, missing))} of the scenario must be on a host"
-    world = sound.get("world", default="")
-    if world and world not in names:
-        yield ("world",), f"there is no host {world!r}; there are {', '.join(names)}"
+    if table.world and table.world not in names:
+        yield ("world",), f"there is no host {table.world!r}; there are {', '.join(names)}"
 
 
 def _host(
-    sound: Sound, n: int, names: dict[str, int], endpoints: dict[tuple[str, int], int]
+    host: Host, n: int, names: dict[str, int], endpoints: dict[tuple[str, int], int]
 ) -> Iterator[Finding]:
-    name = sound.get("hosts", n, "name")
-    if name is not None:
-        if not _NAME.fullmatch(name):
-            yield ("hosts", n, "name"), "must be of letters, digits and '-', and not begin with '-'"
-        elif names.setdefault(name, n) != n:
-            yield ("hosts", n, "name"), f"is the name of hosts[{names[name]}] already"
-    for key in ("address", "listen"):
-        where = sound.get("hosts", n, key, default="")
+    if not _NAME.fullmatch(host.name):
+        yield ("hosts", n, "name"), "must be of letters, digits and '-', and not begin with '-'"
+    elif names.setdefault(host.name, n) != n:
+        yield ("hosts", n, "name"), f"is the name of hosts[{names[host.name]}] already"
+    for key, where in (("address", host.address), ("listen", host.listen)):
         try:
             Endpoint.at("tcp", where or "localhost", DEFAULT_PORT)
         except UsageError:
             yield ("hosts", n, key), "must be a name or an address, without protocol, port or path"
-    address, port = sound.get("hosts", n, "address"), sound.get("hosts", n, "port", default=7447)
-    if address == "":
+    if not host.address:
         yield ("hosts", n, "address"), "must not be empty"
-    elif address is not None and port is not None and endpoints.setdefault((address, port), n) != n:
-        other = endpoints[address, port]
-        yield ("hosts", n, "port"), f"hosts[{other}] has its router at {address}, port {port} already"
-    if (sound.get("hosts", n, "ssh", default="") or "").startswith("-"):
+    elif host.port and endpoints.setdefault((host.address, host.port), n) != n:
+        other, at = endpoints[host.address, host.port], f"{host.address}, port {host.port}"
+        yield ("hosts", n, "port"), f"hosts[{other}] has its router at {at} already"
+    if host.ssh.startswith("-"):
         yield ("hosts", n, "ssh"), "must be a destination such as user@host; options go into `options`"
-    if sound.get("hosts", n, "command") == "":
+    if not host.command:
         yield ("hosts", n, "command"), "must not be empty"
-
-
-def _robots(sound: Sound, n: int, robots: Sequence[int], homes: dict[int, int]) -> Iterator[Finding]:
-    for m in range(sound.size("hosts", n, "robots")):
-        robot = sound.get("hosts", n, "robots", m)
-        if robot is None:
-            continue
-        if robot not in robots:
-            yield ("hosts", n, "robots", m), f"the scenario has no robot {robot}"
-        elif robot in homes:
-            yield ("hosts", n, "robots", m), f"robot {robot} is on hosts[{homes[robot]}] already"
-        else:
-            homes[robot] = n
-
-
-def _all_robots_known(sound: Sound) -> bool:
-    """Whether nothing that is malformed could hide a robot."""
-    count = sound.size("hosts")
-    return count > 0 and all(sound.get("hosts", n, "robots", default=()) is not None for n in range(count))

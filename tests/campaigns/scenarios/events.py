@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from protocol.geometry import Shape
-from protocol.scenario.checks.faults import EVENTS
+from protocol.scenario.checks import EVENTS
 from protocol.scenario.model import Journey, Order, Point, ProcessFault, RobotSpec, Thing
 from tests.campaigns.dice import Dice
 from tests.campaigns.scenarios.disturbances import Scale

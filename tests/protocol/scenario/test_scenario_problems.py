@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from protocol.errors import ScenarioError
@@ -109,6 +113,16 @@ def test_one_problem_is_said_once_where_it_is(text: str, path: str, words: str) 
     assert words in found[path]
     if "does not fit" not in words:
         assert list(found) == [path]
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    json.loads((Path(__file__).parent / "mistakes.json").read_text()),
+    ids=lambda each: each["toml"][:40],
+)
+def test_mistakes_keep_their_words(mistake: dict[str, Any]) -> None:
+    """Everything that is said of scenarios that people got wrong, word by word."""
+    assert problems(mistake["toml"].replace("{robots}", ROBOTS)) == mistake["problems"]
 
 
 def test_everything_is_said_at_once_even_what_lies_between_fields() -> None:

@@ -1,0 +1,537 @@
+"""What must hold between the fields of a scenario: disks that do not overlap, ids that exist, times in order.
+
+Each check reads a whole scenario and is silent about what is malformed in itself: such a number is NaN, an id
+0, and `Sound` tells where more than that has to be known. Contact counts as overlap: phi is 1 there, beta 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from math import hypot, isfinite
+
+from protocol.errors import UsageError
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.geometry.defects import defect
+from protocol.scenario.base import FRAMES, TOPICS, Base, ros_name
+from protocol.scenario.body import BRISKEST, LONGEST, PRESETS, SHORTEST, Body, Preset
+from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Order, Point, RobotSpec, Scenario, Thing
+from protocol.scenario.tables import Finding, Steps, written
+
+_NAMED = 3  # overlaps of one disk or thing that are spelled out
+_LONGEST = 10**9  # ticks
+_LONG_NAME = 200  # characters
+_MEMBERS = 50_000  # of partitions' groups: the scenario is part of several messages
+_TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
+_LARGEST_SPAN = 1e6  # s
+ACTIONS = ("goal", "add", "remove", "place", "take", "halt")
+# what a process is -> what may happen to it -> what it is then
+EVENTS = {
+    "running": {"kill": "killed", "pause": "paused", "restart": "running"},
+    "paused": {"kill": "killed", "resume": "running", "restart": "running"},
+    "killed": {"restart": "running"},
+}
+
+
+@dataclass(frozen=True)
+class Sound:
+    """Which parts of a scenario can be relied on; `malformed` are the paths that cannot."""
+
+    malformed: Collection[Steps]
+
+    def __call__(self, *steps: str | int) -> bool:
+        """Whether there is nothing malformed at this path, above or below it."""
+        return not any(each[: len(steps)] == steps[: len(each)] for each in self.malformed)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where a disk is or shall be: which end, whose, and where that is said."""
+
+    end: str
+    whose: str
+    disk: Disk
+    steps: Steps
+
+    def __str__(self) -> str:
+        return f"the {self.end} of {self.whose}"
+
+
+def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
+    """Everything that is wrong between fields; `malformed` names the fields that are wrong in themselves."""
+    sound = Sound(malformed)
+    room, findings = _room(scenario, sound)
+    placed = list(_placed(scenario))
+    findings = [
+        *findings,
+        *_ids(scenario),
+        *_fit(scenario, room),
+        *_overlaps(placed),
+        *_things(scenario, sound, room, placed),
+        *_parts(scenario, sound, room, placed),
+        *_times(scenario),
+        *_texts(scenario),
+        *_bodies(scenario, sound),
+        *_bases(scenario, sound),
+        *_faults(scenario, sound),
+        *_orders(scenario, sound, room),
+    ]
+    return [
+        (steps, text) for steps, text in findings if not any(steps[: len(each)] == each for each in malformed)
+    ]
+
+
+def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
+    """What is wrong with a robot's body, the default unless it has one of its own."""
+    own = default if spec.body is None else spec.body
+    body = PRESETS[own] if isinstance(own, str) else own
+    for steps, text in (*_wheels(("body",), body), *_hull(("radius",), body, spec.radius)):
+        yield f"{written(steps)}: {text}"
+
+
+# -- the workspace, and what is in it
+
+
+def _room(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+    """The workspace, None where it is malformed, and what is wrong with it."""
+    room = scenario.workspace
+    if not sound("workspace"):
+        return None, []
+    if room.points is None:
+        return room.shape, []
+    if room.radius is not None:
+        return None, [(("workspace",), "is given by `radius` or by `points`, not by both")]
+    return _polygon(room.points, ("workspace", "points"))
+
+
+def _polygon(points: Corners, steps: Steps) -> tuple[Shape | None, list[Finding]]:
+    problem = defect(points)
+    return (None, [(steps, problem)]) if problem else (ConvexPolygon(points), [])
+
+
+def _placed(scenario: Scenario) -> Iterator[Placed]:
+    """Every disk where it begins and where it shall be, of which both are known."""
+    for end in ("start", "goal"):
+        for index, spec in enumerate(scenario.robots):
+            x, y = spec.start if end == "start" else spec.goal
+            if isfinite(x) and isfinite(y) and isfinite(spec.radius):
+                whose = f"robot {spec.id}" if spec.id else f"robots[{index}]"
+                yield Placed(end, whose, Disk(x, y, spec.radius), ("robots", index, end))
+
+
+def _ids(scenario: Scenario) -> Iterator[Finding]:
+    first: dict[int, int] = {}
+    for index, spec in enumerate(scenario.robots):
+        if spec.id and first.setdefault(spec.id, index) != index:
+            yield ("robots", index, "id"), f"{spec.id} is the id of robots[{first[spec.id]}] already"
+
+
+def _fit(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
+    for index, spec in enumerate(scenario.robots):
+        yield from _fits(room, spec.radius, ("robots", index), start=spec.start, goal=spec.goal)
+
+
+def _fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> Iterator[Finding]:
+    """Whether a disk of `radius` is inside the workspace at each of these points."""
+    if room is None or not isfinite(radius):
+        return
+    if isinstance(room, Disk) and radius >= room.radius:
+        text = f"a disk of radius {radius:g} m does not fit into the workspace of {room.radius:g} m"
+        yield (*steps, "radius"), text
+        return
+    for key, point in points.items():
+        yield from _inside(room, point, radius, (*steps, key))
+
+
+def _inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[Finding]:
+    if all(map(isfinite, point)) and (beyond := room.distance(*point) + radius) >= 0.0:
+        yield steps, f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
+
+
+def _overlaps(placed: Iterable[Placed]) -> Iterator[Finding]:
+    """Each disk against those before it in the file, where they begin and where they end."""
+    before: dict[str, list[tuple[Placed, float, float, float]]] = {}
+    for one in placed:
+        x, y, radius = one.disk.x, one.disk.y, one.disk.radius
+        others = before.setdefault(one.end, [])
+        depths = [
+            (other.whose, depth)
+            for other, ox, oy, r in others
+            if abs(x - ox) <= (reach := radius + r) and (depth := reach - hypot(x - ox, y - oy)) >= 0.0
+        ]
+        others.append((one, x, y, radius))
+        if depths:
+            yield one.steps, _listed(depths)
+
+
+def _listed(depths: list[tuple[str, float]]) -> str:
+    texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
+    more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
+    return ", ".join(texts) + more
+
+
+def _things(scenario: Scenario, sound: Sound, room: Shape | None, placed: list[Placed]) -> Iterator[Finding]:
+    for index, thing in enumerate(scenario.things):
+        shape, findings = _thing(thing, ("things", index), sound, room)
+        yield from findings
+        if shape is None:
+            continue
+        depths = [
+            (str(each), depth)
+            for each in placed
+            if (depth := each.disk.radius - shape.distance(each.disk.x, each.disk.y)) >= 0.0
+        ]
+        if depths:
+            yield ("things", index, _where(shape)), _listed(depths)
+
+
+def _thing(
+    thing: Thing, steps: Steps, sound: Sound, room: Shape | None = None
+) -> tuple[Shape | None, list[Finding]]:
+    """The shape of a thing, None where it has none, and what is wrong with it."""
+    shape: Shape | None = None
+    findings: list[Finding] = []
+    if not sound(*steps):
+        return None, []
+    if thing.points is not None and thing.center is None and thing.radius is None:
+        shape, findings = _polygon(thing.points, (*steps, "points"))
+    elif thing.center is not None and thing.radius is not None and thing.points is None:
+        shape = thing.shape
+    else:
+        findings = [(steps, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
+    if shape is not None and room is not None and _outside(shape, room):
+        findings = [((*steps, _where(shape)), "lies outside of the workspace")]
+    return shape, findings
+
+
+def _where(shape: Shape) -> str:
+    """The key that says where it is."""
+    return "points" if isinstance(shape, ConvexPolygon) else "center"
+
+
+def _outside(shape: Shape, room: Shape) -> bool:
+    """Whether no point of a thing is inside the workspace."""
+    if isinstance(room, Disk):
+        return shape.distance(room.x, room.y) >= room.radius
+    return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (
+        isinstance(shape, Disk) and room.distance(shape.x, shape.y) >= shape.radius
+    )
+
+
+def _parts(scenario: Scenario, sound: Sound, room: Shape | None, placed: list[Placed]) -> Iterator[Finding]:
+    """Parts that no robot of this scenario carries, that are outside, or that overlap a thing, a robot or
+    another part where both begin, or end."""
+    if not scenario.parts:
+        return
+    yield from _carriers(scenario, sound)
+    yield from _cells(scenario, room)
+    shapes = [
+        (f"things[{n}]", _thing(each, ("things", n), sound)[0]) for n, each in enumerate(scenario.things)
+    ]
+    for end in ("start", "goal"):
+        others: list[tuple[str, Shape]] = [(str(each), each.disk) for each in placed if each.end == end]
+        others += [(f"things[{n}]", shape) for n, shape in shapes if shape is not None]
+        for index, part in enumerate(scenario.parts):
+            disk = Disk(*(part.start if end == "start" else part.goal), part.radius)
+            if not all(map(isfinite, (disk.x, disk.y, disk.radius))):
+                continue
+            for text in _collisions(disk, room, others):
+                yield ("parts", index, end), text
+            others.append((f"the {end} of part {index + 1}", disk))
+
+
+def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+    """What does not go together with parts."""
+    plant = scenario.world.plant
+    if plant != "integrator" and sound("world", "plant"):
+        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
+    for steps, spec in described(scenario):
+        body = _body(scenario, sound, steps, spec)
+        if body is not None and body.kind != "point":
+            yield (*steps, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
+    if scenario.network.interest == "near":
+        yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
+
+
+def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
+    """What makes the grid too large on which each robot plans."""
+    radii = [each.radius for each in scenario.parts] + [each.radius for each in scenario.robots]
+    radii = [radius for radius in radii if isfinite(radius)]
+    if room is None or not radii:
+        return
+    (left, low), (right, high) = room.box
+    smallest = min(radii)
+    cells = (right - left) * (high - low) / (smallest / CELLS) ** 2
+    if cells > MOST_CELLS:
+        yield (
+            ("workspace",),
+            f"is too large to carry disks of {smallest:g} m in: to plan on a grid of {CELLS:g} cells to a "
+            f"radius takes {cells:.2g} of them, at most {MOST_CELLS:.0e} fit; use larger disks or less room",
+        )
+
+
+def _collisions(disk: Disk, room: Shape | None, others: Iterable[tuple[str, Shape]]) -> Iterator[str]:
+    if room is not None and (beyond := room.distance(disk.x, disk.y) + disk.radius) > 0.0:
+        yield f"reaches {beyond:.3g} m out of the workspace"
+    for name, shape in others:
+        depth = disk.radius - shape.distance(disk.x, disk.y)
+        if depth >= 0.0:
+            yield f"overlaps {name} by {depth:.3g} m" if depth else f"touches {name}"
+
+
+# -- times and names
+
+
+def _times(scenario: Scenario) -> Iterator[Finding]:
+    step, limit = scenario.time.step, scenario.time.limit
+    if limit < step:
+        yield ("time", "limit"), f"{limit:g} s is less than one step of {step:g} s"
+    elif limit > _LONGEST * step:
+        yield ("time", "limit"), f"{limit:g} s are more than {_LONGEST:g} steps of {step:g} s"
+    places: list[tuple[Steps, float | tuple[float, float]]] = [
+        *((("sensing", n, "delay"), sensing.delay) for n, sensing in enumerate(scenario.sensing)),
+        (("link", "delay"), scenario.link.delay),
+    ]
+    for steps, delay in places:
+        if isinstance(delay, tuple):
+            if delay[0] > delay[1]:
+                yield steps, f"the low end {delay[0]:g} is above the high end {delay[1]:g}"
+        elif delay < 0.0:
+            yield steps, f"must be at least 0, is {delay:g}"
+        elif delay > _LARGEST_SPAN:
+            yield steps, f"must be at most {_LARGEST_SPAN:g}, is {delay:g}"
+
+
+def _texts(scenario: Scenario) -> Iterator[Finding]:
+    """What is printed wherever the run is shown."""
+    name, description = scenario.name, scenario.description
+    if not (name.isprintable() and len(name) <= _LONG_NAME):
+        yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
+    if not description.replace("\n", "").replace("\t", "").isprintable():
+        yield ("description",), "must have no control characters but line ends and tabs"
+
+
+# -- bodies and bases
+
+
+def described(scenario: Scenario) -> list[tuple[Steps, RobotSpec]]:
+    """Where robots are described: those of the start, and those that orders add."""
+    return [
+        *((("robots", index), spec) for index, spec in enumerate(scenario.robots)),
+        *(
+            (("orders", index, "add"), order.add)
+            for index, order in enumerate(scenario.orders)
+            if order.add is not None
+        ),
+    ]
+
+
+def _body(scenario: Scenario, sound: Sound, steps: Steps, spec: RobotSpec) -> Body | None:
+    """The body of a robot that is described at `steps`; None where it is malformed."""
+    if not sound(*steps, "body") or (spec.body is None and not sound("body")):
+        return None
+    body = scenario.body if spec.body is None else spec.body
+    return PRESETS.get(body) if isinstance(body, str) else body
+
+
+def _bodies(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+    physics = scenario.world.plant == "mujoco"
+    if physics and not SHORTEST <= scenario.time.step <= LONGEST:
+        yield (
+            ("time", "step"),
+            f"must be from {SHORTEST:g} to {LONGEST:g} s in MuJoCo: "
+            "with other periods the errors of bodies were not measured",
+        )
+    if isinstance(scenario.body, Body):
+        yield from _wheels(("body",), scenario.body)
+    for steps, spec in described(scenario):
+        if isinstance(spec.body, Body):
+            yield from _wheels((*steps, "body"), spec.body)
+        body = _body(scenario, sound, steps, spec)
+        if body is None:
+            continue
+        yield from _hull((*steps, "radius"), body, spec.radius)
+        if physics:
+            yield from _physical((*steps, "body"), body)
+
+
+def _wheels(steps: Steps, body: Body) -> Iterator[Finding]:
+    if body.kind == "differential-drive":
+        for key, length in (("offset", body.offset), ("track", body.track)):
+            if not length:
+                yield (*steps, key), "must be above 0 for a body on two wheels"
+
+
+def _physical(steps: Steps, body: Body) -> Iterator[Finding]:
+    """Why a body cannot be had in MuJoCo."""
+    if body.kind != "differential-drive":
+        yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
+    elif body.acceleration > BRISKEST:
+        yield (*steps, "acceleration"), f"must be at most {BRISKEST:g} in MuJoCo, or wheels slip"
+
+
+def _hull(steps: Steps, body: Body, radius: float) -> Iterator[Finding]:
+    if body.disk is not None and radius < body.disk * (1.0 - 1e-9):
+        yield steps, f"must be at least {body.disk:g}, for the body lies inside the disk"
+
+
+def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+    """Bases outside: bodies that brake, keys that can be told apart, no scripted faults."""
+    external = scenario.is_external
+    if scenario.base is not None:
+        yield from _names(("base",), scenario.base)
+    keys: dict[str, Steps] = {}
+    for steps, spec in described(scenario):
+        if spec.base is not None:
+            yield from _names((*steps, "base"), spec.base)
+        base = scenario.base if spec.base is None else spec.base
+        if base is None and not external:
+            continue
+        body = _body(scenario, sound, steps, spec)
+        if body is not None and body.kind == "point":
+            text = 'a base outside cannot stop at once: say which body it is, such as "turtlebot3-burger"'
+            yield (*steps, "body"), text
+        if spec.id and sound("base") and sound(*steps, "base"):
+            yield from _shared(steps, (base or Base()).of(spec.id), keys)
+    if external:
+        yield from _external(scenario)
+
+
+def _names(steps: Steps, base: Base) -> Iterator[Finding]:
+    """Names that no key can have, and frames that no header should have."""
+    for key in ("namespace", *TOPICS):
+        name = getattr(base, key)
+        try:
+            ros_name(name)
+        except UsageError as error:
+            yield (*steps, key), str(error)
+        if key != "namespace" and not name.strip("/"):
+            yield (*steps, key), "must not be empty"
+    for key in FRAMES:
+        if not getattr(base, key).isprintable():
+            yield (*steps, key), "must have no control characters"
+
+
+def _shared(robot: Steps, base: Base, seen: dict[str, Steps]) -> Iterator[Finding]:
+    """Keys that two topics have, of one robot or of two; `seen` are those of robots before this one."""
+    keys: dict[str, str] = {}
+    for topic in TOPICS:
+        key = base.key(getattr(base, topic))
+        if keys.setdefault(key, topic) != topic:
+            text = f"`{keys[key]}` and `{topic}` are both {key}: give each topic a name of its own"
+            yield (*robot, "base"), text
+        elif key in seen:
+            text = f"has the same key {key} as {written(seen[key])}: give it a namespace of its own"
+            yield (*robot, "base"), text
+            return
+    seen.update(dict.fromkeys(keys, robot))
+
+
+def _external(scenario: Scenario) -> Iterator[Finding]:
+    if scenario.process:
+        yield ("process",), "nobody can script what happens to a fleet that is not simulated"
+    if scenario.network.interest == "near":
+        text = "the world has no summary of a fleet that is not simulated: leave it out"
+        yield ("network", "interest"), text
+    step, lease = scenario.time.step, scenario.world.lease
+    if lease < _TICKS * step:
+        yield ("world", "lease"), f"must be at least {_TICKS} ticks, {_TICKS * step:g} s, is {lease:g} s"
+
+
+# -- faults
+
+
+def _known(scenario: Scenario, sound: Sound) -> set[int] | None:
+    """Ids that are there at some time, None while one is malformed."""
+    ids = {spec.id for _, spec in described(scenario)}
+    orders = range(len(scenario.orders))
+    hidden = {
+        ("robots",),
+        ("orders",),
+        *(("orders", n) for n in orders),
+        *(("orders", n, "add") for n in orders),
+    }
+    return None if 0 in ids or not hidden.isdisjoint(sound.malformed) else ids
+
+
+def _faults(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+    """Robots that are named exist, partitions have an inside and a time, events follow each other."""
+    named: list[tuple[Steps, int]] = [
+        (("process", n, "robot"), fault.robot) for n, fault in enumerate(scenario.process)
+    ]
+    for n, sensing in enumerate(scenario.sensing):
+        named += [(("sensing", n, "robots", m), robot) for m, robot in enumerate(sensing.robots or ())]
+    members = list(_members(scenario))
+    named += [(steps, robot) for steps, _, robot in members]
+    ids = _known(scenario, sound)
+    for steps, robot in named:
+        if ids is not None and robot not in ids:
+            yield steps, f"there is no robot {robot}"
+    for n, partition in enumerate(scenario.link.partition):
+        if partition.until <= partition.from_:
+            text = f"{partition.until:g} s is not after `from`, {partition.from_:g} s"
+            yield ("link", "partition", n, "until"), text
+    if len(members) > _MEMBERS:
+        text = f"the groups of all partitions name {len(members)} robots; at most {_MEMBERS} are allowed"
+        yield ("link", "partition"), text
+    seen: dict[tuple[int, int], Steps] = {}
+    for steps, n, robot in members:
+        if robot and seen.setdefault((n, robot), steps) != steps:
+            yield steps, f"robot {robot} is in a group of this partition already"
+    if sound("process"):
+        yield from _events(scenario)
+
+
+def _members(scenario: Scenario) -> Iterator[tuple[Steps, int, int]]:
+    """Every place in a partition's group, with the index of the partition and the robot."""
+    for n, partition in enumerate(scenario.link.partition):
+        for g, group in enumerate(partition.groups):
+            for m, robot in enumerate(group):
+                yield ("link", "partition", n, "groups", g, m), n, robot
+
+
+def _events(scenario: Scenario) -> Iterator[Finding]:
+    """What was killed cannot be paused, and only what was paused can be resumed."""
+    state: dict[int, str] = {}
+    for n, fault in sorted(enumerate(scenario.process), key=lambda each: (each[1].at, each[0])):
+        now = state.get(fault.robot, "running")
+        if fault.event not in EVENTS[now]:
+            text = f"robot {fault.robot} is {now} at {fault.at:g} s; possible then: {', '.join(EVENTS[now])}"
+            yield ("process", n, "event"), text
+        else:
+            state[fault.robot] = EVENTS[now][fault.event]
+
+
+# -- orders
+
+
+def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Finding]:
+    """Each asks for one thing, of robots and things that there are at some time."""
+    ids = _known(scenario, sound)
+    things = len(scenario.things) + sum(order.place is not None for order in scenario.orders)
+    for index, order in enumerate(scenario.orders):
+        steps: Steps = ("orders", index)
+        asked = [a for a in ACTIONS if getattr(order, a) is not None or not sound(*steps, a)]
+        if len(asked) != 1:
+            how = f"not {' and '.join(asked)}" if asked else "and asks for none"
+            yield steps, f"must ask for one of {', '.join(ACTIONS)}, {how}"
+            continue
+        yield from _asked(order, steps, sound, room)
+        for key, robot in (("goal", order.goal and order.goal.robot), ("remove", order.remove)):
+            if robot and ids is not None and robot not in ids:
+                path = (*steps, key, "robot") if key == "goal" else (*steps, key)
+                yield path, f"there is never a robot {robot}"
+        if order.take is not None and order.take > things:
+            yield (*steps, "take"), f"there is never a thing {order.take}"
+
+
+def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Finding]:
+    """Points in the workspace, and disks and things that fit into it."""
+    if order.place is not None:
+        yield from _thing(order.place, (*steps, "place"), sound, room)[1]
+    if room is not None and order.goal is not None:
+        for n, point in enumerate(order.goal.points):
+            yield from _inside(room, point, 0.0, (*steps, "goal", "points", n))
+    if order.add is not None:
+        spec = order.add
+        yield from _fits(room, spec.radius, (*steps, "add"), start=spec.start, goal=spec.goal)

@@ -1,1 +1,0 @@
-"""What must hold of a scenario beyond the types of its fields: one file for each thing that is checked."""
