@@ -16,7 +16,7 @@ from setuptools._distutils import ccompiler
 
 FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/geometry", "agents", "world")
 FILES = ("protocol/codec.py", "protocol/cursor.py")
-LEFT_OUT = ("agents/bases", "agents/movers", "world/shell/persistence")  # not run for every message
+LEFT_OUT = ("agents/bases", "agents/parts", "world/shell/persistence")  # not run for every message
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 
 

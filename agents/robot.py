@@ -15,7 +15,7 @@ from agents.hearing import Hearing
 from agents.law import GuardedLaw, View
 from agents.law.turns import turn_of
 from agents.localisation.estimate import Estimate
-from agents.movers.mover import Mover
+from agents.parts.carrier import PartCarrier
 from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import plausible
@@ -75,7 +75,7 @@ class Robot:
         self._kept = 0  # version of the roster that this incarnation keeps to
         self.hearing = Hearing(scenario, robot, lockstep=lockstep)
         self._law, self._turn = GuardedLaw(scenario, robot), turn_of(scenario, robot)
-        self._mover = Mover(scenario, robot) if scenario.parts else None
+        self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._filter: SafetyFilter | None = None  # as soon as the roster is known
         self._reports = scenario.is_external
         self._desired = self._moved = STILL
@@ -275,7 +275,7 @@ class Robot:
 
     # -- parts
 
-    def _move_parts(self, mover: Mover, ordered: Vector | None) -> None:
+    def _move_parts(self, mover: PartCarrier, ordered: Vector | None) -> None:
         """Decide what to do about parts in this tick; who was ordered elsewhere leaves them alone."""
         position, heard = self._estimate.position, self.hearing.neighbours
         if position is None or self._filter is None:
@@ -283,7 +283,7 @@ class Robot:
         mover.look(self.tick, position, self._roster, heard.heard(), list(heard.standing.values()), ordered)
         self.goal = mover.goal
 
-    def _fit_to_load(self, mover: Mover, filter_: SafetyFilter) -> Handling | None:
+    def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
         """Be the disk that parts need from this command on, a larger one only where there is room for it;
         what is asked for if that is so.
 

@@ -1,7 +1,7 @@
 """Random instances of robots that carry parts to their goals: how many end with all parts in place.
 
 Counted are instances for which there is an order in which one part after another finds its way to its goal
-(`agents.movers.order`). With `kill` one robot dies for good as soon as it carries a part. That instance is
+(`agents.parts.orders`). With `kill` one robot dies for good as soon as it carries a part. That instance is
 counted apart if, by where everything is at that instant and nothing else, the dead robot's disk lies on the
 goal of a part, which can then never get there; or if the same search finds no order for the survivors, the
 dead robot and its part standing there.
@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from agents.movers.places import Floor
-from agents.movers.plan import Planner
+from agents.parts.layout import Layout
+from agents.parts.planner import Planner
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.theory.check.surrounded import surrounded
@@ -77,16 +77,16 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
     """
     scenario, places = world.scenario, world.simulation.places
     part = world.coordinator.parts.carried_by(dead)
-    floor = Floor(
+    layout = Layout(
         {**before, part: places[dead]},
         (*(thing.shape for thing in scenario.things), Disk(*places[dead], scenario.spec(dead).radius)),
         {part: scenario.loaded_radius(dead, part)},
     )
     planner = Planner(scenario, min(each.radius for each in scenario.robots))
-    if planner.barred(floor):
+    if planner.barred(layout):
         return BARRED
     survivors = [places[robot] for robot in scenario.ids if robot != dead]
-    return "" if planner.orders.exists(floor, survivors) else NO_ORDER
+    return "" if planner.orders.exists(layout, survivors) else NO_ORDER
 
 
 def _standing(world: World) -> dict[int, Vector]:

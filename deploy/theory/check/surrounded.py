@@ -12,8 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from agents.law.obstacles import Attraction
-from agents.movers.places import Floor
-from agents.movers.plan import Planner
+from agents.parts.layout import Layout
+from agents.parts.planner import Planner
 from deploy.theory.check.check import finite
 from deploy.theory.configurations import Barrier, barriers
 from deploy.theory.doors import Door, doors
@@ -177,13 +177,13 @@ def _clearance(scenario: Scenario, which: str) -> float:
 
 def _has_order(scenario: Scenario) -> bool:
     """Whether robots could bring one part after another to its goal."""
-    floor = Floor(
+    layout = Layout(
         {number: part.start for number, part in enumerate(scenario.parts, 1)},
         tuple(thing.shape for thing in scenario.things),
     )
     starts = [each.start for each in scenario.robots]
     radii = {each.radius for each in scenario.robots}
-    return any(Planner(scenario, radius).orders.exists(floor, starts) for radius in radii)
+    return any(Planner(scenario, radius).orders.exists(layout, starts) for radius in radii)
 
 
 def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:

@@ -11,12 +11,10 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from agents.movers.choice import choose, fits
-from agents.movers.outlook import Outlook
-from agents.movers.places import Floor
-from agents.movers.plan import Planner
-from agents.movers.precedence import first, traveller
-from agents.movers.traffic import Traffic, Traveller
+from agents.parts.layout import Layout
+from agents.parts.perception import Perception, first, traveller
+from agents.parts.planner import Planner, choose, fits
+from agents.parts.traffic import Traffic, Traveller
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.messages import Claim, Handling, Member, Vector
@@ -27,7 +25,7 @@ STUCK: Final = 8.0  # s without motion, after which it turns to something else
 MOVED: Final = 0.3  # of the own radius, less than which is no motion
 
 
-class Mover:
+class PartCarrier:
     """What one robot does about parts.
 
     Args:
@@ -69,7 +67,7 @@ class Mover:
         self._in_order = False  # whether all can get to their goals when it has brought its part there
         self._refuge: Vector | None = None  # where it makes way for others
         self._back = 0  # when it comes back from there, tick
-        self._seen: Floor | None = None  # what `_place` was found for
+        self._seen: Layout | None = None  # what `_place` was found for
         self._anchor, self._since = spec.start, 0  # where it stands, and since when, tick
         self._avoided: dict[int, int] = {}  # parts that could not be reached, until a tick
 
@@ -91,7 +89,7 @@ class Mover:
             ordered: where an operator wants it to be, m, which goes first.
         """
         self._tick, self._position = tick, position
-        self._outlook = Outlook(self._scenario, roster, peers, standing)
+        self._perception = Perception(self._scenario, roster, peers, standing)
         self.goal, self.claim, self.handles = self._home, None, None
         self.radius, self.held, self.aim = self._small, 0, None
         if ordered is not None:
@@ -99,7 +97,7 @@ class Mover:
             return
         if math.dist(position, self._anchor) > MOVED * self._small:
             self._anchor, self._since = position, tick
-        carried = self._outlook.carriers.get(self._robot, 0)
+        carried = self._perception.carriers.get(self._robot, 0)
         if self._loaded and not carried:
             self._task = 0  # it is put down
         self._loaded = carried != 0
@@ -117,33 +115,35 @@ class Mover:
         """Where to go straight to."""
         if self.handles is not None:
             return self.goal
-        part = self._outlook.carriers.get(self._robot, 0)
+        part = self._perception.carriers.get(self._robot, 0)
         size = max(self.radius, self._planner.loaded(part) if part else self._small)
-        me = Traveller(self._position, self.goal, size, self._outlook.among(part))
-        ahead = first(self._outlook, self._robot, self.claim)
-        found = [traveller(self._scenario, self._outlook, peer) for peer in ahead]
+        me = Traveller(self._position, self.goal, size, self._perception.among(part))
+        ahead = first(self._perception, self._robot, self.claim)
+        found = [traveller(self._scenario, self._perception, peer) for peer in ahead]
         return self._traffic.aim(me, [each for each in found if each is not None])
 
     # -- which part
 
     def _is_mine(self, part: int) -> bool:
         """Whether it can still be fetched, and nobody else has the better claim."""
-        if part not in self._outlook.floor.parts or self._outlook.is_at(part, self._goals[part]):
+        if part not in self._perception.layout.parts or self._perception.is_at(part, self._goals[part]):
             return False
         mine = (self._cost(), self._robot)
-        return all(mine < (claim.cost, robot) for robot, claim in self._outlook.claims if claim.part == part)
+        return all(
+            mine < (claim.cost, robot) for robot, claim in self._perception.claims if claim.part == part
+        )
 
     def _fits(self, part: int) -> bool:
         """Whether it goes together with what those have claimed since who go first: two may have claimed at
         once what only one can bring before the other."""
-        claims = {robot: claim.part for robot, claim in self._outlook.claims}
+        claims = {robot: claim.part for robot, claim in self._perception.claims}
         if claims == self._known or not self._in_order:
             return True
         self._known = claims
         claim = Claim(part, 0.0, 0.0)
-        ahead = first(self._outlook, self._robot, claim)
-        outlook = self._outlook.heeding([peer.robot for peer in ahead])
-        return fits(self._planner, part, self._position, outlook, self._goals)
+        ahead = first(self._perception, self._robot, claim)
+        perception = self._perception.heeding([peer.robot for peer in ahead])
+        return fits(self._planner, part, self._position, perception, self._goals)
 
     def _cost(self) -> float:
         return math.inf if self._place is None else math.dist(self._position, self._place)
@@ -155,57 +155,57 @@ class Mover:
             return
         self._look = self._tick + self._pause
         self._avoided = {part: until for part, until in self._avoided.items() if until > self._tick}
-        outlook = self._outlook
-        errand = choose(self._planner, self._position, outlook, self._avoided, self._goals)
+        perception = self._perception
+        errand = choose(self._planner, self._position, perception, self._avoided, self._goals)
         if errand is not None:
-            self._task, self._place, self._seen = errand.part, errand.fetch, outlook.floor
-            self._since, self._known = self._tick, {robot: claim.part for robot, claim in outlook.claims}
-            self._in_order = self._planner.leads_on(errand.part, outlook.floor, self._position)
+            self._task, self._place, self._seen = errand.part, errand.fetch, perception.layout
+            self._since, self._known = self._tick, {robot: claim.part for robot, claim in perception.claims}
+            self._in_order = self._planner.leads_on(errand.part, perception.layout, self._position)
             self._fetch(errand.part)
 
     # -- what to do about it
 
     def _fetch(self, part: int) -> None:
         """Go to a part and take it up."""
-        floor, grown = self._outlook.floor, self._planner.loaded(part)
-        if self._seen is not None and (self._seen.others, self._seen.held) != (floor.others, floor.held):
+        layout, grown = self._perception.layout, self._planner.loaded(part)
+        if self._seen is not None and (self._seen.others, self._seen.held) != (layout.others, layout.held):
             self._look = self._tick  # somebody died, or something came: think again
             self._choose()
             return
-        self.held = self._outlook.things.get(part, 0)
-        if self._place is None or self._seen != floor:
-            self._seen = floor
-            errand = self._planner.errand(part, self._position, floor)
+        self.held = self._perception.things.get(part, 0)
+        if self._place is None or self._seen != layout:
+            self._seen = layout
+            errand = self._planner.errand(part, self._position, layout)
             self._place = (
-                self._planner.beside(part, self._position, floor) if errand is None else errand.fetch
+                self._planner.beside(part, self._position, layout) if errand is None else errand.fetch
             )
         if self._place is None or self._is_stuck():
             self._give_up(part)
             return
         self.goal = self._place
         self.claim = Claim(part, self._cost(), grown)
-        size = floor.held.get(part, self._spec(part).radius)
-        if self._is_beside(floor.parts[part], size + self._small):
+        size = layout.held.get(part, self._spec(part).radius)
+        if self._is_beside(layout.parts[part], size + self._small):
             self.radius = grown
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
         """Bring a part to its goal and put it down; elsewhere, if others find their ways only then, or if
         there is no way for long."""
-        spec, carried, floor = self._spec(part), self._planner.loaded(part), self._outlook.floor
+        spec, carried, layout = self._spec(part), self._planner.loaded(part), self._perception.layout
         stuck, planner = self._is_stuck(), self._planner
         if self._task != part or self._target is None:
             self._task, self._seen, self._target = part, None, spec.goal
         if stuck and self._place is None:
-            self._target = planner.spare(part, self._position, floor) or spec.goal
-        elif self._seen != floor and self._target == spec.goal:
-            self._target = planner.destination(part, self._position, floor)
-        if self._seen != floor or stuck:
-            self._seen, self._since = floor, self._tick
+            self._target = planner.spare(part, self._position, layout) or spec.goal
+        elif self._seen != layout and self._target == spec.goal:
+            self._target = planner.destination(part, self._position, layout)
+        if self._seen != layout or stuck:
+            self._seen, self._since = layout, self._tick
             self._attempt = self._attempt + 1 if stuck and self._place is not None else 0
-            self._place = planner.delivery(part, self._target, self._position, floor, self._attempt)
+            self._place = planner.delivery(part, self._target, self._position, layout, self._attempt)
             if self._attempt:  # somebody may be shut in
-                self._refuge = planner.refuge(part, self._position, floor)
+                self._refuge = planner.refuge(part, self._position, layout)
                 self._back = self._tick + self._patience // 2
         self.radius, self.claim = carried, Claim(part, 0.0, carried)
         self.goal = self._position if self._place is None else self._place

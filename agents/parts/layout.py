@@ -1,4 +1,4 @@
-"""What stands on the floor, and where a robot stands to take a part up from there or to put it down."""
+"""What stands on the layout, and where a robot stands to take a part up from there or to put it down."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 
 import numpy as np
 
-from agents.movers.floor import Grid, away, depth
+from agents.parts.grid import Grid, depth, distance_to
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Part, Scenario
@@ -23,7 +23,7 @@ _HOME: Final = 1e-9  # m
 
 
 @dataclass(frozen=True)
-class Floor:
+class Layout:
     """What stands; two are the same if that is.
 
     Attributes:
@@ -41,15 +41,15 @@ class Floor:
     robots: tuple[Vector, ...] = field(default=(), compare=False)
 
     @property
-    def settled(self) -> Floor:
+    def settled(self) -> Layout:
         """What stands once everybody has done what it is about to do."""
         return replace(self, parts={**self.parts, **self.promised}, held=_without(self.held, *self.promised))
 
-    def moved(self, part: int, to: Vector) -> Floor:
+    def moved(self, part: int, to: Vector) -> Layout:
         """The same with a part elsewhere, m."""
         return replace(self, parts={**self.parts, part: to}, held=_without(self.held, part))
 
-    def without(self, part: int) -> Floor:
+    def without(self, part: int) -> Layout:
         """The same once a part was taken up."""
         return replace(self, parts=_without(self.parts, part), held=_without(self.held, part))
 
@@ -74,39 +74,39 @@ class Places:
         """Radius of the disk that a robot is with a part, m."""
         return max(self.radius, self.parts[part].radius)
 
-    def size(self, part: int, floor: Floor) -> float:
+    def size(self, part: int, layout: Layout) -> float:
         """Radius of the disk that a part is where it stands, m."""
-        return floor.held.get(part, self.parts[part].radius)
+        return layout.held.get(part, self.parts[part].radius)
 
-    def standing(self, floor: Floor) -> list[Shape]:
+    def standing(self, layout: Layout) -> list[Shape]:
         """All that stands."""
-        disks = [Disk(*at, self.size(part, floor)) for part, at in floor.parts.items()]
-        return [*floor.others, *disks]
+        disks = [Disk(*at, self.size(part, layout)) for part, at in layout.parts.items()]
+        return [*layout.others, *disks]
 
-    def is_home(self, part: int, floor: Floor) -> bool:
+    def is_home(self, part: int, layout: Layout) -> bool:
         """Whether a part stands at its goal."""
-        at = floor.parts.get(part)
-        return at is not None and part not in floor.held and math.dist(at, self.parts[part].goal) < _HOME
+        at = layout.parts.get(part)
+        return at is not None and part not in layout.held and math.dist(at, self.parts[part].goal) < _HOME
 
-    def is_barred(self, part: int, floor: Floor) -> bool:
+    def is_barred(self, part: int, layout: Layout) -> bool:
         """Whether something stands at a part's goal for good."""
         spec = self.parts[part]
-        return any(shape.distance(*spec.goal) < spec.radius for shape in floor.others)
+        return any(shape.distance(*spec.goal) < spec.radius for shape in layout.others)
 
-    def to_take(self, part: int, floor: Floor) -> list[Vector]:
+    def to_take(self, part: int, layout: Layout) -> list[Vector]:
         """Where a robot can take a part up, and be the disk that it is with it, m.
 
         On a robot that stands the part remains until it is asked for by a disk that is clear of both.
         """
-        grown = self.loaded(part) - self.radius if part in floor.held else 0.0
-        rest = self.standing(floor.without(part))
+        grown = self.loaded(part) - self.radius if part in layout.held else 0.0
+        rest = self.standing(layout.without(part))
         return self._around(
-            floor.parts[part], self.radius + self.size(part, floor), grown, self.loaded(part), rest
+            layout.parts[part], self.radius + self.size(part, layout), grown, self.loaded(part), rest
         )
 
-    def to_put(self, part: int, target: Vector, floor: Floor) -> list[Vector]:
+    def to_put(self, part: int, target: Vector, layout: Layout) -> list[Vector]:
         """Where a robot that has a part can put it down at a target, m; nowhere if something stands there."""
-        radius, loaded, rest = self.parts[part].radius, self.loaded(part), self.standing(floor)
+        radius, loaded, rest = self.parts[part].radius, self.loaded(part), self.standing(layout)
         if any(shape.distance(*target) < radius for shape in rest):
             return []
         return self._around(target, loaded + radius, 0.0, loaded, rest)
@@ -126,7 +126,7 @@ class Places:
         near = float(gaps.max()) + room
         for shape in rest:
             if shape.distance(*centre) < near:
-                clear &= away(shape, x, y) >= room
+                clear &= distance_to(shape, x, y) >= room
         return [(float(x[n]), float(y[n])) for n in clear.nonzero()[0]]
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.agents.lines.models.mutants.mutant import Mutant
 from tests.agents.lines.models.product import Product
-from tests.agents.movers.haul import Haul, violation_of
+from tests.agents.parts.haul import Haul, violation_of
 from tests.interpreted import Edit
 
 pytestmark = pytest.mark.slow

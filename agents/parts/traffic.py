@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.movers.floor import Grid, Reals
+from agents.parts.grid import Grid, Reals
 from protocol.geometry import Shape
 from protocol.messages import Vector
 
@@ -86,7 +86,7 @@ class Traffic:
             if len(self._fields) >= _KEPT:
                 del self._fields[next(iter(self._fields))]
             free = self._grid.clear(traveller.among, traveller.radius)
-            self._fields[key] = free, self._grid.ways(free, [traveller.to])
+            self._fields[key] = free, self._grid.distance_field(free, [traveller.to])
         return self._fields[key]
 
     def _aside(
@@ -100,7 +100,7 @@ class Traffic:
             away = self._away([each.at, *way, each.to])
             wanted &= away >= self._room(me, each)
             free &= self._away([each.at]) >= me.radius + each.radius
-        far = self._grid.ways(free, [me.at])
+        far = self._grid.distance_field(free, [me.at])
         far[~wanted] = np.inf
         open_ = np.where(self._stays_open(me, first), far, np.inf)
         far = open_ if np.isfinite(open_).any() else far
@@ -108,14 +108,16 @@ class Traffic:
         if not math.isfinite(far[best]):
             return None
         goal = float(self._grid.x[best]), float(self._grid.y[best])
-        back = self._grid.path(self._grid.ways(free, [goal]), me.at)
+        back = self._grid.path(self._grid.distance_field(free, [goal]), me.at)
         seen = [point for point in back if self._grid.sees(free, me.at, point)]
         return seen[-1] if seen else goal
 
     def _stays_open(self, me: Traveller, first: Sequence[Traveller]) -> Cells:
         """From which cells there is a way for the robot once others have left what they carry."""
         left = [shape for each in first for shape in each.leaves]
-        return np.isfinite(self._grid.ways(self._grid.clear((*me.among, *left), me.radius), [me.to]))
+        return np.isfinite(
+            self._grid.distance_field(self._grid.clear((*me.among, *left), me.radius), [me.to])
+        )
 
     def _is_in_the_way(
         self, at: Vector, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]

@@ -1,4 +1,9 @@
-"""What a robot sees of parts and of its peers in one tick."""
+"""What a robot perceives of parts and of its peers in one tick, and which of them go first.
+
+A robot that carries a part goes before one that fetches one, and that before one that does neither; of two
+of a kind the lower id goes first. Nothing of this depends on where they are: two that change places in it as
+they move would keep each other where they are.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,8 @@ from collections.abc import Collection, Iterable, Sequence
 from copy import copy
 from dataclasses import replace
 
-from agents.movers.places import Floor
+from agents.parts.layout import Layout
+from agents.parts.traffic import Traveller
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
@@ -15,7 +21,7 @@ from protocol.messages import Claim, Member, Vector
 from protocol.scenario.model import Scenario
 
 
-class Outlook:
+class Perception:
     """One tick.
 
     Args:
@@ -26,7 +32,7 @@ class Outlook:
     Attributes:
         carriers: which part a robot has, of those whose lives are not over.
         things: as which things parts stand.
-        floor: where they do.
+        layout: where they do.
         peers: whose lives are not over.
         claims: which part of the scenario they claim.
     """
@@ -46,11 +52,11 @@ class Outlook:
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
         self.things = {each.part: each.thing for each in roster.parts if not each.carrier}
         fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
-        at = self._on_the_floor(roster)
+        at = self._on_the_ground(roster)
         at |= {part: each.position for part, each in fallen.items() if each.position is not None}
         robots = {each.robot: self._empty(each, carried) for each in stand.values() if each.position}
         self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
-        self.floor = Floor(
+        self.layout = Layout(
             at,
             (*self._things(roster), *robots.values()),
             {part: each.radius for part, each in fallen.items()},
@@ -62,11 +68,11 @@ class Outlook:
         """Where a robot of the scenario rests, m."""
         return next((each.goal for each in self._scenario.robots if each.id == robot), None)
 
-    def heeding(self, robots: Collection[int]) -> Outlook:
+    def heeding(self, robots: Collection[int]) -> Perception:
         """The same, as if only these robots had claimed anything, or had a part in hand."""
         found = copy(self)
         found.claims = [(robot, claim) for robot, claim in self.claims if robot in robots]
-        found.floor = replace(self.floor, promised=found._promised(robots))
+        found.layout = replace(self.layout, promised=found._promised(robots))
         return found
 
     def _claims(self) -> list[tuple[int, Claim]]:
@@ -78,12 +84,12 @@ class Outlook:
         """All that stands but one part, and the robot that it is on, if any."""
         parts = self._scenario.parts
         disks = [
-            Disk(*at, self.floor.held.get(each, parts[each - 1].radius))
-            for each, at in self.floor.parts.items()
+            Disk(*at, self.layout.held.get(each, parts[each - 1].radius))
+            for each, at in self.layout.parts.items()
             if each != part
         ]
         under = self._under.get(part)
-        return (*(each for each in self.floor.others if each is not under), *disks)
+        return (*(each for each in self.layout.others if each is not under), *disks)
 
     def _promised(self, robots: Collection[int]) -> dict[int, Vector]:
         """Where parts are to stand that these robots claim or have, m."""
@@ -112,7 +118,7 @@ class Outlook:
         radius = known.get(member.robot, member.radius) if with_it else member.radius
         return Disk(*member.position, radius + member.bound)
 
-    def _on_the_floor(self, roster: KnownRoster) -> dict[int, Vector]:
+    def _on_the_ground(self, roster: KnownRoster) -> dict[int, Vector]:
         """Where parts stand that nobody has, m."""
         came = {thing.number: thing.points[0] for thing in roster.things if thing.status == "standing"}
         first, parts = len(self._scenario.things), self._scenario.parts
@@ -124,6 +130,34 @@ class Outlook:
         """Whether a part stands at a place, m."""
         return (
             part in self.things
-            and part in self.floor.parts
-            and math.dist(self.floor.parts[part], goal) < 1e-9
+            and part in self.layout.parts
+            and math.dist(self.layout.parts[part], goal) < 1e-9
         )
+
+
+def first(perception: Perception, robot: int, claim: Claim | None) -> list[PeerState]:
+    """Peers that go before a robot which claims this."""
+    mine = _rank(perception, robot, claim)
+    return [peer for peer in perception.peers if _rank(perception, peer.robot, peer.claim) < mine]
+
+
+def traveller(scenario: Scenario, perception: Perception, peer: PeerState) -> Traveller | None:
+    """A peer on its way; None where it has not said where it is."""
+    if peer.position is None:
+        return None
+    part = 0 if peer.claim is None else peer.claim.part
+    if not 0 < part <= len(scenario.parts):
+        return Traveller(
+            peer.position, perception.home(peer.robot) or peer.position, peer.radius, perception.among(0)
+        )
+    spec, carries = scenario.parts[part - 1], perception.carriers.get(peer.robot) == part
+    to = spec.goal if carries else perception.layout.parts.get(part, peer.position)
+    radius = max(peer.radius, spec.radius) if carries else peer.radius
+    leaves = (Disk(*spec.goal, spec.radius),) if carries else ()
+    return Traveller(peer.position, to, radius, perception.among(part), leaves)
+
+
+def _rank(perception: Perception, robot: int, claim: Claim | None) -> tuple[int, int]:
+    if robot in perception.carriers:
+        return 0, robot
+    return 2 if claim is None else 1, robot

@@ -8,11 +8,10 @@ from random import Random
 
 import pytest
 
-from agents.movers.floor import Grid
-from agents.movers.places import Floor
-from agents.movers.plan import Planner
-from agents.movers.reach import Reach
-from agents.movers.traffic import Traffic, Traveller
+from agents.parts.grid import Grid, Reach
+from agents.parts.layout import Layout
+from agents.parts.planner import Planner
+from agents.parts.traffic import Traffic, Traveller
 from deploy.library.load import load
 from protocol.geometry import ConvexPolygon, Disk
 from protocol.scenario.model import Carrying, Part, RobotSpec, Scenario, Thing, Workspace
@@ -28,29 +27,29 @@ def scenario(
     return Scenario((robot,), workspace=ROOM, things=things, parts=tuple(Part(0.04, *ends) for ends in parts))
 
 
-def planner(setting: Scenario) -> tuple[Planner, Floor]:
-    floor = Floor(
+def planner(setting: Scenario) -> tuple[Planner, Layout]:
+    layout = Layout(
         {number: part.start for number, part in enumerate(setting.parts, 1)},
         tuple(thing.shape for thing in setting.things),
     )
-    return Planner(setting, setting.robots[0].radius), floor
+    return Planner(setting, setting.robots[0].radius), layout
 
 
 HOME = (-0.25, 0.0)
 
 
 def test_a_part_whose_place_is_taken_waits_for_the_other() -> None:
-    plan, floor = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.03), (0.2, -0.1))))
-    (errand,) = plan.errands(HOME, floor)
+    plan, layout = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.03), (0.2, -0.1))))
+    (errand,) = plan.errands(HOME, layout)
     assert errand.part == 2
-    assert plan.orders.leads_on(2, floor, HOME, [])
-    assert not plan.orders.leads_on(1, floor, HOME, [])
+    assert plan.orders.leads_on(2, layout, HOME, [])
+    assert not plan.orders.leads_on(1, layout, HOME, [])
 
 
 def test_where_a_part_is_taken_up_there_is_room_for_the_larger_disk() -> None:
-    plan, floor = planner(scenario(((0.0, 0.0), (0.2, 0.0))))
-    (errand,) = plan.errands(HOME, floor)
-    deliver = plan.delivery(1, (0.2, 0.0), errand.fetch, floor.without(1))
+    plan, layout = planner(scenario(((0.0, 0.0), (0.2, 0.0))))
+    (errand,) = plan.errands(HOME, layout)
+    deliver = plan.delivery(1, (0.2, 0.0), errand.fetch, layout.without(1))
     assert deliver is not None
     assert 0.07 <= math.dist(errand.fetch, (0.0, 0.0)) <= 0.08
     assert 0.08 <= math.dist(deliver, (0.2, 0.0)) <= 0.09
@@ -61,30 +60,30 @@ def test_a_part_on_a_robot_that_stands_is_taken_from_where_the_larger_disk_is_cl
     setting = replace(scenario(((0.0, 0.0), (0.2, 0.0))), carrying=Carrying(0.02))
     plan, _ = planner(setting)
     dead = (0.05, 0.05)
-    fallen = Floor({1: dead}, (Disk(*dead, 0.03),), {1: 0.04})
+    fallen = Layout({1: dead}, (Disk(*dead, 0.03),), {1: 0.04})
     (errand,) = plan.errands(HOME, fallen)
     assert 0.04 + 0.04 < math.dist(errand.fetch, dead) < 0.03 + 0.04 + 0.02
     assert plan.orders.exists(fallen, [HOME])
-    at_goal = Floor({1: (0.2, 0.0)}, (Disk(0.2, 0.0, 0.03),), {1: 0.04})
+    at_goal = Layout({1: (0.2, 0.0)}, (Disk(0.2, 0.0, 0.03),), {1: 0.04})
     assert plan.barred(at_goal) == [1]
 
 
 def test_two_that_change_places_have_no_order_but_one_can_make_room() -> None:
-    plan, floor = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.0), (-0.1, 0.0))))
-    assert not plan.orders.exists(floor, [HOME])
-    errand = plan.clearing(HOME, floor)
+    plan, layout = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.0), (-0.1, 0.0))))
+    assert not plan.orders.exists(layout, [HOME])
+    errand = plan.clearing(HOME, layout)
     assert errand is not None
-    aside = plan.destination(errand.part, errand.fetch, floor.without(errand.part))
+    aside = plan.destination(errand.part, errand.fetch, layout.without(errand.part))
     assert all(math.dist(aside, part) >= 0.08 for part in ((-0.1, 0.0), (0.1, 0.0)))
-    assert plan.orders.exists(floor.moved(errand.part, aside), [(0.0, -0.15)])
+    assert plan.orders.exists(layout.moved(errand.part, aside), [(0.0, -0.15)])
 
 
 def test_no_part_goes_through_a_wall() -> None:
     wall = Thing(points=((0.0, -0.2), (0.01, -0.2), (0.01, 0.2), (0.0, 0.2)))
-    plan, floor = planner(scenario(((-0.1, 0.0), (0.15, 0.0)), things=(wall,)))
-    assert list(plan.errands(HOME, floor)) == []
-    assert not plan.orders.exists(floor, [HOME])
-    assert plan.delivery(1, (0.15, 0.0), (-0.1, 0.0), floor.without(1)) is None
+    plan, layout = planner(scenario(((-0.1, 0.0), (0.15, 0.0)), things=(wall,)))
+    assert list(plan.errands(HOME, layout)) == []
+    assert not plan.orders.exists(layout, [HOME])
+    assert plan.delivery(1, (0.15, 0.0), (-0.1, 0.0), layout.without(1)) is None
 
 
 def test_whoever_shuts_itself_in_brings_nothing_more() -> None:
@@ -93,10 +92,10 @@ def test_whoever_shuts_itself_in_brings_nothing_more() -> None:
         Thing(points=((-0.1, 0.06), (0.3, 0.06), (0.3, 0.2), (-0.1, 0.2))),
         Thing(points=((-0.1, -0.2), (0.3, -0.2), (0.3, -0.06), (-0.1, -0.06))),
     )
-    plan, floor = planner(scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (0.25, 0.0)), things=walls))
-    assert {each.part for each in plan.errands(HOME, floor)} == {1, 2}
-    assert not plan.orders.leads_on(1, floor, HOME, [])
-    assert plan.orders.leads_on(2, floor, HOME, [])
+    plan, layout = planner(scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (0.25, 0.0)), things=walls))
+    assert {each.part for each in plan.errands(HOME, layout)} == {1, 2}
+    assert not plan.orders.leads_on(1, layout, HOME, [])
+    assert plan.orders.leads_on(2, layout, HOME, [])
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -105,7 +104,7 @@ def test_a_flood_gets_to_the_cells_that_have_a_distance(seed: int) -> None:
     disks = [Disk(random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.2), 0.03) for _ in range(12)]
     grid = Grid(ROOM.shape, 0.01)
     reach, begin = Reach(grid), (-0.2, 0.0)
-    far = grid.ways(grid.clear(disks, 0.03), [begin])
+    far = grid.distance_field(grid.clear(disks, 0.03), [begin])
     reached = reach.spread(reach.clear(disks, 0.03), [begin])
     points = list(zip(map(float, grid.x.ravel()), map(float, grid.y.ravel()), strict=True))
     lengths = zip(points, grid.lengths(far, points), strict=True)

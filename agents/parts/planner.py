@@ -1,0 +1,255 @@
+"""Which parts can be brought to their goals, and from where one is taken up and put down.
+
+A part is fetched by a disk that gets beside it, and carried by the larger disk that both together are; it is
+put down from beside its goal. What stands, other parts among it, is in the way of both; robots are not: they
+give way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+from agents.parts.grid import Grid, Reach, Reals
+from agents.parts.layout import MARGIN, Layout, Places
+from agents.parts.orders import Orders
+from agents.parts.perception import Perception
+from protocol.geometry import Disk
+from protocol.messages import Vector
+from protocol.scenario.model import CELLS, Scenario
+
+_OTHER: Final = 7  # places on from one attempt to the next
+_TRIES: Final = 60  # spare places that are looked at
+_ORDERS: Final = 12  # of them, for which an order is looked for
+
+
+@dataclass(frozen=True)
+class Errand:
+    """To fetch a part.
+
+    Attributes:
+        fetch: where the carrier stands to take it up, m.
+        cost: length of the way there, m.
+    """
+
+    part: int
+    fetch: Vector
+    cost: float
+
+
+class Planner:
+    """Plans for robots of one radius.
+
+    Args:
+        scenario: with the radii of robots that carry nothing.
+        radius: of a robot that carries nothing, m.
+
+    Attributes:
+        grid: the cells that ways are looked for on.
+        orders: in which parts find their ways.
+    """
+
+    def __init__(self, scenario: Scenario, radius: float) -> None:
+        smallest = min([radius, *(part.radius for part in scenario.parts)])
+        self.grid = Grid(scenario.workspace.shape, smallest / CELLS)
+        self._places = Places(scenario, radius, self.grid)
+        self.orders = Orders(self._places, Reach(self.grid))
+        self._parts, self.loaded = self._places.parts, self._places.loaded
+        self._homes = [Disk(*robot.goal, robot.radius) for robot in scenario.robots]
+
+    def errands(self, position: Vector, layout: Layout) -> Iterator[Errand]:
+        """Parts that a robot at a position (m) can bring to their goals as all stands, the nearest first."""
+        far = self._far(position, layout)
+        near = []
+        for part in layout.parts:
+            if not self._places.is_home(part, layout):
+                places = self._by_way(self._places.to_take(part, layout), far)
+                if places:
+                    near.append((self.grid.way(far, places[0]), part))
+        for _, part in sorted(near):
+            errand = self._errand(part, layout, far)
+            if errand is not None:
+                yield errand
+
+    def errand(self, part: int, position: Vector, layout: Layout) -> Errand | None:
+        """How one part that stands is brought to its goal."""
+        return self._errand(part, layout, self._far(position, layout))
+
+    def beside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
+        """Where to take a part up, wherever it is brought then, m; None if there is no way."""
+        places = self._by_way(self._places.to_take(part, layout), self._far(position, layout))
+        return places[0] if places else None
+
+    def delivery(
+        self, part: int, target: Vector, position: Vector, layout: Layout, attempt: int = 0
+    ) -> Vector | None:
+        """From where to put a part down at `target` that is carried from a position, m; None if there is no
+        way. The nearest place at the first attempt, others at later ones; one after which all find their
+        ways, too, if there is any."""
+        places = self._places.to_put(part, target, layout)
+        found = self._by_way(places, self._carried(part, position, layout))
+        after = layout.moved(part, target)
+        found = [each for each in found if self.has_order(after, each)] or found
+        return found[attempt * _OTHER % len(found)] if found else None
+
+    def refuge(self, part: int, position: Vector, layout: Layout) -> Vector | None:
+        """The place farthest from its goal to which a part can be carried, m; None if it cannot be moved."""
+        far = self._carried(part, position, layout)
+        goal, x, y = self._parts[part].goal, self.grid.x, self.grid.y
+        reached = [(float(x[c]), float(y[c])) for c in zip(*(far < math.inf).nonzero(), strict=True)]
+        return max(reached, key=lambda cell: (math.dist(cell, goal), cell), default=None)
+
+    def destination(self, part: int, position: Vector, layout: Layout) -> Vector:
+        """Where to bring a part that is carried, m: its goal, unless there is an order only if it is put
+        elsewhere first, or no way."""
+        goal = self._parts[part].goal
+        place = self.delivery(part, goal, position, layout)
+        if place is not None and self.has_order(layout.moved(part, goal), place):
+            return goal
+        aside = self._aside(part, position, layout)
+        if aside is None and place is None:
+            aside = self.spare(part, position, layout)
+        return aside or goal
+
+    def has_order(self, layout: Layout, position: Vector) -> bool:
+        """Whether all can get to their goals once everybody has done what it is about to do."""
+        return self.orders.exists(layout.settled, [position, *layout.robots])
+
+    def barred(self, layout: Layout) -> list[int]:
+        """Parts at whose goals something stands for good."""
+        return [part for part in self._parts if self._places.is_barred(part, layout)]
+
+    def leads_on(self, part: int, layout: Layout, position: Vector) -> bool:
+        """Whether they can if a robot brings this part there next."""
+        return self.orders.leads_on(part, layout.settled, position, layout.robots)
+
+    def spare(self, part: int, position: Vector, layout: Layout) -> Vector | None:
+        """A place near by where a part that is carried is in nobody's place, m; None if there is none."""
+        return next((cell for cell, _ in self._spares(part, position, layout)), None)
+
+    def clearing(self, position: Vector, layout: Layout) -> Errand | None:
+        """A part that keeps others from their goals where it stands, to be put aside; None if there is none
+        that can be."""
+        far = self._far(position, layout)
+        for part in sorted(layout.parts):
+            without = layout.without(part)
+            places = self._by_way(self._places.to_take(part, layout), far)
+            bars = self._bars(part, layout)
+            if not places or not (bars or self.has_order(without, position)):
+                continue
+            aside = (self.spare if bars else self._aside)(part, places[0], without)
+            if aside is not None:
+                return Errand(part, places[0], self.grid.way(far, places[0]))
+        return None
+
+    def _aside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
+        """A spare place after which there is an order, m; None if none of the nearest is that."""
+        spares = islice(self._spares(part, position, layout), _ORDERS)
+        return next((cell for cell, place in spares if self.has_order(layout.moved(part, cell), place)), None)
+
+    def _spares(self, part: int, position: Vector, layout: Layout) -> Iterator[tuple[Vector, Vector]]:
+        """Where a part that is carried is in nobody's place, and from where it is put down there, m; the
+        nearest first."""
+        radius = self._parts[part].radius
+        goals = [Disk(*spec.goal, spec.radius) for each, spec in self._parts.items() if each != part]
+        shapes = [*self._places.standing(layout), *goals, *self._homes]
+        free = self.grid.clear(shapes, radius + MARGIN * self._places.reach)
+        cells = [(float(self.grid.x[c]), float(self.grid.y[c])) for c in zip(*free.nonzero(), strict=True)]
+        cells.sort(key=lambda cell: (math.dist(cell, position), cell))
+        far = self._carried(part, position, layout)
+        for cell in cells[:: max(1, len(cells) // _TRIES)]:
+            places = self._by_way(self._places.to_put(part, cell, layout), far)
+            if places:
+                yield cell, places[0]
+
+    def _bars(self, part: int, layout: Layout) -> bool:
+        """Whether a part stands in another's place."""
+        disk = Disk(*layout.parts[part], self._places.size(part, layout))
+        others = [spec for each, spec in self._parts.items() if each != part]
+        return any(disk.distance(*spec.goal) < spec.radius for spec in others)
+
+    def _errand(self, part: int, layout: Layout, far: Reals) -> Errand | None:
+        rest, goal = layout.without(part), self._parts[part].goal
+        ends = self._places.to_put(part, goal, rest)
+        begins = self._by_way(self._places.to_take(part, layout), far)
+        if not ends or not begins:
+            return None
+        open_ = self.grid.clear(self._places.standing(rest), self.loaded(part))
+        back = self.grid.distance_field(open_, ends)
+        costs = self.grid.lengths(far, begins) + self.grid.lengths(back, begins)
+        cost, fetch = min(zip(map(float, costs), begins, strict=True))
+        return Errand(part, fetch, self.grid.way(far, fetch)) if math.isfinite(cost) else None
+
+    def _far(self, position: Vector, layout: Layout) -> Reals:
+        """How far it is to everywhere for a robot that carries nothing, m."""
+        free = self.grid.clear(self._places.standing(layout), self._places.radius)
+        return self.grid.distance_field(free, [position])
+
+    def _carried(self, part: int, position: Vector, layout: Layout) -> Reals:
+        """How far it is to everywhere for a robot with a part, m."""
+        free = self.grid.clear(self._places.standing(layout), self.loaded(part))
+        return self.grid.distance_field(free, [position])
+
+    def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
+        """Places to which there is a way, the nearest first."""
+        found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
+        return [point for way, point in sorted(found) if math.isfinite(way)]
+
+
+def choose(
+    planner: Planner,
+    position: Vector,
+    perception: Perception,
+    avoided: Collection[int],
+    goals: dict[int, Vector],
+) -> Errand | None:
+    """The nearest part after which all others can be brought, too, by whomever; where there is no order for
+    all, one that makes room; None to wait.
+
+    Args:
+        position: own, m.
+        avoided: parts that could not be reached.
+        goals: of all parts, m.
+    """
+    nearest: Errand | None = None
+    layout = perception.layout
+    for errand in planner.errands(position, layout):
+        if errand.part in layout.promised or errand.part in avoided:
+            continue
+        nearest = nearest or errand
+        if fits(planner, errand.part, position, perception, goals):
+            return errand
+    if layout.promised or planner.has_order(layout, position):
+        return None
+    return planner.clearing(position, layout) or nearest
+
+
+def fits(
+    planner: Planner, part: int, position: Vector, perception: Perception, goals: dict[int, Vector]
+) -> bool:
+    """Whether all get to their goals if a robot brings this part there next, beside all that is claimed."""
+    return planner.leads_on(part, perception.layout, position) and _agrees(
+        planner, part, position, perception, goals
+    )
+
+
+def _agrees(
+    planner: Planner, own: int, position: Vector, perception: Perception, goals: dict[int, Vector]
+) -> bool:
+    """Whether it does not matter who of all that are under way is done before whom: each finds its way after
+    any one of the others, and after all of them."""
+    at = {peer.robot: peer.position for peer in perception.peers}
+    jobs = {claim.part: at[robot] for robot, claim in perception.claims} | {own: position}
+    for part, begin in jobs.items():
+        others = [each for each in jobs if each != part]
+        for done in ([], *([each] for each in others), others):
+            layout = perception.layout
+            for each in done:
+                layout = layout.moved(each, goals[each])
+            finds = planner.orders.can_fetch if part in layout.parts else planner.orders.can_deliver
+            if begin is not None and not finds(part, layout, begin):
+                return False
+    return True
