@@ -15,7 +15,7 @@ from deploy.processes import table
 from deploy.processes.hosts.topology import places
 from deploy.processes.row import Exit, Usage
 from deploy.run.assembly import Assembly
-from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.outcome.reports import Report, Reports
 from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
@@ -29,7 +29,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.model import Scenario
 
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
@@ -73,13 +73,11 @@ class Fleet:
     ) -> None:
         self._scenarios, self._options = scenarios, options
         self._watch, self._record = watch, record
-        self._schedule = FaultSchedule(scenarios)
+        self._launcher = Launcher(scenarios, self)
         self._clock: Clock | None = None
         self._began = time.monotonic()
         self._reports = Reports(len(scenarios), on_report, digest, lambda: self._assembly.expired)
         self._leaving = _LEAVING
-        self._started: set[int] = set()  # newcomers whose processes were started
-        self._frozen: set[int] = set()  # robots whose processes are paused
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
@@ -189,37 +187,33 @@ class Fleet:
     def _follow(self, clock: Clock) -> None:
         self._clock = clock
         self._supervisor.up((table.WORLD, *map(table.robot_name, clock.active)))
-        for fault in self._schedule.due(clock):
-            self._carry_out(fault)
-        self._welcome(clock.newcomers)
+        self._launcher.follow(clock)
         if self._watch is not None:
             self._watch(clock)
 
-    def _welcome(self, newcomers: Sequence[int]) -> None:
-        """Start a process for each robot that was added, on this host."""
-        for robot in newcomers:
-            leaves = table.robot_name(robot) not in self._supervisor.running() or robot in self._frozen
-            if leaves and robot not in self._started:
-                self._frozen.discard(robot)
-                self._started.add(robot)
-                self._schedule.added(robot)
-                self._assembly.start_newcomer(robot)
-        self._started &= set(newcomers)
+    # -- what the launcher asks for
 
-    def _carry_out(self, fault: ProcessFault) -> None:
-        name = table.robot_name(fault.robot)
-        actions = {
-            "kill": self._supervisor.kill,
-            "pause": self._supervisor.pause,
-            "resume": self._supervisor.resume,
-            "restart": self._supervisor.restart,
-        }
-        if name not in self._supervisor.names:
-            return  # it has not come yet
-        (self._frozen.add if fault.event == "pause" else self._frozen.discard)(fault.robot)
-        if fault.event in ("kill", "pause"):
-            self._started.discard(fault.robot)  # whoever is added under its id has a process of its own
-        actions[fault.event](name)
+    def knows(self, robot: int) -> bool:
+        return table.robot_name(robot) in self._supervisor.names
+
+    def runs(self, robot: int) -> bool:
+        return table.robot_name(robot) in self._supervisor.running()
+
+    def kill(self, robot: int) -> None:
+        self._supervisor.kill(table.robot_name(robot))
+
+    def pause(self, robot: int) -> None:
+        self._supervisor.pause(table.robot_name(robot))
+
+    def resume(self, robot: int) -> None:
+        self._supervisor.resume(table.robot_name(robot))
+
+    def restart(self, robot: int) -> None:
+        self._supervisor.restart(table.robot_name(robot))
+
+    def welcome(self, robot: int) -> bool:
+        self._assembly.start_newcomer(robot)
+        return True
 
     def _check(self, exits: Sequence[Exit]) -> None:
         """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
@@ -227,8 +221,7 @@ class Fleet:
             LOG.info(str(exit_))
             robot = table.robot_of(exit_.process.name)
             if exit_.code == 0 and robot is not None:  # it was removed
-                self._started.discard(robot)
-                self._schedule.removed(robot)
+                self._launcher.removed(robot)
             if exit_.again and not exit_.expected:
                 LOG.warning(f"{exit_}; it is started again")
             if exit_.again:

@@ -17,7 +17,7 @@ from typing import Any
 
 from agents.shell.node import RobotNode
 from deploy.run.collector import seldom_collecting
-from deploy.run.fault_schedule import FaultSchedule
+from deploy.run.launcher import Launcher
 from deploy.run.outcome.unjudged import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import WriterProcess
@@ -29,7 +29,7 @@ from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
 from protocol.requests.joining import decode_reply
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.model import Scenario
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume
@@ -85,7 +85,7 @@ class LocalFleet:
             self.start(robot)
         faults = self.network.connect()
         faults.subscribe(world_key(run, "clock"))
-        faults.node = FaultInjector(self, FaultSchedule(scenarios), watch)
+        faults.node = FaultInjector(self, scenarios, watch)
 
     def start_world(self) -> None:
         """Start the world's node, where the journal says that it was."""
@@ -190,28 +190,21 @@ class LocalFleet:
 
 
 class FaultInjector:
-    """Carries out the scheduled process faults, as a supervisor does with real processes."""
+    """Follows the world's Clock with nodes in place of processes."""
 
-    def __init__(self, fleet: LocalFleet, schedule: FaultSchedule, watch: Watcher | None) -> None:
+    def __init__(self, fleet: LocalFleet, scenarios: Sequence[Scenario], watch: Watcher | None) -> None:
         self.finished = False
         self.deadline = float("inf")
-        self._fleet = fleet
-        self._schedule = schedule
-        self._watch = watch
+        self.launcher = Launcher(scenarios, self, fleet.turn)
+        self._fleet, self._watch = fleet, watch
         self._paused: dict[int, RobotNode] = {}
-        self._started: set[int] = set()  # newcomers whose nodes were started
 
     def handle(self, event: Event) -> None:
         if not isinstance(event, Sample):
             return
         message = decode(event.key, event.payload)
         if isinstance(message, Clock):
-            turn = self._fleet.turn
-            for fault in sorted(self._schedule.due(message), key=lambda fault: turn(fault.robot)):
-                self._carry_out(fault)
-            for robot in sorted(message.newcomers, key=turn):
-                self._welcome(robot)
-            self._started &= set(message.newcomers)
+            self.launcher.follow(message)
             self._let_go()
             if self._watch is not None:
                 self._watch(message)
@@ -219,47 +212,48 @@ class FaultInjector:
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""
 
-    def _welcome(self, robot: int) -> None:
-        """Start a node for a robot that was added, once that of an earlier one with its id has left."""
-        if robot in self._started:
-            return
-        bus = self._fleet.robots.get(robot)
-        if self._paused.pop(robot, None) is not None:
-            self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
-        elif bus is None or bus.node is None:
-            self._started.add(robot)
-            self._schedule.added(robot)
-            self._fleet.start(robot).wake(time.monotonic())
-
     def _let_go(self) -> None:
         """A process ends once it knows that its robot was removed; so does a node."""
         for robot, bus in self._fleet.robots.items():
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self._fleet.kill(robot)
-                self._schedule.removed(robot)
-                self._started.discard(robot)  # whoever is added under its id next has a node of its own
+                self.launcher.removed(robot)
 
-    def _carry_out(self, fault: ProcessFault) -> None:
-        fleet, robot = self._fleet, fault.robot
-        if robot not in fleet.robots:
-            return  # it has not come yet
-        bus = fleet.robots[robot]
-        if fault.event in ("kill", "restart"):
-            self._paused.pop(robot, None)  # it is not the one that is paused any more
-        if fault.event in ("kill", "pause"):
-            self._started.discard(robot)  # whoever is added under its id has a node of its own
-        if fault.event == "kill":
-            fleet.kill(robot)
-        elif fault.event == "restart":
-            fleet.kill(robot)
-            fleet.start(robot)
-            self._started.add(robot)
-        elif fault.event == "pause" and isinstance(bus.node, RobotNode):
+    # -- what the launcher asks for
+
+    def knows(self, robot: int) -> bool:
+        return robot in self._fleet.robots
+
+    def runs(self, robot: int) -> bool:
+        bus = self._fleet.robots.get(robot)
+        return bus is not None and bus.node is not None
+
+    def kill(self, robot: int) -> None:
+        self._paused.pop(robot, None)  # it is not the one that is paused any more
+        self._fleet.kill(robot)
+
+    def pause(self, robot: int) -> None:
+        bus = self._fleet.robots[robot]
+        if isinstance(bus.node, RobotNode):
             self._paused[robot] = bus.node
             bus.node = None
-        elif fault.event == "resume" and robot in self._paused:
+
+    def resume(self, robot: int) -> None:
+        if robot in self._paused:
+            bus = self._fleet.robots[robot]
             bus.node = self._paused.pop(robot)
-            fleet.network.notify(bus)
+            self._fleet.network.notify(bus)
+
+    def restart(self, robot: int) -> None:
+        self.kill(robot)
+        self._fleet.start(robot)
+
+    def welcome(self, robot: int) -> bool:
+        if self._paused.pop(robot, None) is not None:
+            self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
+            return False
+        self._fleet.start(robot).wake(time.monotonic())
+        return True
 
 
 def _warn(robot: int, text: str) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from agents.shell.node import RobotNode
 from deploy.run.fleet import Fleet
+from deploy.run.launcher import Launcher
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence
@@ -46,13 +47,13 @@ def test_who_is_to_be_restarted_is_not_its_own_successor_when_a_router_goes(
     launcher = injector(fleet)
     late = launcher.node
     assert isinstance(late, FaultInjector)
-    late._carry_out = faults.append  # type: ignore[method-assign]
+    late.launcher.carry_out = faults.append  # type: ignore[method-assign]
     fleet.network.run(lambda: bool(faults))
     blink(fleet)
     go(fleet, 1, seconds=0.5)
     assert (fleet.world.world.tick, life(fleet).incarnation) == (10, 1)
     for fault in faults:
-        FaultInjector._carry_out(late, fault)
+        Launcher.carry_out(late.launcher, fault)
     report = fleet.execute()[0]
     assert (report["trajectory_sha256"], report["faults"]["given_up"]) == (undisturbed, [])
 
