@@ -21,6 +21,7 @@ from protocol.scenario.tables import Finding, Steps, written
 _NAMED = 3  # overlaps of one disk or thing that are spelled out
 _LONGEST = 10**9  # ticks
 _LONG_NAME = 200  # characters
+_LONG_TEXT = 10_000  # characters
 _MEMBERS = 50_000  # of partitions' groups: the scenario is part of several messages
 _TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
 _LARGEST_SPAN = 1e6  # s
@@ -307,8 +308,10 @@ def _texts(scenario: Scenario) -> Iterator[Finding]:
     name, description = scenario.name, scenario.description
     if not (name.isprintable() and len(name) <= _LONG_NAME):
         yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
-    if not description.replace("\n", "").replace("\t", "").isprintable():
-        yield ("description",), "must have no control characters but line ends and tabs"
+    shown = description.replace("\n", "").replace("\t", "")
+    if not (shown.isprintable() and len(description) <= _LONG_TEXT):
+        text = f"must have no control characters but line ends and tabs, and at most {_LONG_TEXT} characters"
+        yield ("description",), text
 
 
 # -- bodies and bases

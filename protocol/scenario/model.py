@@ -194,7 +194,7 @@ class Link:
     jitter: NonNegative = 0.0  # s, added uniformly from [0, jitter]
     loss: Probability = 0.0  # that a State is lost
     duplicate: Probability = 0.0  # that a State arrives twice
-    partition: tuple[Partition, ...] = ()
+    partition: Annotated[tuple[Partition, ...], Meta(max_length=50_000)] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,9 +287,9 @@ class Scenario:
     workspace: Workspace = Workspace()
     time: Time = Time()
     control: Control = Control()
-    sensing: tuple[Sensing, ...] = (Sensing(),)  # a later one outranks an earlier one
+    sensing: Annotated[tuple[Sensing, ...], Meta(max_length=1000)] = (Sensing(),)  # later ones outrank
     link: Link = Link()
-    process: tuple[ProcessFault, ...] = ()
+    process: Annotated[tuple[ProcessFault, ...], Meta(max_length=10_000)] = ()
     actuation: Actuation = Actuation()
     world: World = World()
     body: BodyChoice = "point"  # of every robot that has none of its own

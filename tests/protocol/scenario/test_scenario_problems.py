@@ -156,6 +156,26 @@ def test_text_in_another_encoding_is_named_as_such() -> None:
     assert "must be a string, not text that is not Unicode" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        (
+            "process",
+            [{"robot": 1, "at": 1.0, "event": "restart"}] * 10_001,
+            "at most 10000 elements, has 10001",
+        ),
+        ("sensing", [{}] * 1001, "at most 1000 elements, has 1001"),
+        ("name", "x" * 201, "at most 200 characters"),
+        ("name", "a\x1b[31m", "no control characters"),
+        ("description", "x" * 10_001, "at most 10000 characters"),
+    ],
+)
+def test_a_scenario_that_no_message_has_room_for_is_refused(key: str, value: Any, words: str) -> None:
+    with pytest.raises(ScenarioError, match=words) as caught:
+        parse_document(document() | {key: value})
+    assert [problem.path for problem in caught.value.problems] == [key]
+
+
 @pytest.mark.slow
 def test_partitions_that_no_message_has_room_for_are_refused() -> None:
     partition = "[[link.partition]]\nfrom = {0}\nuntil = {1}\ngroups = [[1], [2]]\n"
