@@ -409,6 +409,24 @@ def open_proposals(s: State, a: LIFE, k: NUMBER) -> Term:
 
 
 @PAIR.conjunct()
+def who_was_met(s: State, a: LIFE) -> Term:
+    """The follower's life of which a State is at hand may be offered lines."""
+    return implies(every(s.o.born[a] > 0, s.o.talks[a]), s.o.met[a])
+
+
+@PAIR.conjunct()
+def a_held_line_is_alone(s: State, a: LIFE, k: NUMBER) -> Term:
+    """An owner whose follower holds a line inherits none."""
+    return implies(every(s.o.born[a] > 0, s.o.holds[a]), no(s.o.inherited[a, k]))
+
+
+@PAIR.conjunct()
+def what_is_held_is_agreed(s: State, a: LIFE) -> Term:
+    """And has agreed on one."""
+    return implies(every(s.o.born[a] > 0, s.o.holds[a]), s.o.agreed[a])
+
+
+@PAIR.conjunct()
 def held_numbers_are_answered(s: State, a: LIFE) -> Term:
     """What the follower is known to hold was answered."""
     return implies(every(s.o.born[a] > 0, s.o.holds[a]), s.o.held[a] <= s.o.seen[a])

@@ -195,6 +195,17 @@ def begin_life(n: State, r: str, life: Term) -> None:
         me.said = lambda *_: False
 
 
+def begin_founding(n: State, r: str, life: Term, theirs: Term, fitting: Term) -> None:
+    """A process that knows the initial line, if one fits, with a peer's founding life."""
+    me = n[r].at(life)
+    me.peer, me.holds = theirs, fitting
+    if r == OWNER:
+        me.agreed = me.bound = fitting
+        me.witness = 0
+    else:
+        me.linked, me.holding_of, me.holding = fitting, theirs, 0
+
+
 @PAIR.start
 def found(
     n: State,
@@ -229,11 +240,9 @@ def found(
             me.number[EACH] = 0
         me.born[EACH] = lambda a, life=life: pick(every(a == life, a > 0), version + 1, 0)
         begin_life(n, r, life)
-    n.o.peer[o_life], n.f.peer[f_life] = f_life, o_life
-    n.o.holds[o_life] = n.o.agreed[o_life] = n.o.bound[o_life] = fitting
-    n.f.holds[f_life] = n.f.linked[f_life] = fitting
-    n.f.holding_of[f_life], n.f.holding[f_life], n.o.line[o_life, 0] = o_life, 0, initial
-    n.o.witness[o_life] = 0
+    begin_founding(n, OWNER, o_life, f_life, fitting)
+    begin_founding(n, FOLLOWER, f_life, o_life, fitting)
+    n.o.line[o_life, 0] = initial
     publish(n, n)
 
 
