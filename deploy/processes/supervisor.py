@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from deploy.processes.hosts.spawners import HostSpawners
 
 _POLL = 0.05  # s
+_SAID = (2, 3)  # exit statuses of a process that has said why it ends
 _STOPPING = 5.0  # s that the kernel may take over SIGKILL
 
 
@@ -66,7 +67,7 @@ class Supervisor:
         life = self._life(name)
         self._advance(timeout, lambda: life.report is not None or life.over or STOP.requested)
         STOP.check()
-        if life.report is None and (life.exit_code or 0) > 0 and life.over:
+        if life.report is None and life.exit_code in _SAID and life.over:
             raise StartError(f"{name} could not start; see its output above")
         if life.report is None:
             state = "ended at once" if life.over else f"did not answer within {timeout:g} s"
@@ -233,7 +234,7 @@ class Supervisor:
         life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)
         failed = exited.code != 0 and not life.told_to_end
         life.failures += failed
-        crashed = failed and (life.up or exited.code < 0)
+        crashed = failed and (life.up or exited.code not in _SAID)
         again = life.again or (crashed and life.failures <= life.process.restarts)
         self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
         if life.again:

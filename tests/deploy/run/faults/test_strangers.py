@@ -12,6 +12,7 @@ from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
+from deploy.run.launcher import Launcher
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.outcome.unjudged import unjudged
@@ -65,10 +66,10 @@ def test_a_watcher_counts_strangers() -> None:
 
 
 def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:
-    launcher = Fleet([SWAP], RunOptions())
+    launcher = Launcher([SWAP], Fleet([SWAP], RunOptions()))
     clock = Clock(3, 0.15, (1, 2), (), "")
-    launcher._take(Sample(world_key("r", "clock"), encode(msgspec.structs.replace(clock, run_number=2**53))))
-    assert launcher._schedule.due(clock) == []
+    launcher.follow(msgspec.structs.replace(clock, run_number=2**53))
+    assert launcher.due(clock) == []
 
 
 class Disturbed(Fleet):
