@@ -61,7 +61,7 @@ def _value(steps: Steps, value: Any, hint: Any, findings: list[Finding]) -> Any:
 
 
 def _table(steps: Steps, value: Document, table: Any, findings: list[Finding]) -> Any:
-    hints, known = get_type_hints(table, include_extras=True), keys_of(table)
+    hints, known = _hints(table), keys_of(table)
     read: dict[str, Any] = {}
     for key in value:
         if key not in known:
@@ -134,7 +134,7 @@ def _nothing(hint: Any) -> Any:
         return None
     kind = next(iter(kinds))
     if _is_table(kind):
-        inner = get_type_hints(kind, include_extras=True)
+        inner = _hints(kind)
         return kind(**{field.name: _nothing(inner[field.name]) for field in fields(kind)})
     if get_origin(kind) is tuple:
         inner_kinds = get_args(kind)
@@ -142,6 +142,7 @@ def _nothing(hint: Any) -> Any:
     return "" if get_origin(kind) is Literal else {float: nan, int: 0, bool: False}.get(kind, "")
 
 
+@cache  # a scenario of 1000 robots asks 10 000 times
 def _alternatives(hint: Any) -> tuple[dict[Any, tuple[Meta, ...]], tuple[Meta, ...]]:
     """What a type annotation allows, each alternative with its ranges; and what is said of all together."""
     metas: tuple[Meta, ...] = ()
@@ -154,6 +155,11 @@ def _alternatives(hint: Any) -> tuple[dict[Any, tuple[Meta, ...]], tuple[Meta, .
     for each in get_args(hint):
         kinds |= _alternatives(each)[0]
     return kinds, metas
+
+
+@cache
+def _hints(table: Any) -> dict[str, Any]:
+    return get_type_hints(table, include_extras=True)
 
 
 def _named(kinds: Iterable[Any]) -> str:
