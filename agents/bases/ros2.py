@@ -11,13 +11,7 @@ from typing import Final
 
 from agents.bases.drive import Drive
 from agents.bases.lease import Lease
-from agents.bases.ros_messages import (
-    Header,
-    StampedVelocity,
-    Velocity,
-    encode_twist,
-    encode_twist_stamped,
-)
+from agents.bases.ros_messages import StampedVelocity, Velocity, header_at
 from agents.bases.senses import Senses
 from protocol.messages import Command, Sense, Tick, Vector
 from protocol.scenario.base import Base
@@ -117,11 +111,9 @@ class Ros2Base:
     def _message(self) -> bytes:
         ahead, aside = self._drive.told
         if self._offset > 0.0:
-            velocity = Velocity((ahead, 0.0, 0.0), (0.0, 0.0, aside / self._offset))
+            velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, aside / self._offset])
         else:
-            velocity = Velocity((ahead, aside, 0.0), (0.0, 0.0, 0.0))
+            velocity = Velocity([ahead, aside, 0.0], [0.0, 0.0, 0.0])
         if self._base.stamped:
-            return encode_twist_stamped(
-                StampedVelocity(Header(self._clock(), self._base.base_frame), velocity)
-            )
-        return encode_twist(velocity)
+            return StampedVelocity(header_at(self._clock(), self._base.base_frame), velocity).serialize()
+        return velocity.serialize()

@@ -1,123 +1,103 @@
-"""The four ROS 2 messages of a base on wheels, as `geometry_msgs` and `nav_msgs` define them: two are written
-for it, two are read.
+"""The four ROS 2 messages of a base on wheels, as `geometry_msgs` and `nav_msgs` define them: Twist and
+TwistStamped are written for it, PoseStamped and Odometry are read.
 
-SI units. A quaternion is (x, y, z, w), a velocity three linear and three angular components.
+CDR knows no bounds between a message and those in it, so three doubles in a row are a vector. SI units; a
+quaternion is (x, y, z, w).
 """
 
-from __future__ import annotations
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, TypeVar
 
-from typing import Final, NamedTuple
+from pycdr2 import IdlStruct
+from pycdr2.types import array, float64, int32, uint32
 
-from agents.bases.cdr import CdrReader, CdrWriter
+from protocol.errors import MessageError
 
-Vector3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-Covariance = tuple[float, ...]
 NANO: Final = 1_000_000_000
-UNKNOWN: Final[Covariance] = (0.0,) * 36  # covariances that say nothing
+
+M = TypeVar("M", bound=IdlStruct)
+
+if TYPE_CHECKING:  # which knows nothing of arrays of a size
+    Vector3 = list[float]
+    Quaternion = list[float]
+    Covariance = list[float]
+else:
+    Vector3, Quaternion, Covariance = array[float64, 3], array[float64, 4], array[float64, 36]
 
 
-class Header(NamedTuple):
-    """When something was true, ns, and in which frame."""
+@dataclass
+class Header(IdlStruct):
+    """`std_msgs/msg/Header`: when something was true, and in which frame."""
 
-    stamp: int
+    sec: int32
+    nanosec: uint32
     frame: str
 
+    @property
+    def stamp(self) -> int:
+        """The time, ns."""
+        return int(self.sec) * NANO + int(self.nanosec)
 
-class Velocity(NamedTuple):
+
+@dataclass
+class Velocity(IdlStruct):
     """`geometry_msgs/msg/Twist`: m/s and rad/s."""
 
     linear: Vector3
     angular: Vector3
 
 
-class Pose(NamedTuple):
+@dataclass
+class Pose(IdlStruct):
     """`geometry_msgs/msg/Pose`: m, and a quaternion."""
 
     position: Vector3
     orientation: Quaternion
 
 
-class StampedVelocity(NamedTuple):
+@dataclass
+class StampedVelocity(IdlStruct):
     """`geometry_msgs/msg/TwistStamped`."""
 
     header: Header
     velocity: Velocity
 
 
-class StampedPose(NamedTuple):
+@dataclass
+class StampedPose(IdlStruct):
     """`geometry_msgs/msg/PoseStamped`."""
 
     header: Header
     pose: Pose
 
 
-class Odometry(NamedTuple):
+@dataclass
+class Odometry(IdlStruct):
     """`nav_msgs/msg/Odometry`: the pose in the frame of the header, the velocity in the frame `child`."""
 
     header: Header
     child: str
     pose: Pose
+    pose_covariance: Covariance
     velocity: Velocity
-    pose_covariance: Covariance = UNKNOWN
-    velocity_covariance: Covariance = UNKNOWN
+    velocity_covariance: Covariance
 
 
-def encode_twist(velocity: Velocity) -> bytes:
-    """CDR of a Twist."""
-    writer = CdrWriter()
-    write_velocity(writer, velocity)
-    return writer.payload
+def header_at(stamp: int, frame: str) -> Header:
+    """The header of a time, ns."""
+    return Header(*divmod(stamp, NANO), frame)
 
 
-def encode_twist_stamped(message: StampedVelocity) -> bytes:
-    """CDR of a TwistStamped."""
-    writer = CdrWriter()
-    write_header(writer, message.header)
-    write_velocity(writer, message.velocity)
-    return writer.payload
+def decode(kind: type[M], payload: bytes) -> M:
+    """Read a message.
 
-
-def decode_pose(payload: bytes) -> StampedPose:
-    """Read a PoseStamped."""
-    reader = CdrReader(payload)
-    return StampedPose(read_header(reader), _pose(reader))
-
-
-def decode_odometry(payload: bytes) -> Odometry:
-    """Read an Odometry."""
-    reader = CdrReader(payload)
-    header, child, pose = read_header(reader), reader.text(), _pose(reader)
-    pose_covariance = reader.doubles(36)
-    return Odometry(header, child, pose, read_velocity(reader), pose_covariance, reader.doubles(36))
-
-
-def read_header(reader: CdrReader) -> Header:
-    """Take a Header; raises MessageError, as all that read do."""
-    (seconds,) = reader.numbers("i", 4)
-    (nanoseconds,) = reader.numbers("I", 4)
-    return Header(int(seconds) * NANO + int(nanoseconds), reader.text())
-
-
-def write_header(writer: CdrWriter, header: Header) -> None:
-    """Put a Header."""
-    seconds, nanoseconds = divmod(header.stamp, NANO)
-    writer.numbers("i", 4, (seconds,))
-    writer.numbers("I", 4, (nanoseconds,))
-    writer.text(header.frame)
-
-
-def _pose(reader: CdrReader) -> Pose:
-    x, y, z, qx, qy, qz, qw = reader.doubles(7)
-    return Pose((x, y, z), (qx, qy, qz, qw))
-
-
-def read_velocity(reader: CdrReader) -> Velocity:
-    """Take a Twist."""
-    vx, vy, vz, wx, wy, wz = reader.doubles(6)
-    return Velocity((vx, vy, vz), (wx, wy, wz))
-
-
-def write_velocity(writer: CdrWriter, velocity: Velocity) -> None:
-    """Put a Twist."""
-    writer.doubles((*velocity.linear, *velocity.angular))
+    Raises:
+        MessageError: the payload is no CDR, too short, or has a text that is no UTF-8.
+    """
+    if len(payload) < 4 or payload[0] != 0 or payload[1] not in (0, 1):
+        raise MessageError("shape", "no CDR: the first two bytes are neither 0 0 nor 0 1")
+    try:
+        return kind.deserialize(payload)
+    except (struct.error, ValueError) as error:
+        raise MessageError("shape", f"no {kind.__name__} in CDR: {error}") from None

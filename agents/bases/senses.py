@@ -11,7 +11,7 @@ import math
 from typing import Final, NamedTuple
 
 from agents.bases.odometer import Odometer, Place, planar_yaw, wrapped
-from agents.bases.ros_messages import NANO, decode_odometry, decode_pose
+from agents.bases.ros_messages import NANO, Odometry, StampedPose, decode
 from protocol.bodies.kinematics import turned
 from protocol.errors import MessageError
 from protocol.messages import BaseMotion, Sense, Vector
@@ -68,7 +68,7 @@ class Senses:
     def on_odometry(self, payload: bytes, now: float) -> None:
         """An Odometry arrived."""
         try:
-            wrong = self._odometer.take(decode_odometry(payload), now)
+            wrong = self._odometer.take(decode(Odometry, payload), now)
         except MessageError as error:
             wrong = f"odometry: {error}"
         if wrong:
@@ -81,7 +81,7 @@ class Senses:
     def on_pose(self, payload: bytes) -> None:
         """A PoseStamped arrived."""
         try:
-            message = decode_pose(payload)
+            message = decode(StampedPose, payload)
         except MessageError as error:
             self.doubt(f"pose: {error}")
             return

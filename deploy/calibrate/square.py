@@ -13,13 +13,13 @@ from agents.bases.odometer import planar_yaw, wrapped
 from agents.bases.ros_messages import (
     NANO,
     Header,
+    Odometry,
     Pose,
+    StampedPose,
     StampedVelocity,
     Velocity,
-    decode_odometry,
-    decode_pose,
-    encode_twist,
-    encode_twist_stamped,
+    decode,
+    header_at,
 )
 from protocol.scenario.base import Base
 
@@ -101,11 +101,11 @@ class Driver:
     def hear(self, key: str, payload: bytes, now: float) -> None:
         """Something arrived; raises MessageError if it is not what it should be."""
         if key == self._odometry:
-            message = decode_odometry(payload)
+            message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
             self._note(self.log.odometry, now, message.header, message.pose, ahead, rate)
         elif key == self._pose:
-            located = decode_pose(payload)
+            located = decode(StampedPose, payload)
             self._note(self.log.poses, now, located.header, located.pose)
 
     def _note(self, rows: list[Row], now: float, header: Header, pose: Pose, *speeds: float) -> None:
@@ -132,9 +132,8 @@ class Driver:
         return [self._message(move.ahead, move.rate, now)] if move.told else []
 
     def _message(self, ahead: float, rate: float, now: float) -> bytes:
-        velocity = Velocity((ahead, 0.0, 0.0), (0.0, 0.0, rate))
+        velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate])
         if self._base.stamped:
-            return encode_twist_stamped(
-                StampedVelocity(Header(round(now * NANO), self._base.base_frame), velocity)
-            )
-        return encode_twist(velocity)
+            header = header_at(round(now * NANO), self._base.base_frame)
+            return StampedVelocity(header, velocity).serialize()
+        return velocity.serialize()

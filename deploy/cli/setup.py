@@ -208,6 +208,9 @@ def calibrate(
 
     Exit status: 0 done, 2 invalid, 3 its messages do not come, or are others.
     """
+    from agents.bases.choice import require
+
+    require()  # before what needs it
     from deploy.calibrate.bounds import bounds, statements
     from deploy.calibrate.node import Calibration
     from deploy.calibrate.square import Driver, square

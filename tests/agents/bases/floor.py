@@ -22,7 +22,6 @@ from agents.robot import Robot
 from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Scenario
-from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.wheels import EPOCH, STEP, Vector, Wheels
 from world.world import World
 
@@ -147,14 +146,14 @@ class Floor:
             None if crew.wheels.dead else self._odometry(robot, self.now, crew.wheels.odometry(self.now))
         )
         if message is not None:
-            self._to_robot(crew, lambda payload=encode_odometry(message): self._hear(crew, "odom", payload))
+            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, "odom", payload))
         self._later(0.02, lambda: self._speak(robot))
 
     def _locate(self, robot: int) -> None:
         crew = self.crews[robot]
         message = self._pose(robot, self.now, crew.wheels.pose(self.now))
         if message is not None:
-            self._to_robot(crew, lambda payload=encode_pose(message): self._hear(crew, "pose", payload))
+            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, "pose", payload))
         self._later(0.05, lambda: self._locate(robot))
 
     def _hear(self, crew: Crew, topic: str, payload: bytes) -> None:

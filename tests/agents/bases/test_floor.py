@@ -10,7 +10,7 @@ from itertools import count
 import pytest
 
 from agents.bases.odometer import Odometer
-from agents.bases.ros_messages import NANO, Odometry, StampedPose
+from agents.bases.ros_messages import NANO, Odometry, StampedPose, header_at
 from deploy.library.load import load
 from protocol.scenario.base import Base
 from tests.agents.bases.floor import Floor
@@ -64,24 +64,25 @@ def test_commands_that_come_when_their_tick_is_over_are_signs_of_life():
 
 
 def turned_over(message):
-    return replace_pose(message, orientation=(1.0, 0.0, 0.0, 0.0))
+    return replace_pose(message, orientation=[1.0, 0.0, 0.0, 0.0])
 
 
 def replace_pose(message, **changes):
-    return message._replace(pose=message.pose._replace(**changes))
+    return replace(message, pose=replace(message.pose, **changes))
 
 
 def shifted(message, by):
     x, y, z = message.pose.position
-    return replace_pose(message, position=(x + by, y, z))
+    return replace_pose(message, position=[x + by, y, z])
 
 
 def stamped(message, by):
-    return message._replace(header=message.header._replace(stamp=message.header.stamp + round(by * NANO)))
+    header = message.header
+    return replace(message, header=header_at(header.stamp + round(by * NANO), header.frame))
 
 
 def framed(message, frame):
-    return message._replace(header=message.header._replace(frame=frame))
+    return replace(message, header=replace(message.header, frame=frame))
 
 
 ODOMETRY = {
@@ -90,12 +91,12 @@ ODOMETRY = {
     "goes back in time": (lambda m: stamped(m, -1.0), r"odometry goes back in time by 0\.98"),
     "is no number": (lambda m: shifted(m, math.nan), "odometry that is no number"),
     "has an infinite velocity": (
-        lambda m: m._replace(velocity=m.velocity._replace(linear=(math.inf, 0.0, 0.0))),
+        lambda m: replace(m, velocity=replace(m.velocity, linear=[math.inf, 0.0, 0.0])),
         "odometry that is no number",
     ),
     "is upside down": (turned_over, "not in the plane"),
     "is in another frame": (lambda m: framed(m, "map"), "odometry of 'base_link' in 'map'"),
-    "is of another frame": (lambda m: m._replace(child="laser"), "odometry of 'laser' in 'odom'"),
+    "is of another frame": (lambda m: replace(m, child="laser"), "odometry of 'laser' in 'odom'"),
 }
 POSE = {
     "contradicts odometry": (

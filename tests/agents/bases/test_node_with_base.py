@@ -14,7 +14,6 @@ from deploy.library.load import load
 from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
-from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.wheels import STEP, Wheels
 from world.shell.node import WorldNode
 
@@ -45,9 +44,9 @@ class Floor:
             for robot, each in self.wheels.items():
                 each.roll(self._steps * STEP)
                 if self._steps % 4 == 0:
-                    self._tell[robot, "odom"](encode_odometry(each.odometry(self._steps * STEP)))
+                    self._tell[robot, "odom"](each.odometry(self._steps * STEP).serialize())
                 if self._steps % 8 == 0:
-                    self._tell[robot, "pose"](encode_pose(each.pose(self._steps * STEP)))
+                    self._tell[robot, "pose"](each.pose(self._steps * STEP).serialize())
         self.deadline = now + 0.01
 
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 import random
 
-from agents.bases.ros_messages import NANO, Header, Odometry, Pose, StampedPose, Velocity
+from agents.bases.ros_messages import NANO, Odometry, Pose, StampedPose, Velocity, decode, header_at
 from protocol.scenario.model import Scenario
-from tests.agents.bases.base_side import decode_twist
 
 STEP = 0.005  # s, of the wheels
 SERVO = 0.010  # s, by which wheels lag
@@ -19,8 +18,8 @@ EPOCH = 1_700_000_000 * NANO  # of the bases' clocks, which nobody else has
 Vector = tuple[float, float]
 
 
-def turn(angle: float) -> tuple[float, float, float, float]:
-    return (0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle))
+def turn(angle: float) -> list[float]:
+    return [0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle)]
 
 
 class Wheels:
@@ -48,7 +47,7 @@ class Wheels:
         return self.x + lead * math.cos(self.yaw), self.y + lead * math.sin(self.yaw)
 
     def hear(self, payload: bytes, now: float) -> None:
-        velocity = decode_twist(payload)
+        velocity = decode(Velocity, payload)
         across = 0.5 * velocity.angular[2] * self.body.track
         self.aims, self.heard = (velocity.linear[0] - across, velocity.linear[0] + across), now
 
@@ -76,14 +75,16 @@ class Wheels:
     def odometry(self, now: float) -> Odometry:
         ahead, rate = 0.5 * (self.left + self.right), (self.right - self.left) / self.body.track
         return Odometry(
-            Header(EPOCH + round(now * NANO), "odom"),
+            header_at(EPOCH + round(now * NANO), "odom"),
             "base_link",
-            Pose((self.ox, self.oy, 0.0), turn(self.oyaw)),
-            Velocity((ahead, 0.0, 0.0), (0.0, 0.0, rate)),
+            Pose([self.ox, self.oy, 0.0], turn(self.oyaw)),
+            [0.0] * 36,
+            Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate]),
+            [0.0] * 36,
         )
 
     def pose(self, now: float) -> StampedPose:
         size, angle = self.sensing.bound * math.sqrt(self.rng.random()), self.rng.uniform(0.0, math.tau)
         askew = self.rng.uniform(-0.9, 0.9) * self.sensing.heading
-        place = (self.x + size * math.cos(angle), self.y + size * math.sin(angle), 0.0)
-        return StampedPose(Header(EPOCH + round(now * NANO), "map"), Pose(place, turn(self.yaw + askew)))
+        place = [self.x + size * math.cos(angle), self.y + size * math.sin(angle), 0.0]
+        return StampedPose(header_at(EPOCH + round(now * NANO), "map"), Pose(place, turn(self.yaw + askew)))

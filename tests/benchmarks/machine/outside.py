@@ -22,7 +22,6 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
-from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.wheels import STEP, Wheels
 
 SECONDS, ROBOTS = 15.0, 6
@@ -47,9 +46,9 @@ def play(scenario: Scenario, endpoint: str, seconds: float) -> None:
             for robot, each in wheels.items():
                 each.roll(step * STEP)
                 if step % 4 == 0:
-                    tells[robot, "odom"](encode_odometry(each.odometry(step * STEP)))
+                    tells[robot, "odom"](each.odometry(step * STEP).serialize())
                 if step % 10 == 0:
-                    tells[robot, "pose"](encode_pose(each.pose(step * STEP)))
+                    tells[robot, "pose"](each.pose(step * STEP).serialize())
         time.sleep(0.002)
     bus.close()
 

@@ -12,7 +12,6 @@ from deploy.calibrate.bounds import Bounds, bounds, statements
 from deploy.calibrate.square import Driver, square
 from deploy.library.load import load
 from protocol.scenario.base import Base
-from tests.agents.bases.base_side import encode_odometry, encode_pose
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.forks import Forks
 
@@ -38,9 +37,9 @@ def measured(scale: float = 1.0, seed: int = 0) -> Bounds:
             driver.hear(key, payload, now)
         wheels.roll(now)
         if step % 4 == 0:
-            heard.append((now + LATENCY, driver.keys[0], encode_odometry(wheels.odometry(now))))
+            heard.append((now + LATENCY, driver.keys[0], wheels.odometry(now).serialize()))
         if step % 10 == 0:
-            heard.append((now + LATENCY, driver.keys[1], encode_pose(wheels.pose(now))))
+            heard.append((now + LATENCY, driver.keys[1], wheels.pose(now).serialize()))
         if now >= driver.due:
             sent += [(now + LATENCY, payload) for payload in driver.wake(now)]
         if driver.finished:

@@ -69,6 +69,20 @@ def test_the_papers_law_does_not_touch_at_long_periods(body: str, period: float)
     assert report["plant"]["contacts"] == []
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_robots_that_face_each_other_exactly_leave_the_saddle(seed: int) -> None:
+    setting = Setting(robots=4, seed=seed)
+    facing = []
+    for number, spec in enumerate(setting.scenario.robots):
+        angle = 0.25 * math.tau * number
+        x, y = round(0.8 * math.cos(angle), 12), round(0.8 * math.sin(angle), 12)
+        heading = math.remainder(angle + math.pi, math.tau)
+        facing.append(replace(spec, start=(x, y), goal=(0.0 - x, 0.0 - y), heading=heading))
+    report = drive(setting, scenario=replace(setting.scenario, robots=tuple(facing)))
+    assert report["verdict"] == "arrived"
+
+
 def test_a_base_stands_only_once_its_wheels_do() -> None:
     plant = Physics(Setting(robots=2).scenario)
     for tick in range(20):
