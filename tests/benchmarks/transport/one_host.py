@@ -6,28 +6,26 @@ What is needed by others on other hosts reports, and is waited for.
 from __future__ import annotations
 
 import pickle
-import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
 
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import WORLD
-from protocol.bus.drive import Stop, stop_on_signal
+from protocol.process.signals import STOP, Stopped
 
 _START = 30.0  # s for a process to say that it is ready
 
 
 def main(table: str) -> None:
     """Say `ready` once all are started, then wait for the end."""
-    with suppress(Stop), stop_on_signal(), Supervisor() as supervisor:
+    with suppress(Stopped), STOP.listening(), Supervisor() as supervisor:
         for row in pickle.loads(Path(table).read_bytes()):
             supervisor.start([row])
             if row.reports and row.name != WORLD:  # which tells what came of the run
                 supervisor.report(row.name, _START)
         print("ready", flush=True)
-        while True:
-            signal.pause()
+        STOP.wait()
 
 
 if __name__ == "__main__":
