@@ -25,25 +25,19 @@ from tests.campaigns.observe import Watch, observe, violations
 from tests.campaigns.scenarios.draw import drawn
 from tests.skipped_waits import skipped_waits
 
-RUNS = 8  # from a seed that shows it on
-KINDS = {
-    planted.half_the_error: {"contact", "wall", "contradiction"},
-    planted.trusting_the_estimate: {"wall"},
-    planted.adopting_blindly: {"contact", "wall", "contradiction"},
-    planted.trusting_initial_lines: {"contact"},
-    planted.forgetting_the_dead: {"contact"},
-    planted.growing_blindly: {"contact"},
-    planted.not_waiting: {"contact"},
+RUNS = 60
+KINDS = {  # what a fault shows; contact, wall or contradiction unless mentioned
     planted.drawing_as_it_comes: {"order"},
     planted.failing: {"ZeroDivisionError in command"},
 }
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("fault", planted.FAULTS, ids=lambda fault: fault.__name__)
 def test_every_planted_fault_is_found(fault: planted.Fault) -> None:
     _, violation = hunt(fault, planted.FAULTS[fault], RUNS)
-    assert violation.partition(":")[0] in KINDS[fault]
+    assert violation.partition(":")[0] in KINDS.get(fault, {"contact", "wall", "contradiction"})
 
 
 @pytest.mark.slow
