@@ -28,9 +28,11 @@ KEPT: Final = 0.25  # of the gap seen, that a peer is not taken to have closed
 LONGEST: Final = 1.0  # laps, for which a wish is followed
 SOFTER: Final = 0.7  # k is divided by one plus this, for States that are a lap late
 LATEST: Final = 1.0  # laps, beyond which later States change neither gain nor speed
-SOFT_WITHIN: Final = 1.5, 3.5  # radii from the goal: within the first in full, beyond the second not at all
+SOFT_IN_FULL: Final = 1.5  # radii from the goal, within which the gain is softened in full
+SOFT_AT_ALL: Final = 3.5  # radii from the goal, beyond which it is not
 HASTE: Final = 0.6  # of the speed limit, for States that are a lap late or more
-FAST_WITHIN: Final = 4.0, 6.0  # the same for haste
+FAST_IN_FULL: Final = 4.0  # radii from the goal, within which haste counts in full
+FAST_AT_ALL: Final = 6.0  # radii from the goal, beyond which it does not
 
 
 def foreseen(me: Peer, peers: Sequence[Peer], tick: int, period: float, lap: float) -> list[Peer]:
@@ -71,16 +73,15 @@ def _moved_on(me: Peer, peer: Peer, wx: float, wy: float) -> Peer:
 def late_gain(k: float, away: float, latency: float) -> float:
     """The exponent k for a robot `away` (own radii) from its goal, if the oldest State that it uses is
     `latency` laps old."""
-    return k / (1.0 + SOFTER * _near(away, SOFT_WITHIN) * min(latency, LATEST))
+    return k / (1.0 + SOFTER * _near(away, SOFT_IN_FULL, SOFT_AT_ALL) * min(latency, LATEST))
 
 
 def late_speed(speed: float, away: float, latency: float) -> float:
     """The speed to be given to `common_pace` by a robot `away` (own radii) from its goal, m/s; its own limit
     holds all the same."""
-    return speed * (1.0 + HASTE * _near(away, FAST_WITHIN) * min(LATEST, latency))
+    return speed * (1.0 + HASTE * _near(away, FAST_IN_FULL, FAST_AT_ALL) * min(LATEST, latency))
 
 
-def _near(away: float, within: tuple[float, float]) -> float:
+def _near(away: float, wholly: float, at_all: float) -> float:
     """1 within the first distance, 0 beyond the second, in between linear."""
-    wholly, at_all = within
     return min(1.0, max(0.0, (at_all - away) / (at_all - wholly)))

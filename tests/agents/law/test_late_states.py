@@ -9,7 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.law.late_states import FIRST, KEPT, LATEST, LONGEST, SOFT_WITHIN, SOFTER, foreseen, late_gain
+from agents.law.late_states import (
+    FIRST,
+    KEPT,
+    LATEST,
+    LONGEST,
+    SOFT_AT_ALL,
+    SOFT_IN_FULL,
+    SOFTER,
+    foreseen,
+    late_gain,
+)
 from agents.peers.state import Peer, PeerState
 from deploy.library.goal_sets import figure_3
 from deploy.run.local import LocalFleet
@@ -82,7 +92,7 @@ def test_some_of_the_gap_remains_even_of_one_who_would_have_passed(
 
 
 K = 60.0
-WHOLLY, AT_ALL = SOFT_WITHIN
+WHOLLY, AT_ALL = SOFT_IN_FULL, SOFT_AT_ALL
 distances = st.floats(0.0, 20.0)  # radii
 latencies = st.floats(0.0, 10.0)  # laps
 

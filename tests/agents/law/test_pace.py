@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from agents.law import View, choose
 from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Slice
-from agents.law.late_states import FAST_WITHIN, HASTE, late_speed
+from agents.law.late_states import FAST_AT_ALL, FAST_IN_FULL, HASTE, late_speed
 from agents.law.pace import common_pace, max_rate, own_pace
 from agents.peers.far_field import FarField
 from agents.peers.neighbours import Neighbours
@@ -59,7 +59,7 @@ def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
 
 @given(st.floats(0.0, 20.0), st.floats(0.0, 5.0))
 def test_only_who_knows_the_others_late_and_is_near_its_goal_makes_haste(away: float, latency: float) -> None:
-    wholly, at_all = FAST_WITHIN
+    wholly, at_all = FAST_IN_FULL, FAST_AT_ALL
     speed = late_speed(0.3, away, latency)
     assert 0.3 <= speed <= 0.3 * (1.0 + HASTE)
     assert speed == 0.3 or (away < at_all and latency > 0.0)
