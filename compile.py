@@ -21,15 +21,15 @@ _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 
 
 def modules() -> list[str]:
-    """The files, and every module of the folders but `__init__` and those that declare structs of msgspec,
-    which mypyc would make plain classes of."""
+    """The files, and every module of the folders but `__init__` and those that declare structs of msgspec or
+    frozen dataclasses: mypyc would make classes of them that cannot be decoded or unpickled."""
     found = [*map(Path, FILES), *(path for each in FOLDERS for path in sorted(Path(each).rglob("*.py")))]
     return [
         path.as_posix()
         for path in found
         if path.name not in ("__init__.py", _PROCESS)
         and not path.as_posix().startswith(LEFT_OUT)
-        and "msgspec.Struct" not in path.read_text()
+        and not any(each in path.read_text() for each in ("msgspec.Struct", "@dataclass(frozen=True"))
     ]
 
 

@@ -1,7 +1,9 @@
 """Modules as their sources say, or as they would read with a few words changed, whatever is compiled."""
 
+import builtins
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
@@ -28,27 +30,39 @@ class Edit(NamedTuple):
 def interpreted(*names: str, edits: Sequence[Edit] = ()) -> list[ModuleType]:
     """Load these modules from their sources, and whatever compiled ones they import, for the caller alone."""
     assert {edit.module for edit in edits} <= set(names)
-    anew = _TWINS | set(names)
-    before = {name: sys.modules.pop(name) for name in anew & set(sys.modules)}
-    finder = _Sources(anew, edits)
-    sys.meta_path.insert(0, finder)
-    try:
+    sources = _Sources(_TWINS | set(names), edits)
+    with sources.in_place():
         return [import_module(name) for name in names]
-    finally:
-        sys.meta_path.remove(finder)
-        for name in anew:
-            sys.modules.pop(name, None)
-        sys.modules.update(before)
-        for name, module in before.items():  # an import leaves the module in its package, too
-            package, _, last = name.rpartition(".")
-            setattr(sys.modules[package], last, module)
 
 
 class _Sources(MetaPathFinder, Loader):
-    """Finds and executes the sources of some modules, edited."""
+    """Finds and executes the sources of some modules, edited, and keeps what came of it apart.
+
+    What these modules import later, within a function, comes from the sources, too.
+    """
 
     def __init__(self, names: frozenset[str], edits: Sequence[Edit]) -> None:
         self._names, self._edits = names, edits
+        self._loaded: dict[str, ModuleType] = {}
+        self._inside = False
+
+    @contextmanager
+    def in_place(self) -> Iterator[None]:
+        """Inside, imports find these modules in place of the others of their names."""
+        before = {name: sys.modules.pop(name) for name in self._names & set(sys.modules)}
+        sys.modules.update(self._loaded)
+        sys.meta_path.insert(0, self)
+        self._inside = True
+        try:
+            yield
+        finally:
+            self._inside = False
+            sys.meta_path.remove(self)
+            self._loaded = {name: sys.modules.pop(name) for name in self._names & set(sys.modules)}
+            sys.modules.update(before)
+            for name, module in before.items():  # an import leaves the module in its package, too
+                package, _, last = name.rpartition(".")
+                setattr(sys.modules[package], last, module)
 
     def find_spec(self, fullname: str, path: Any, target: Any = None) -> ModuleSpec | None:
         if fullname not in self._names:
@@ -58,7 +72,14 @@ class _Sources(MetaPathFinder, Loader):
     def exec_module(self, module: ModuleType) -> None:
         module.__file__ = str(_path(module.__name__))
         edits = tuple(edit for edit in self._edits if edit.module == module.__name__)
+        vars(module)["__builtins__"] = {**vars(builtins), "__import__": self._import}
         exec(_compiled(module.__name__, edits), vars(module))
+
+    def _import(self, *request: Any, **options: Any) -> Any:
+        if self._inside:
+            return builtins.__import__(*request, **options)
+        with self.in_place():
+            return builtins.__import__(*request, **options)
 
 
 def _path(name: str) -> Path:

@@ -14,6 +14,7 @@ from protocol.errors import ScenarioError
 from protocol.scenario.base import Base
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import (
+    ADDITIONS,
     Actuation,
     Carrying,
     Control,
@@ -60,10 +61,9 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         Control,
         st.sampled_from(["gradient", "reciprocal", "orca", "barrier", "docs/law.py:Mine"]),
         positive | st.sampled_from(["auto", "certified"]),
-        st.sampled_from(["common", "own"]),
         st.sampled_from(["separating-lines", "none"]),
         positive,
-        st.booleans(),
+        st.lists(st.sampled_from(ADDITIONS), unique=True).map(tuple),
     )
     sensing = st.builds(
         Sensing,

@@ -19,62 +19,62 @@ pytestmark = pytest.mark.slow
 
 MUTANTS = {
     "distance of a pair": (
-        "distances.py",
+        "contractors.py",
         "if j < 0 else sub(far, contact)",
         "if j < 0 else sub(contact, far)",
     ),
     "distance that is left": (
-        "distances.py",
+        "contractors.py",
         "if j < 0 else add(contact, beta)",
         "if j < 0 else sub(contact, beta)",
     ),
     "distance of the other robot": (
-        "distances.py",
+        "contractors.py",
         "moved = sub((box[one, 0]",
         "moved = add((box[one, 0]",
     ),
     "multiplier at contact": (
-        "distances.py",
+        "contractors.py",
         "up(out.total[1, 1] / out.beta[q, 0])",
         "up(out.total[1, 0] / out.beta[q, 0])",
     ),
     "force of a wall": (
-        "forces.py",
+        "contractors.py",
         "return -_inside(members, i)",
         "return _inside(members, i)",
     ),
     "force on the second robot": (
-        "forces.py",
+        "contractors.py",
         "_inside(members, i) - _inside",
         "_inside(members, i) + _inside",
     ),
     "force that places a robot": (
-        "forces.py",
+        "contractors.py",
         "rest = sub(rest, (out.pull",
         "rest = add(rest, (out.pull",
     ),
     "torque": (
-        "forces.py",
+        "contractors.py",
         "torque = add(torque, turn if sign > 0",
         "torque = add(torque, turn if sign < 0",
     ),
     "torque, one coordinate": (
-        "forces.py",
+        "contractors.py",
         "rest = sub(rest, _moment",
         "rest = add(rest, _moment",
     ),
     "work of a wall": (
-        "work.py",
+        "contractors.py",
         "total if j >= 0 else (-total[1], -total[0])",
         "total",
     ),
     "work of the others": (
-        "work.py",
-        "rest = sub(rest, _term",
-        "rest = add(rest, _term",
+        "contractors.py",
+        "rest = sub(rest, _share",
+        "rest = add(rest, _share",
     ),
     "sum of w over beta": (
-        "work.py",
+        "contractors.py",
         "out.beta[q, 0] if most > 0.0",
         "out.beta[q, 1] if most > 0.0",
     ),
@@ -191,6 +191,6 @@ def test_a_turned_sign_is_caught(name: str, tmp_path: Path) -> None:
 
 def test_the_sources_as_they_are_are_not(tmp_path: Path) -> None:
     search = mutant(
-        tmp_path, "mutant_none", "work.py", '"""Derive w_q of every factor."""', '"""The same."""'
+        tmp_path, "mutant_none", "contractors.py", '"""Derive w_q of every factor."""', '"""The same."""'
     )
     assert not caught(search, 1)
