@@ -14,10 +14,6 @@ CAMPAIGNS = {  # what each searches for, and where it is
     ),
     "falsify-mesh": ("the same, also on real processes without one", "campaigns.falsify:MESH"),
     "faults": ("a collision under everything that may go wrong at once", "campaigns.faults:FAULTS"),
-    "pair": (
-        "a broken invariant in any state of a small model",
-        "campaigns.models:PAIR",
-    ),
     "walk": ("a broken invariant of the lines of two robots", "campaigns.models:WALK"),
     "skirmish": ("a broken invariant of the lines of whole robots", "campaigns.models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "campaigns.models:AFTERMATH"),

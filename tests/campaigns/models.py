@@ -14,7 +14,6 @@ from tests.agents.lines.models.mutants import mutant as lines
 from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
-from tests.agents.lines.models.small_model import Bounds, search
 from tests.campaigns.campaign import Campaign, Mutant, Outcome
 from tests.campaigns.dice import Dice
 from tests.world.plants.fleet import BODIES as CARRIERS
@@ -30,11 +29,6 @@ def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
 
 def _line_mutants(model: str) -> Sequence[Mutant]:
     return [Mutant(each.rule, partial(lines.hunt, each)) for each in MUTANTS if each.model == model]
-
-
-def _exhaustive(_: Dice) -> Outcome:
-    states, violation = search(Bounds(), _product())
-    return Outcome("violated" if violation else "held", violation, figures={"states": float(states)})
 
 
 def _ride(dice: Dice) -> Outcome:
@@ -83,7 +77,6 @@ def _naive() -> tuple[int, str]:
     return 10, ""
 
 
-PAIR = Campaign(_exhaustive, 1, partial(_line_mutants, "pair"), patience=3600.0)
 WALK = Campaign(partial(_of_lines, walk), 100_000, partial(_line_mutants, "walk"))
 SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, "skirmish"))
 AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from protocol.errors import RosterError
 from protocol.messages import Roster
 from tests.agents.lines.models.product import Product
-from tests.agents.lines.models.twins import twin_of, twin_of_roster
-
-if TYPE_CHECKING:
-    from tests.agents.lines.models.track import Track
+from tests.agents.lines.models.twins import twin_of_roster
 
 
 class Coordinator:
@@ -22,8 +19,7 @@ class Coordinator:
         announced: every version ever told, in the order in which they were.
     """
 
-    def __init__(self, product: Product, saved: bool, owner: Track) -> None:
-        self.owner, self.key = owner, 0
+    def __init__(self, product: Product, saved: bool) -> None:
         self.roster = product.Roster()
         self.announced: list[Roster] = []
         self._in_time = saved
@@ -45,16 +41,3 @@ class Coordinator:
     def restart(self) -> None:
         """Die, and go on from what is written down."""
         self.roster = twin_of_roster(self._saved)
-
-    def twin(self, owner: Track) -> Coordinator:
-        """The same, to be changed independently."""
-        twin = twin_of(self)
-        twin.roster, twin._saved, twin.owner = twin_of_roster(self.roster), twin_of_roster(self._saved), owner
-        twin.announced = list(self.announced)
-        return twin
-
-    def frozen(self) -> tuple[Any, ...]:
-        """Equal for coordinators that nothing can tell apart."""
-        rolls = (self.roster, self._saved)
-        kept = [(roster.version, roster.message, tuple(sorted(roster._kept.items()))) for roster in rolls]
-        return (*kept, tuple(self.announced))

@@ -8,36 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 from protocol.messages import Roster, State
 from tests.agents.lines.models.product import Product
-from tests.agents.lines.models.twins import frozen, twin_of, twin_of_ledger
 
 if TYPE_CHECKING:
-    from tests.agents.lines.models.track import Setting, Track
+    from tests.agents.lines.models.track import Setting
 
 STILL = (0.0, 0.0)
 
 
 @dataclass(slots=True)
 class Seat:
-    """One incarnation of one robot; tracks share it until one of them changes it."""
+    """One incarnation of one robot."""
 
     robot: int
     incarnation: int
     known: Any  # its KnownRoster
-    owner: Track | None  # who may change it; the others change a copy
     ledger: Any = None  # none before it has heard a roster
-    key: int = 0  # equal for incarnations that nothing can tell apart; 0 if not known
-
-    def twin(self, owner: Track) -> Seat:
-        """The same, to be changed independently."""
-        known = twin_of(self.known)  # its members are never changed, only replaced
-        ledger = None if self.ledger is None else twin_of_ledger(self.ledger)
-        return Seat(self.robot, self.incarnation, known, owner, ledger)
-
-    def frozen(self) -> tuple[Any, ...]:
-        """Equal for incarnations that nothing can tell apart."""
-        members = tuple(self.known.members.values())
-        ledger = None if self.ledger is None else frozen(self.ledger)
-        return self.robot, self.incarnation, self.known.version, members, ledger
 
     def speak(self, product: Product, setting: Setting, choose: Callable[[int], Any]) -> State:
         """The State that it publishes; `choose` gives the line that is placed between it and each peer."""

@@ -9,14 +9,9 @@ from tests.agents.lines.models.mutants.mutant import Mutant, hunt
 
 pytestmark = pytest.mark.slow
 
-_EXHAUSTIVE = pytest.mark.slow
-
 
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize(
-    "mutant",
-    [pytest.param(each, id=each.rule, marks=_EXHAUSTIVE if each.model == "pair" else ()) for each in MUTANTS],
-)
+@pytest.mark.parametrize("mutant", [pytest.param(each, id=each.rule) for each in MUTANTS])
 def test_without_the_rule_something_goes_wrong(mutant: Mutant) -> None:
     assert hunt(mutant).violation
 

@@ -9,7 +9,7 @@ talks on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from agents.peers.state import addressed_to
@@ -17,7 +17,6 @@ from protocol.messages import Roster, State
 from tests.agents.lines.models.coordinator import Coordinator
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.seat import Seat
-from tests.agents.lines.models.twins import twin_of
 
 TOLERANCE = 1e-6  # m; what the real margins for rounding may add up to
 
@@ -50,68 +49,21 @@ class Track:
         self.sent: tuple[State, ...] = ()
         self._said: frozenset[int] = frozenset()  # their numbers
         self._keys: dict[Any, int] = {}  # small numbers for what is compared often
-        self._outcomes: dict[Hashable, tuple[Seat, Any]] = {}  # of what seats were seen to do, for all twins
-        self.coordinator = Coordinator(product, setting.saved, self)
+        self.coordinator = Coordinator(product, setting.saved)
         there = setting.founding if setting.founding is not None else frozenset(setting.starts)
         places = {robot: (place, 0.0) for robot, place in setting.starts.items()}
         self._decide(lambda roster: roster.found(dict.fromkeys(there, 1), places, self.radii))
         for robot in sorted(there):
             self._seat(robot, 1)
 
-    # -- what a search needs
-
-    def twin(self) -> Track:
-        """The same state, to be changed independently."""
-        twin = twin_of(self)
-        twin.truth, twin.error, twin.seats = dict(self.truth), dict(self.error), dict(self.seats)
-        twin.newest = dict(self.newest)
-        return twin
-
-    def key(self) -> tuple[Any, ...]:
-        """Equal for states that nothing can tell apart."""
-        for seat in self.seats.values():
-            seat.key = seat.key or self._number(seat.frozen())
-        self.coordinator.key = self.coordinator.key or self._number(self.coordinator.frozen())
-        seats = tuple([seat.key for seat in self.seats.values()])
-        return tuple(self.truth.values()), tuple(self.error.values()), seats, self._said, self.coordinator.key
+    # -- what a walk needs
 
     def _number(self, thing: Any) -> int:
         return self._keys.setdefault(thing, len(self._keys) + 1)
 
-    def _change(self, who: Who) -> Seat:
-        """An incarnation that is about to change, for this twin alone."""
-        seat = self.seats[who]
-        if seat.owner is not self:
-            seat = self.seats[who] = seat.twin(self)
-        seat.key = 0
-        return seat
-
-    def _act(self, who: Who, what: Hashable, act: Callable[[Seat], Any]) -> Any:
-        """An incarnation does what is named `what`; the outcome is looked up if one that nothing can tell
-        apart did the same in the same place, on this track or a twin."""
-        before = self.seats[who]
-        place = None if before.ledger is None else before.ledger._own.x
-        name = (before.key, place, what)
-        if name in self._outcomes:
-            self.seats[who], result = self._outcomes[name]
-            return result
-        known = before.key > 0
-        seat = self._change(who)
-        result = act(seat)
-        if known:
-            seat.owner = None
-            self._outcomes[name] = seat, result
-        return result
-
     def _decide(self, act: Callable[[Any], object]) -> bool:
         """The coordinator changes the roster and announces it; False if it refuses, or nothing changes."""
-        return self._coordinator().decide(act)
-
-    def _coordinator(self) -> Coordinator:
-        if self.coordinator.owner is not self:
-            self.coordinator = self.coordinator.twin(self)
-        self.coordinator.key = 0
-        return self.coordinator
+        return self.coordinator.decide(act)
 
     def seat(self, robot: int) -> Seat | None:
         """The newest incarnation of a robot, if there was any."""
@@ -164,8 +116,7 @@ class Track:
         if seat is not None and seat.ledger is not None and place is not None:
             estimate = (place + error, 0.0)
             bound = self.setting.bound
-            who = (robot, seat.incarnation)
-            self._act(who, ("locate", estimate), lambda seat: seat.ledger.locate(0, estimate, bound))
+            seat.ledger.locate(0, estimate, bound)
         return True
 
     def move(self, robot: int, place: float) -> bool:
@@ -183,9 +134,7 @@ class Track:
         peer."""
         if self.seats[who].ledger is None:
             return False
-        state = self._act(
-            who, ("entries", choose), lambda seat: seat.speak(self.product, self.setting, choose)
-        )
+        state = self.seats[who].speak(self.product, self.setting, choose)
         number = self._number(state)
         if number in self._said:
             return False
@@ -197,9 +146,7 @@ class Track:
         if self.seats[who].ledger is None or state.robot == who[0]:
             return False
         radius = self.setting.radius
-        self._act(
-            who, ("hear", state), lambda seat: seat.ledger.on_state(addressed_to(who[0], state, radius))
-        )
+        self.seats[who].ledger.on_state(addressed_to(who[0], state, radius))
         return True
 
     def be_told(self, who: Who, roster: Roster) -> bool:
@@ -211,11 +158,7 @@ class Track:
         place, estimate = self.truth[robot], None
         if self.newest[robot] == incarnation and place is not None:
             estimate = (place + self.error[robot], 0.0)
-        self._act(
-            who,
-            ("be_told", roster, estimate),
-            lambda seat: seat.follow(roster, self.product, self.setting, estimate),
-        )
+        self.seats[who].follow(roster, self.product, self.setting, estimate)
         return True
 
     def acknowledge(self, robot: int) -> bool:
@@ -223,7 +166,7 @@ class Track:
         seat = self.seat(robot)
         if seat is None or seat.ledger is None or not self._lives(seat) or not seat.ledger.keeps_clear:
             return False
-        self._coordinator().roster.acknowledge(robot, seat.incarnation, seat.known.version)
+        self.coordinator.roster.acknowledge(robot, seat.incarnation, seat.known.version)
         return True
 
     # -- what the coordinator and the operator do
@@ -261,12 +204,8 @@ class Track:
 
     def restart(self) -> bool:
         """The coordinator dies, and goes on from what it has written down."""
-        self._coordinator().restart()
+        self.coordinator.restart()
         return True
-
-    def forget(self) -> None:
-        """Former incarnations say nothing any more."""
-        self.seats = {who: seat for who, seat in self.seats.items() if self.newest[who[0]] == who[1]}
 
     def withdraw(self, robot: int) -> bool:
         """It is not to appear after all."""
@@ -296,5 +235,5 @@ class Track:
     def _seat(self, robot: int, incarnation: int) -> None:
         self.error[robot], self.newest[robot] = 0.0, incarnation
         self.seats[robot, incarnation] = Seat(
-            robot, incarnation, self.product.KnownRoster(robot, incarnation), self
+            robot, incarnation, self.product.KnownRoster(robot, incarnation)
         )

@@ -7,7 +7,6 @@ from typing import NamedTuple
 from tests.agents.lines.models import walk
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
-from tests.agents.lines.models.small_model import Bounds, search
 from tests.interpreted import Edit
 
 _RUNS = 2_000  # random ones in which a mutant has to be found, at most, wherever they begin
@@ -21,8 +20,7 @@ class Mutant(NamedTuple):
         says: the rule.
         edits: what reads otherwise without it.
         saved: False: the coordinator tells what it decided before it writes it down.
-        model: that finds a violation; "walk", "skirmish" and "aftermath" are random, "pair" is exhaustive
-            within `bounds`.
+        model: whose random runs find a violation: "walk", "skirmish" or "aftermath".
         first: the random run to begin with, where it takes many to come to one that shows the mutant.
     """
 
@@ -31,12 +29,11 @@ class Mutant(NamedTuple):
     edits: tuple[Edit, ...] = ()
     saved: bool = True
     model: str = "walk"
-    bounds: Bounds = Bounds()
     first: int = 0
 
 
 class Found(NamedTuple):
-    """A violation, and after how many runs or states; none if it is ""."""
+    """A violation, and after how many runs; none if it is ""."""
 
     tried: int
     violation: str
@@ -45,8 +42,6 @@ class Found(NamedTuple):
 def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
     """Look for what goes wrong without the rule, in random runs from `first` on, or the mutant's own."""
     product = Product(mutant.edits)
-    if mutant.model == "pair":
-        return Found(*search(mutant.bounds, product, mutant.saved))
     begin = mutant.first if first is None else first
     for tried, seed in enumerate(range(begin, begin + runs), 1):
         if mutant.model == "walk":

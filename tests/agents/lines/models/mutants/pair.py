@@ -67,4 +67,9 @@ PAIR = (
         "a robot moves only while every peer that is there is behind a line or a tangent",
         (Edit(_LEDGER, "if not (pair.settled or pair.ready):", "if False:"),),
     ),
+    Mutant(
+        "save-before-telling",
+        "the coordinator writes down what it decided before it tells anybody",
+        saved=False,
+    ),
 )
