@@ -441,10 +441,13 @@ def numbers(s: State, a: LIFE) -> Term:
 @PAIR.conjunct()
 def obeyed_lines(s: State, a: LIFE, k: NUMBER) -> Term:
     """An owner's disk satisfies all that its life obeys."""
-    return implies(
-        every(s.o.born[a] > 0, obeys(s, a, k)),
-        every(left(s.o.ground[a], s.o.line[a, k]), k >= 0, k <= s.o.number[a]),
-    )
+    return implies(every(s.o.born[a] > 0, obeys(s, a, k)), left(s.o.ground[a], s.o.line[a, k]))
+
+
+@PAIR.conjunct()
+def obeyed_numbers(s: State, a: LIFE, k: NUMBER) -> Term:
+    """Which was proposed, or is the initial line."""
+    return implies(every(s.o.born[a] > 0, obeys(s, a, k)), every(k >= 0, k <= s.o.number[a]))
 
 
 @PAIR.conjunct()
