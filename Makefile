@@ -66,16 +66,19 @@ check: $(READY)  ## lint, formatting, types, import contracts
 
 fast test collect: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself
 
-collect: $(READY) $(COMPILED)  # once: else each process of pytest-xdist rewrites what all tests assert
+collect: $(READY)  # once: else each process of pytest-xdist rewrites what all tests assert
 	@$(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
-fast: $(READY) $(COMPILED)  ## the part of the suite that takes about a minute
+fast: $(READY)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
 
-test: setup  ## lint, types, import contracts and the whole suite
+test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from the sources, then what is compiled beside them
+	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
 	@$(MAKE) --no-print-directory --jobs=2 check collect
 	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
+	@$(MAKE) --no-print-directory $(COMPILED)
+	$(BIN)/python -m pytest tests/deploy/software/test_compiled.py
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden
