@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _POLL = 0.05  # s
 _SAID = (2, 3)  # exit statuses of a process that has said why it ends
-_STOPPING = 5.0  # s that the kernel may take over SIGKILL
+_STOPPING = 30.0  # s that the kernel may take over SIGKILL
 
 
 class Supervisor:
