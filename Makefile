@@ -22,7 +22,7 @@ define install
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile site demo test fast check collect golden bench fuzz proof figures diagrams engines clean
+.PHONY: help setup compile site demo test fast check collect campaigns golden bench fuzz proof figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -75,10 +75,13 @@ fast: $(READY)  ## the part of the suite that takes about a minute
 test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from the sources, then what is compiled beside them
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
 	@$(MAKE) --no-print-directory --jobs=2 check collect
-	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone'  # many wait for real time
+	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 	@$(MAKE) --no-print-directory $(COMPILED)
 	$(BIN)/python -m pytest tests/deploy/software/test_compiled.py
+
+campaigns: $(READY)  ## what the suite leaves out: planted faults and mutants that random runs and the proof have to find
+	$(BIN)/python -m pytest -n 2 -m campaign
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

@@ -33,6 +33,7 @@ KINDS = {  # what a fault shows; contact, wall or contradiction unless mentioned
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("fault", planted.FAULTS, ids=lambda fault: fault.__name__)
 def test_every_planted_fault_is_found(fault: planted.Fault) -> None:

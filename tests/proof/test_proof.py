@@ -28,6 +28,7 @@ def test_the_source_does_what_rules_do(case: Case) -> None:
     assert [each for each in deviations(case) if each] == []
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("mutant", [pytest.param(each, id=each[0]) for each in MUTANTS])
 def test_the_source_without_a_rule_is_told_apart(mutant: tuple[str, *tuple[Edit, ...]]) -> None:
     assert any(each for case in cases(mutant[1:]) for each in deviations(case))
