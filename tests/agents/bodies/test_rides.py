@@ -21,8 +21,7 @@ def test_a_body_never_leaves_what_it_must_obey(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
-    """Of the way that it would go if nothing were in the way, some share; standing would give none. Bodies
-    whose errors come at once need as much room before they leave a line, and go a smaller share."""
+    """Of the way that it would go if nothing were in the way, some share; standing would give none."""
     product, way, most = Product(), 0.0, 0.0
     for seed in range(RIDES):
         ride = Ride(seed, kind, product)
@@ -31,7 +30,7 @@ def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
             ride.tick()
             way += abs(complex(ride.x - x, ride.y - y))
             most += ride.speed * ride.period
-    assert way > 0.02 * most
+    assert way > 0.03 * most
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.rule)
