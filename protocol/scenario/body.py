@@ -76,7 +76,7 @@ def _two_wheels(radius: float, track: float, speed: float, offset: float, play: 
 
 # Radius, track and speed are the makers'. Acceleration and offset are choices: a wheel that gains 0.66 m/s
 # in a second does not spin on a smooth floor; an offset of a third of the track turns briskly. The errors are
-# what all of their models in MuJoCo keep to, at any period between these, with a third to spare
+# what all of their models in MuJoCo keep to, at the periods between these that were measured
 # (`tests/world/plants/deviations.py`).
 SHORTEST: Final = 0.01  # s
 LONGEST: Final = 1.0  # s
