@@ -8,16 +8,14 @@ from pathlib import Path
 from agents.shell.node import RobotNode
 from agents.shell.world_session import PATIENCE
 from protocol.bus.connection import Connection, credentials
-from protocol.bus.drive import drive
-from protocol.bus.heartbeat import Heartbeat, heartbeat
+from protocol.bus.loop import Heartbeat, drive, heartbeat
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
 from protocol.process import log
-from protocol.process.log import LOG
+from protocol.process.log import LOG, set_process_title
 from protocol.process.signals import STOP, Stopped
-from protocol.process.title import entitle
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 
@@ -65,7 +63,7 @@ def main(
 if __name__ == "__main__":
     STOP.listen()
     endpoint, run_name, identity, waits, keys, alive, logs, base, topics = sys.argv[1:]
-    entitle(f"robot {identity}", run_name)
+    set_process_title(f"robot {identity}", run_name)
     log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(Endpoint(endpoint),), timeout=float(waits), credentials=proof)

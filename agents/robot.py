@@ -11,10 +11,10 @@ from math import hypot
 from typing import Final
 
 from agents.bodies.body import body_of
+from agents.estimate import Estimate
 from agents.hearing import Hearing
 from agents.law import GuardedLaw, View
 from agents.law.turns import turn_of
-from agents.localisation.estimate import Estimate
 from agents.parts.carrier import PartCarrier
 from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended

@@ -11,11 +11,11 @@ from math import inf
 from typing import Final, final
 
 from agents.bodies.body import Body
+from agents.estimate import Estimate
 from agents.lines.boundary import boundary_of
 from agents.lines.polygon import Polygon
 from agents.lines.separating_lines import SeparatingLines
 from agents.lines.things import Things
-from agents.localisation.estimate import Estimate
 from agents.peers.fleet import fleet_of
 from protocol.crowd.interest import urgent
 from protocol.messages import Member, Thing, Vector

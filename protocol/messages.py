@@ -14,8 +14,7 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
-from protocol.geometry import ConvexPolygon, Disk, Shape
-from protocol.geometry.defects import defect
+from protocol.geometry import ConvexPolygon, Disk, Shape, defect
 
 VERSION = 5
 HIGHEST_ID: Final = 999_999_999

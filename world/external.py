@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from protocol.errors import UsageError
 from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
-from world.sensing.position import Sensor
+from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)
 _HURRIED = 1  # ticks by which the clock of real time catches up with one that was late
@@ -17,7 +17,7 @@ _HURRIED = 1  # ticks by which the clock of real time catches up with one that w
 class External:
     """In place of `world.simulation.Simulation`: an external fleet as its coordinator sees it.
 
-    A robot moves only under its lease (`agents.bases.lease`). So whoever was not heard for the time of lease,
+    A robot moves only under its lease (`agents.bases.drive`). So whoever was not heard for the time of lease,
     hold and braking stands, no further from its last report than it can have gone by then.
 
     Attributes:

@@ -12,7 +12,7 @@ from world.coordinator.lives import Lives
 from world.judge.contacts import Contact, Touches
 from world.judge.goals import normalised_length
 from world.judge.record import Record
-from world.sensing.position import Sensor
+from world.sensing import Sensor
 
 LISTED = 5000  # entries of a list that may grow without limit: the result is one message
 

@@ -11,8 +11,7 @@ from protocol.messages import Command, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.integrator import STANDING
 from world.plants.plant import plant_of
-from world.sensing.odometry import Odometer
-from world.sensing.position import Sensor
+from world.sensing import Odometer, Sensor
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)

@@ -1,11 +1,16 @@
-"""What a robot needs of whatever moves it, if it is not simulated."""
+"""What a robot needs of whatever moves it, if it is not simulated; and which base a scenario gives it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import replace
+from importlib.util import find_spec
 from typing import Protocol
 
+from protocol.errors import JoinError, UsageError
 from protocol.messages import Command, Sense, Tick, Vector
+from protocol.scenario.model import Scenario
 
 
 class Base(Protocol):
@@ -53,3 +58,69 @@ class Base(Protocol):
     def wake(self, now: float) -> Iterable[bytes]:
         """What is to be sent under `tells` by now."""
         ...
+
+
+def require() -> None:
+    """Find out whether the library that reads and writes ROS 2 messages is there, without loading it.
+
+    Raises:
+        UsageError: it is not installed; says how to.
+    """
+    if find_spec("pycdr2") is None:
+        raise UsageError('a base outside needs pycdr2, which is not installed: pip install "disknav[ros2]"')
+
+
+def base_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Base | None:
+    """What moves a robot; None if it is simulated.
+
+    Args:
+        scenario: the run.
+        robot: its id.
+        namespace: of its topics, if it must have a base; empty, as the scenario has it.
+
+    Raises:
+        JoinError: it must have a base, and the fleet is simulated.
+        UsageError: what reads ROS 2 messages is not installed.
+    """
+    table = scenario.base_of(robot) if scenario.is_external else None
+    if table is not None:
+        require()
+        from agents.bases.ros2 import Ros2Base  # only a robot that is not simulated needs it
+
+        return Ros2Base(scenario, robot, replace(table, namespace=namespace) if namespace else table)
+    if namespace is not None:
+        raise JoinError(
+            f"robot {robot} was given a base, and scenario {scenario.name!r} is simulated: "
+            'set world.plant = "external" where the world is started'
+        )
+    return None
+
+
+_SHARE = 0.99  # of the room, which leaves more than rounding takes
+
+
+def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> str:
+    """Why a robot at `place`, m, or up to `bound` beside it, cannot begin a run; "" if it can.
+
+    The first line with a peer lies halfway between the two starting disks; to things and to what encloses the
+    workspace there is all the room.
+    """
+    own = scenario.spec(robot)
+    room, what = -scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary"
+    for other in scenario.robots:
+        if other.id != robot:
+            gap = math.dist(own.start, other.start) - own.radius - other.radius
+            if 0.5 * gap < room:
+                room, what = 0.5 * gap, f"robot {other.id}"
+    for number, shape in scenario.shapes.items():
+        gap = shape.distance(*own.start) - own.radius
+        if gap < room:
+            room, what = gap, f"thing {number}"
+    away = math.dist(place, own.start)
+    if away + bound <= _SHARE * room:
+        return ""
+    x, y = own.start
+    return (
+        f"stands {away:.3g} m from its start ({x:g}, {y:g}), known to {bound:.2g} m; "
+        f"put it within {max(0.0, _SHARE * room - bound):.2g} m, because of {what}"
+    )

@@ -9,12 +9,11 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from agents.bases.drive import Drive
-from agents.bases.lease import Lease
+from agents.bases.drive import Drive, Lease
 from agents.bases.ros_messages import StampedVelocity, Velocity, header_at
 from agents.bases.senses import Senses
 from protocol.messages import Command, Sense, Tick, Vector
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 from protocol.scenario.model import Scenario
 
 _OFTEN: Final = 3.0  # velocities in the base's own timeout, at least

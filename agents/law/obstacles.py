@@ -14,8 +14,7 @@ from typing import Final
 
 from agents.law.route import Route, way_points
 from agents.peers.state import Peer
-from protocol.geometry import Disk, Shape
-from protocol.geometry.sphere_world import is_sphere_world
+from protocol.geometry import Disk, Shape, is_sphere_world
 from protocol.messages import Vector
 
 _TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from agents.bases.base import Base
-from agents.bases.start import misplaced
+from agents.bases.base import Base, misplaced
 from agents.robot import Robot
 from protocol.bus.bus import Bus
 from protocol.messages import Command, Sense, Tick

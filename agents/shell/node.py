@@ -16,7 +16,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agents.bases.choice import base_of
+from agents.bases.base import base_of
 from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from agents.bases.odometer import planar_yaw, wrapped
 from agents.bases.ros_messages import (
     NANO,
     Header,
@@ -21,7 +20,8 @@ from agents.bases.ros_messages import (
     decode,
     header_at,
 )
-from protocol.scenario.base import Base
+from agents.bases.senses import planar_yaw, wrapped
+from protocol.scenario.body import Base
 
 PAUSE: Final = 1.5  # s at rest between two motions, in which poses are compared
 EVERY: Final = 0.05  # s between two velocities

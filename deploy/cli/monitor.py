@@ -15,8 +15,8 @@ from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.bus.connection import Connection
 from protocol.endpoint import Endpoint
 from protocol.process.installation import missing_library
+from protocol.process.log import set_process_title
 from protocol.process.signals import STOP
-from protocol.process.title import entitle
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
@@ -73,7 +73,7 @@ def monitor(
     os.nice(_NICENESS)
     membership = Membership(secure)
     name = membership.named_run(run)
-    entitle("monitor", name)
+    set_process_title("monitor", name)
     role = membership.viewer if web else MONITOR
     connection = _connection(router, membership, role)
     with ExitStack() as stack:

@@ -17,10 +17,9 @@ from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import robot_key
-from protocol.process.log import LOG, begin
+from protocol.process.log import LOG, begin, set_process_title
 from protocol.process.signals import STOP
-from protocol.process.title import entitle
-from protocol.scenario.base import ros_name
+from protocol.scenario.body import ros_name
 
 Wait = Annotated[
     float, typer.Option(min=1.0, help="How long router and world, or the robots, may take to be there, s.")
@@ -106,7 +105,7 @@ def world(
     """
     from deploy.library.load import load
     from deploy.run.outcome.result import exit_status
-    from protocol.bus.heartbeat import heartbeat
+    from protocol.bus.loop import heartbeat
     from world.process import main
     from world.shell.persistence.journal import Journal
 
@@ -117,7 +116,7 @@ def world(
         options.refuse_bases(secure)
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = membership.named_run(run)
-    entitle("world", run_name)
+    set_process_title("world", run_name)
     begin("world", run_name, log)
     if journal is not None and not journal.exists():
         Journal.create(journal, run_name, [loaded])
@@ -174,7 +173,7 @@ def router(
         sys.stdout.write(router_config(connection, membership.default_router))
         return
     run = membership.run(None) or ""
-    entitle("router", run)
+    set_process_title("router", run)
     begin("router", run, log)
     raise typer.Exit(main(connection, ready=_say))
 
@@ -204,7 +203,7 @@ def host(
 
 
 def _say(endpoint: str) -> None:
-    from protocol.bus.heartbeat import heartbeat
+    from protocol.bus.loop import heartbeat
 
     LOG.warning(f"listening on {endpoint}")
     if (beat := heartbeat(None)) is not None:

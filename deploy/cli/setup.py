@@ -18,7 +18,7 @@ from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.process.signals import STOP
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 
 if TYPE_CHECKING:
     from deploy.processes.hosts.table import Host
@@ -208,14 +208,14 @@ def calibrate(
 
     Exit status: 0 done, 2 invalid, 3 its messages do not come, or are others.
     """
-    from agents.bases.choice import require
+    from agents.bases.base import require
 
     require()  # before what needs it
     from deploy.calibrate.bounds import bounds, statements
     from deploy.calibrate.node import Calibration
     from deploy.calibrate.square import Driver, square
     from deploy.library.load import load
-    from protocol.bus.drive import drive
+    from protocol.bus.loop import drive
     from protocol.bus.zenoh import ZenohBus
 
     options.refuse_bases(secure)

@@ -36,8 +36,8 @@ from deploy.processes.fork_messages import (
 )
 from deploy.processes.forked import run_forked
 from protocol.process import log
+from protocol.process.log import set_process_title
 from protocol.process.signals import STOP
-from protocol.process.title import entitle
 
 
 def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") -> None:
@@ -71,7 +71,7 @@ def serve(
         store: takes files.
         patience: s without a request after which the supervisor counts as gone.
     """
-    entitle("fork server", run)
+    set_process_title("fork server", run)
     for module in modules:
         importlib.import_module(module)
     gc.collect()

@@ -16,9 +16,8 @@ from typing import NoReturn
 
 from deploy.processes.fork_messages import Start
 from protocol.errors import DisknavError
-from protocol.process.log import LOG
+from protocol.process.log import LOG, set_process_title
 from protocol.process.signals import Stopped
-from protocol.process.title import entitle
 
 FAULT = 3  # exit status of a process that an exception ended
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
@@ -38,7 +37,7 @@ def run_forked(
     """
     code = FAULT
     try:
-        entitle(start.name.replace("-", " ", 1), run)
+        set_process_title(start.name.replace("-", " ", 1), run)
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         _close_all_but({report, lifeline})

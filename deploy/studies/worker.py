@@ -19,7 +19,7 @@ from deploy.run.options import RunOptions, Transport
 from deploy.run.outcome.result import complete
 from deploy.studies.study import Build, Result
 from protocol.bus.bus import Event
-from protocol.process.title import entitle
+from protocol.process.log import set_process_title
 
 FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result
 # Of a result, which says more than a study needs:
@@ -35,7 +35,7 @@ KEPT = (
 
 def begin(lifeline: Channel[Any, Any]) -> None:
     """Have this process end with the other end of `lifeline`; Ctrl-C is for the parent to handle."""
-    entitle(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
+    set_process_title(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
     end_with_pipe(os.dup(lifeline.fileno()))
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

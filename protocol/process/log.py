@@ -1,6 +1,7 @@
-"""What processes say: as words on the terminal, and as lines of JSON in files where that is asked for.
+"""What processes say: as words on the terminal, and as lines of JSON in files where that is asked for; and
+under which title the system shows them.
 
-Whoever has something to say uses `LOG`: `warning` and `error` for people, `info` for the files alone.
+What has something to say uses `LOG`: `warning` and `error` for people, `info` for the files alone.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+from setproctitle import setproctitle, setthreadtitle
 
 from protocol.errors import UsageError
 
@@ -147,3 +149,15 @@ def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool =
         LOG.addHandler(handler)
     LOG.setLevel(logging.INFO)
     LOG.propagate = False
+
+
+_SHORT = 15  # bytes that Linux keeps of a process's short name
+
+
+def set_process_title(role: str, run: str = "") -> None:
+    """Have `ps -f` show this process as `disknav robot 3 (run yard)`; to be called on its main thread.
+
+    The short name, in `top`, is `robot 3 yard`: it begins with the role, lest a robot's number be cut off.
+    """
+    setproctitle(f"disknav {role} (run {run})" if run else f"disknav {role}")
+    setthreadtitle(f"{role} {run}".rstrip()[:_SHORT])

@@ -15,8 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from protocol.errors import MessageError
-from protocol.geometry import ConvexPolygon, Disk, Shape
-from protocol.geometry.defects import defect
+from protocol.geometry import ConvexPolygon, Disk, Shape, defect
 from protocol.messages import Count, Id, Size, Thing, Vector
 from protocol.requests.form import read_request
 from protocol.scenario.body import FARTHEST

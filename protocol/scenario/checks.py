@@ -11,10 +11,19 @@ from dataclasses import dataclass
 from math import hypot, isfinite
 
 from protocol.errors import UsageError
-from protocol.geometry import ConvexPolygon, Disk, Shape
-from protocol.geometry.defects import defect
-from protocol.scenario.base import FRAMES, TOPICS, Base, ros_name
-from protocol.scenario.body import BRISKEST, LONGEST, PRESETS, SHORTEST, Body, Preset
+from protocol.geometry import ConvexPolygon, Disk, Shape, defect
+from protocol.scenario.body import (
+    BRISKEST,
+    FRAMES,
+    LONGEST,
+    PRESETS,
+    SHORTEST,
+    TOPICS,
+    Base,
+    Body,
+    Preset,
+    ros_name,
+)
 from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Order, Point, RobotSpec, Scenario, Thing
 from protocol.scenario.tables import Finding, Steps, written
 

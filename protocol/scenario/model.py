@@ -15,8 +15,7 @@ from msgspec import Meta
 
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon, Disk, Shape
-from protocol.scenario.base import Base
-from protocol.scenario.body import FARTHEST, PRESETS, Body, Length, NonNegative, Positive, Preset
+from protocol.scenario.body import FARTHEST, PRESETS, Base, Body, Length, NonNegative, Positive, Preset
 
 LARGEST_GAIN = 1e12
 Gain = Annotated[float, Meta(ge=1e-9, le=LARGEST_GAIN)]

@@ -21,7 +21,7 @@ from protocol.draws import checked_seed
 from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, parse, robot_key
-from protocol.scenario.base import Base, ros_name
+from protocol.scenario.body import Base, ros_name
 from protocol.scenario.file import apply_settings, parse_document, parse_toml
 
 TEXTS = st.text(max_size=20) | st.sampled_from(

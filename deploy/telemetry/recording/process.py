@@ -15,7 +15,7 @@ from pathlib import Path
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.connection import Connection
-from protocol.bus.drive import drive, follow
+from protocol.bus.loop import drive, follow
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, everything, world_key

@@ -22,8 +22,8 @@ import msgspec
 from deploy.telemetry.recording.parts import Parts, Rotation, next_free
 from protocol.errors import DisknavError, RecordingError, UsageError
 from protocol.process.beside import ForkedBeside
+from protocol.process.log import set_process_title
 from protocol.process.signals import STOP
-from protocol.process.title import entitle
 from protocol.scenario.model import Scenario
 
 _PATIENCE = 30.0  # s that the other process may take to open or to finish the file
@@ -169,7 +169,7 @@ def main(path: Path, address: Path, rotation: Rotation, ready: Callable[[str], N
 
 def _forked(inherited: Pipe, pipe: Pipe, path: Path, run: str) -> None:
     """Do as told until the file is finished, or whoever tells is gone."""
-    entitle("writer", run)
+    set_process_title("writer", run)
     inherited.close()
     os.nice(_NICENESS)
     try:

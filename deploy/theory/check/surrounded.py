@@ -18,8 +18,7 @@ from deploy.theory.check.check import finite
 from deploy.theory.configurations import Barrier, barriers
 from deploy.theory.doors import Door, doors
 from deploy.theory.tuning import crowd, gain_for
-from protocol.geometry import Disk
-from protocol.geometry.sphere_world import ROOM, obstructed
+from protocol.geometry import ROOM, Disk, obstructed
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
 from world.judge.goals import Goals, tight

@@ -9,10 +9,10 @@ from itertools import count
 
 import pytest
 
-from agents.bases.odometer import Odometer
 from agents.bases.ros_messages import NANO, Odometry, StampedPose, header_at
+from agents.bases.senses import Odometer
 from deploy.library.load import load
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
 
 pytestmark = pytest.mark.slow

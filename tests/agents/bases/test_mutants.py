@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from agents.bases.drive import Drive
-from agents.bases.lease import Lease
+from agents.bases.drive import Drive, Lease
 from agents.bases.senses import Senses
 from agents.lines.line import ROUNDING
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
 from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet
 from world.external import External

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from agents.bases.choice import base_of
+from agents.bases.base import base_of
 from agents.shell.node import RobotNode
 from deploy.library.load import load
 from protocol.bus.bus import Event, Sample

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from agents.law.gradient import Slice, boundary_radius
 from agents.law.obstacles import obstacle_disks
 from protocol.geometry import ConvexPolygon, Disk
-from tests.protocol.geometry.shapes import points, shapes
+from tests.protocol.shapes import points, shapes
 
 RADIUS, K, GOAL, STEP = 0.02, 9.0, (0.25, -0.1), 1e-6
 SQUARE = ConvexPolygon([(-0.4, -0.4), (0.4, -0.4), (0.4, 0.4), (-0.4, 0.4)])

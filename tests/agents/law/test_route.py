@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from agents.law.obstacles import Attraction
 from agents.law.route import MARGIN, Route, way_points
 from protocol.geometry import ConvexPolygon, Disk, Shape
-from tests.protocol.geometry.shapes import points, shapes
+from tests.protocol.shapes import points, shapes
 
 ROOM = Disk(0.0, 0.0, 2.0)
 RADIUS = 0.03

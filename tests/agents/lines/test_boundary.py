@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.polygon import Polygon, around
-from agents.localisation.estimate import Estimate
 from protocol.messages import Sense
 from tests.interpreted import interpreted
 from world.plants.disturbance import truncated_normal

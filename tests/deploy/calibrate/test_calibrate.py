@@ -11,7 +11,7 @@ import pytest
 from deploy.calibrate.bounds import Bounds, bounds, statements
 from deploy.calibrate.square import Driver, square
 from deploy.library.load import load
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.forks import Forks
 

@@ -20,7 +20,7 @@ from deploy.manifests.folder import write
 from deploy.manifests.plan import Plan
 from deploy.processes.probe import probed_key
 from deploy.security.roster import Roster
-from protocol.bus.heartbeat import PERIOD, Heartbeat
+from protocol.bus.loop import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
 from protocol.scenario.model import Order, RobotSpec

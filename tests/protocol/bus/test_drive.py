@@ -4,8 +4,8 @@ import signal
 from math import inf
 
 from protocol.bus.bus import Event, Sample
-from protocol.bus.drive import follow
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.bus.loop import follow
 from protocol.process.signals import STOP
 
 KEY = "disknav/r/robot/1/state"

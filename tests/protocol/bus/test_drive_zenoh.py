@@ -15,7 +15,7 @@ import pytest
 
 from protocol.bus.bus import Event, Presence
 from protocol.bus.connection import Connection
-from protocol.bus.drive import drive
+from protocol.bus.loop import drive
 from protocol.bus.zenoh import ZenohBus
 from protocol.process.signals import STOP, Stopped
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from protocol.errors import ScenarioError
-from protocol.scenario.base import Base
-from protocol.scenario.body import PRESETS
+from protocol.scenario.body import PRESETS, Base
 from protocol.scenario.file import document_of, parse_document, parse_toml
 
 PAIR = """

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from protocol.errors import ScenarioError
-from protocol.scenario.base import Base
+from protocol.scenario.body import Base
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import (
     ADDITIONS,

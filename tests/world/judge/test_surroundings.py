@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Workspace
-from tests.protocol.geometry.shapes import disks, points, polygons, shapes
+from tests.protocol.shapes import disks, points, polygons, shapes
 from world.judge.clearance import Disks
 from world.judge.contacts import Contacts
 from world.judge.goals import Goals

@@ -28,7 +28,7 @@ _LINES = [
 ]
 _ROBOT = [
     "agents.peers.roster",
-    "agents.localisation.estimate",
+    "agents.estimate",
     "agents.lines.safe_velocity",
     *(f"agents.bodies.{name}" for name in ("inertial", "body")),
     "agents.safety_filter",

@@ -16,7 +16,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Event
 from protocol.bus.connection import Connection
-from protocol.bus.drive import drive
+from protocol.bus.loop import drive
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import robot_key

@@ -8,7 +8,7 @@ from tests.interpreted import Edit
 _BODIES = "world.plants.integrator"
 _BOUNDARY = "agents.lines.boundary"
 _COMMANDS = "world.coordinator.commands"
-_ESTIMATE = "agents.localisation.estimate"
+_ESTIMATE = "agents.estimate"
 _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
 _HEARING = "agents.hearing"

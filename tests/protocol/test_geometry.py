@@ -1,15 +1,16 @@
-"""Distances, nearest points and tangents of convex sets against their definitions, point by point."""
+"""Disks and polygons: distances, nearest points and limits; and why corners are no convex polygon."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.geometry import ConvexPolygon, Shape
-from tests.protocol.geometry.shapes import points, polygons, shapes
+from protocol.geometry import ConvexPolygon, Shape, defect
+from tests.protocol.shapes import points, polygons, shapes
 
 ROUNDING = 1e-12
 
@@ -60,3 +61,44 @@ def test_corners_are_kept_counterclockwise_whatever_their_sense(polygon):
     assert ConvexPolygon(polygon.points[::-1]).area == polygon.area
     low, high = polygon.box
     assert all(low[0] <= x <= high[0] and low[1] <= y <= high[1] for x, y in polygon.points)
+
+
+PENTAGON = [(math.cos(math.tau * n / 5), math.sin(math.tau * n / 5)) for n in range(5)]
+
+
+@given(polygons())
+def test_convex_polygons_have_no_defect_in_either_sense(polygon):
+    if polygon.area > 1e-5 * polygon.around.radius**2:
+        assert defect(polygon.points) == defect(polygon.points[::-1]) == ""
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ([(0, 0), (1, 0)], "needs three points at least"),
+        ([(0, 0), (1, 0), (1, 0), (0, 1)], "points 1 and 2 are the same, or nearly"),
+        ([(0, 0), (1, 0), (0, 1), (0, 0)], "points 3 and 0 are the same, or nearly"),
+        ([(0, 0), (1e-170, 0), (0, 1e-170)], "points 0 and 1 are the same, or nearly"),
+        ([(0, 0), (1, 1), (2, 2)], "has no area"),
+        ([(0, 0), (2, 0), (2, 2), (1, 0.5)], "is not convex at point 3"),
+        ([(0, 0), (1, 0.5), (2, 2), (2, 0)], "is not convex at point 1"),
+        (
+            [(0, 0), (1, 1), (1, 0), (0, 1)],
+            "crosses itself: the side from point 0 meets the side from point 2",
+        ),
+        (
+            [PENTAGON[2 * n % 5] for n in range(5)],
+            "crosses itself: the side from point 0 meets the side from point 2",
+        ),
+        (
+            [(0, 0), (3, 0), (1, 0), (1, 1)],
+            "crosses itself: the side from point 0 meets the side from point 2",
+        ),
+    ],
+)
+def test_each_defect_is_named(points, words):
+    assert defect(points) == words
+
+
+def test_a_point_on_a_straight_side_is_none():
+    assert defect([(0, 0), (1, 0), (2, 0), (2, 2), (0, 2)]) == ""

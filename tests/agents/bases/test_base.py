@@ -1,6 +1,6 @@
 import pytest
 
-from agents.bases import choice
+from agents.bases import base as choice
 from protocol.errors import UsageError
 
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.estimate import HISTORY, Estimate
 from agents.lines.line import HalfPlane
 from agents.lines.polygon import SIDES
-from agents.localisation.estimate import HISTORY, Estimate
 from protocol.messages import Sense
 from world.plants.disturbance import truncated_normal
 

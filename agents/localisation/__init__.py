@@ -1,1 +1,0 @@
-"""Where a robot is, as far as it knows: the set that holds its true place, from measurements and odometry."""

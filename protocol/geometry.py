@@ -1,0 +1,293 @@
+"""Closed convex sets of the plane: disks and polygons, as obstacles or around a workspace. Lengths in m."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import final
+
+from mypy_extensions import mypyc_attr
+
+Point = tuple[float, float]
+Side = tuple[float, float, float]  # outward unit normal, and the largest n.p, m
+SIDES = 48  # of the polygon that stands for a disk
+ROOM = 0  # stands for the boundary where obstacles are numbered
+_SHORT = 1e-9  # m, the least length of a side: its direction must be more than rounding
+_STRAIGHT = 1e-9  # sine of a turn below which a corner is taken for a point of a straight side
+_THIN = 1e-6  # of its length, that a polygon must be wide: it has two faces
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Disk:
+    """All points within `radius` of (x, y), m. Immutable."""
+
+    __slots__ = ("radius", "x", "y")
+
+    def __init__(self, x: float, y: float, radius: float) -> None:
+        self.x, self.y, self.radius = x, y, radius
+
+    def __repr__(self) -> str:
+        return f"Disk({self.x!r}, {self.y!r}, {self.radius!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Disk) and self._numbers == other._numbers
+
+    def __hash__(self) -> int:
+        return hash(self._numbers)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Disk, self._numbers
+
+    @property
+    def _numbers(self) -> tuple[float, float, float]:
+        return self.x, self.y, self.radius
+
+    @property
+    def around(self) -> Disk:
+        """The smallest known disk that contains it."""
+        return self
+
+    @property
+    def area(self) -> float:
+        """m^2."""
+        return math.pi * self.radius * self.radius
+
+    @property
+    def box(self) -> tuple[Point, Point]:
+        """The lower left and the upper right corner of the upright rectangle around it, m."""
+        return (self.x - self.radius, self.y - self.radius), (self.x + self.radius, self.y + self.radius)
+
+    def distance(self, x: float, y: float) -> float:
+        """Distance of (x, y), m; inside, minus the distance to the edge."""
+        return math.hypot(self.x - x, self.y - y) - self.radius
+
+    def nearest(self, x: float, y: float) -> Point:
+        """The nearest point to (x, y), which is itself inside."""
+        dx, dy = x - self.x, y - self.y
+        distance = math.hypot(dx, dy)
+        if distance <= self.radius:
+            return x, y
+        scale = self.radius / distance
+        return self.x + scale * dx, self.y + scale * dy
+
+    def limit(self, nx: float, ny: float, clearance: float) -> float:
+        """The largest c so that n.p >= c + clearance for every p of it, n = (nx, ny) a unit vector, m."""
+        return nx * self.x + ny * self.y - (self.radius + clearance)
+
+    def outline(self, sides: int = SIDES) -> list[Point]:
+        """Corners of a regular polygon on its edge, counterclockwise, m."""
+        angles = [math.tau * side / sides for side in range(sides)]
+        return [
+            (self.x + self.radius * math.cos(angle), self.y + self.radius * math.sin(angle))
+            for angle in angles
+        ]
+
+
+@final
+@mypyc_attr(acyclic=True)
+class ConvexPolygon:
+    """The convex hull of its corners. Immutable.
+
+    Args:
+        points: corners in either sense of rotation, m, as `protocol.geometry` accepts them.
+
+    Attributes:
+        points: the same, counterclockwise.
+        sides: each as (nx, ny, offset), in the order of the corners that they begin at.
+        around: a disk that contains it.
+    """
+
+    __slots__ = ("around", "points", "sides")
+
+    def __init__(self, points: Sequence[Point]) -> None:
+        corners = [(float(x), float(y)) for x, y in points]
+        if signed_area(corners) < 0.0:
+            corners.reverse()
+        self.points = tuple(corners)
+        self.sides = tuple([_side(corners, index) for index in range(len(corners))])
+        self.around = _around(corners)
+
+    def __repr__(self) -> str:
+        return f"ConvexPolygon({self.points!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ConvexPolygon) and self.points == other.points
+
+    def __hash__(self) -> int:
+        return hash(self.points)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ConvexPolygon, (self.points,)
+
+    @property
+    def area(self) -> float:
+        """m^2."""
+        return signed_area(self.points)
+
+    @property
+    def box(self) -> tuple[Point, Point]:
+        """The lower left and the upper right corner of the upright rectangle around it, m."""
+        xs, ys = [x for x, _ in self.points], [y for _, y in self.points]
+        return (min(xs), min(ys)), (max(xs), max(ys))
+
+    def distance(self, x: float, y: float) -> float:
+        """Distance of (x, y), m; inside, minus the distance to the edge."""
+        highest = -math.inf
+        for nx, ny, offset in self.sides:
+            highest = max(highest, nx * x + ny * y - offset)
+        if highest <= 0.0:
+            return highest
+        px, py = self.nearest(x, y)
+        return math.hypot(px - x, py - y)
+
+    def nearest(self, x: float, y: float) -> Point:
+        """The nearest point to (x, y), which is itself inside."""
+        least, best, outside = math.inf, (x, y), False
+        ax, ay = self.points[-1]
+        nx, ny, offset = self.sides[-1]
+        for index, (bx, by) in enumerate(self.points):
+            if nx * x + ny * y > offset:  # only sides that face the point can be nearest
+                outside = True
+                ux, uy = bx - ax, by - ay
+                part = ((x - ax) * ux + (y - ay) * uy) / (ux * ux + uy * uy)
+                part = min(max(part, 0.0), 1.0)
+                px, py = ax + part * ux, ay + part * uy
+                square = (px - x) * (px - x) + (py - y) * (py - y)
+                if square < least:
+                    least, best = square, (px, py)
+            ax, ay = bx, by
+            nx, ny, offset = self.sides[index]
+        return best if outside else (x, y)
+
+    def limit(self, nx: float, ny: float, clearance: float) -> float:
+        """The largest c so that n.p >= c + clearance for every p of it, n = (nx, ny) a unit vector, m."""
+        least = math.inf
+        for x, y in self.points:
+            least = min(least, nx * x + ny * y)
+        return least - clearance
+
+    def outline(self) -> list[Point]:
+        """Its corners, counterclockwise, m."""
+        return list(self.points)
+
+
+Shape = Disk | ConvexPolygon
+
+
+def signed_area(points: Sequence[Point]) -> float:
+    """Area within a closed line, m^2; negative when it runs clockwise."""
+    ox, oy = points[0]
+    double = 0.0
+    ax, ay = points[-1]
+    for bx, by in points:
+        double += (ax - ox) * (by - oy) - (bx - ox) * (ay - oy)
+        ax, ay = bx, by
+    return 0.5 * double
+
+
+def _side(corners: Sequence[Point], index: int) -> Side:
+    (ax, ay), (bx, by) = corners[index], corners[(index + 1) % len(corners)]
+    length = math.hypot(bx - ax, by - ay)
+    nx, ny = (by - ay) / length, (ax - bx) / length
+    offset = -math.inf
+    for x, y in corners:
+        offset = max(offset, nx * x + ny * y)
+    return nx, ny, offset
+
+
+def _around(corners: Sequence[Point]) -> Disk:
+    """Around the middle of its upright rectangle."""
+    xs, ys = [x for x, _ in corners], [y for _, y in corners]
+    x, y = 0.5 * (min(xs) + max(xs)), 0.5 * (min(ys) + max(ys))
+    return Disk(x, y, max([math.hypot(px - x, py - y) for px, py in corners]))
+
+
+def defect(points: Sequence[Point]) -> str:
+    """What is wrong with a polygon's corners, "" if nothing; they may run in either sense."""
+    count = len(points)
+    if count < 3:
+        return "needs three points at least"
+    edges = [_difference(points[(n + 1) % count], points[n]) for n in range(count)]
+    for n, edge in enumerate(edges):
+        if math.hypot(*edge) < _SHORT:
+            return f"points {n} and {(n + 1) % count} are the same, or nearly"
+    sense = 1.0 if signed_area(points) > 0.0 else -1.0
+    inward = [n for n in range(count) if sense * _turn(edges[n - 1], edges[n]) < -_STRAIGHT]
+    once = abs(abs(math.fsum(_angle(edges[n - 1], edges[n]) for n in range(count))) - math.tau) < 1.0
+    if (inward or not once) and (crossing := _crossing(points)):
+        return f"crosses itself: the side from point {crossing[0]} meets the side from point {crossing[1]}"
+    longest = max(math.hypot(*edge) for edge in edges)
+    if abs(signed_area(points)) < _THIN * longest * longest:
+        return "has no area"
+    if inward:
+        return f"is not convex at point {inward[0]}"
+    return "" if once else "goes around more than once"
+
+
+def _difference(one: Point, other: Point) -> Point:
+    return one[0] - other[0], one[1] - other[1]
+
+
+def _turn(one: Point, other: Point) -> float:
+    """Sine of the angle from one edge to the next; a turn back is one inward."""
+    cross = one[0] * other[1] - one[1] * other[0]
+    along = one[0] * other[0] + one[1] * other[1]
+    if along < 0.0 and abs(cross) <= _STRAIGHT * -along:
+        return -math.inf
+    return cross / (math.hypot(*one) * math.hypot(*other))
+
+
+def _angle(one: Point, other: Point) -> float:
+    """From one edge to the next, rad."""
+    return math.atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
+
+
+def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
+    """Two sides that are not neighbours and have a point in common."""
+    count = len(points)
+    for i in range(count):
+        for j in range(i + 2, count):
+            if (j + 1) % count != i and _meet(points[i], points[i + 1], points[j], points[(j + 1) % count]):
+                return i, j
+    return None
+
+
+def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Whether two segments have a point in common."""
+    one, other = (_left(a, b, c), _left(a, b, d)), (_left(c, d, a), _left(c, d, b))
+    if one == (0, 0):  # on one line
+        return _between(a, c, d) or _between(b, c, d) or _between(c, a, b)
+    return one[0] * one[1] <= 0 and other[0] * other[1] <= 0
+
+
+def _left(a: Point, b: Point, c: Point) -> int:
+    """1 where c is to the left of the line from a to b, -1 to the right, 0 on it."""
+    cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    return (cross > 0.0) - (cross < 0.0)
+
+
+def _between(point: Point, one: Point, other: Point) -> bool:
+    """Whether a point of the line through two others lies between them."""
+    return all(min(a, b) <= p <= max(a, b) for p, a, b in zip(point, one, other, strict=True))
+
+
+def obstructed(room: Shape, shapes: Mapping[int, Shape], radius: float) -> Iterator[tuple[int, int]]:
+    """Pairs of things, or of boundary (`ROOM`) and thing, that a disk of `radius` (m) does not pass between.
+
+    Of what is no disk, the disk around it counts.
+    """
+    disks = {number: shape.around for number, shape in shapes.items()}
+    for (one, a), (other, b) in combinations(disks.items(), 2):
+        if a.distance(b.x, b.y) - b.radius <= 2.0 * radius:
+            yield one, other
+    for number, disk in disks.items():
+        if -room.distance(disk.x, disk.y) - disk.radius <= 2.0 * radius:
+            yield ROOM, number
+
+
+def is_sphere_world(room: Shape, shapes: Mapping[int, Shape], radius: float) -> bool:
+    """Whether the centre of a disk of `radius` (m) moves in a sphere world."""
+    round_ = all(isinstance(shape, Disk) for shape in (room, *shapes.values()))
+    return round_ and next(obstructed(room, shapes, radius), None) is None
