@@ -55,7 +55,8 @@ def every_key() -> Iterator[tuple[str, str]]:
 
 def owner(key: str) -> str:
     """`robot/3` or `world`, of any key of the run."""
-    return key.removeprefix(f"disknav/{RUN}/").rpartition("/")[0]
+    first, _, rest = key.removeprefix(f"disknav/{RUN}/").partition("/")
+    return f"{first}/{rest.partition('/')[0]}" if first == "robot" else first
 
 
 def publish(bus: ZenohBus, stream: str, key: str, payload: bytes) -> None:

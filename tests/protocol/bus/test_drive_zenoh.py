@@ -6,8 +6,8 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from math import inf
 from pathlib import Path
 
@@ -25,14 +25,21 @@ ALIVE = "disknav/t/robot/1/alive"
 Connect = Callable[..., ZenohBus]
 
 
-def later(number: int = signal.SIGINT) -> None:
-    threading.Timer(0.05, os.kill, (os.getpid(), number)).start()
+@contextmanager
+def signalled(number: int = signal.SIGINT) -> Iterator[None]:
+    """Inside, a signal comes to this process in a moment; it has come when this ends."""
+    with STOP.listening():
+        timer = threading.Timer(0.05, os.kill, (os.getpid(), number))
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.join()
 
 
 def test_a_signal_interrupts_receiving(connect: Connect) -> None:
     bus = connect()
-    with STOP.listening():
-        later()
+    with signalled():
         assert bus.receive(inf) is None
         assert STOP.requested
 
@@ -41,10 +48,8 @@ def test_a_signal_interrupts_a_question(connect: Connect) -> None:
     bus, silent = connect(), connect()
     silent.serve(ALIVE)
     began = time.monotonic()
-    with STOP.listening():
-        later()
-        with pytest.raises(Stopped):
-            bus.ask(ALIVE, b"", 20.0)
+    with signalled(), pytest.raises(Stopped):
+        bus.ask(ALIVE, b"", 20.0)
     assert time.monotonic() < began + 10.0
 
 
@@ -52,10 +57,8 @@ def test_a_signal_interrupts_opening() -> None:
     """zenoh itself would go on trying."""
     nowhere = Connection(connect=("tcp/127.0.0.1:1",), timeout=20.0)
     began = time.monotonic()
-    with STOP.listening():
-        later()
-        with pytest.raises(Stopped):
-            ZenohBus(nowhere)
+    with signalled(), pytest.raises(Stopped):
+        ZenohBus(nowhere)
     assert time.monotonic() < began + 10.0
 
 
@@ -108,10 +111,13 @@ def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
     class Interrupted(Node):
         def wake(self, now: float) -> None:
             super().wake(now)
-            later()
+            timers.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
+            timers[0].start()
 
+    timers: list[threading.Timer] = []
     bus, words = connect(), []
     with STOP.listening():
         drive(Interrupted(1, deadline=0.0), bus, on_stop=lambda: words.append(bus._session.is_closed()))
+        timers[0].join()
     assert words == [False]
     assert bus._session.is_closed()

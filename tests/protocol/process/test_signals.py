@@ -19,17 +19,22 @@ from tests.scripts import ended
 PATIENCE = 20.0  # s
 
 
+TIMERS: list[threading.Timer] = []
+
+
 @pytest.fixture(autouse=True)
 def listening() -> object:
     """Ctrl-C is an event for the time of a test."""
     with STOP.listening():
         yield
+        while TIMERS:
+            TIMERS.pop().join()
 
 
-def later(number: int = signal.SIGINT) -> threading.Timer:
-    timer = threading.Timer(0.05, os.kill, (os.getpid(), number))
-    timer.start()
-    return timer
+def later(number: int = signal.SIGINT) -> None:
+    """A signal comes to this process in a moment."""
+    TIMERS.append(threading.Timer(0.05, os.kill, (os.getpid(), number)))
+    TIMERS[-1].start()
 
 
 def test_a_signal_is_noted_and_raises_nothing() -> None:

@@ -98,7 +98,7 @@ def drive(
     believed = scenario if stated is None else replace(scenario, body=stated)
     robots = {robot: Robot(believed, robot, world.coordinator.join(robot)) for robot in scenario.ids}
     for robot in robots.values() if naive else ():
-        robot._body = PointBody(scenario.control.speed, scenario.time.step, 0.0)
+        robot._body = PointBody(scenario.control.speed, scenario.time.step, 0.0, math.inf)
     while not world.verdict and (not setting.ticks or world.tick < setting.ticks):
         states = {robot: robots[robot].begin(tick) for robot, tick in world.open_tick().items()}
         for robot, core in robots.items():

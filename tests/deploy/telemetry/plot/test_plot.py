@@ -177,7 +177,7 @@ def test_panels_are_for_what_was_injected(recording, faulty):
         ("a.bmp", 1, "name one that ends in .png"),
         ("a", 1, "name one that ends in .png"),
         ("a.gif", 2, "shows one recording"),
-        ("no/a.png", 1, "does not exist"),
+        ("no/a.png", 1, "No such file or directory; name a file that can be written"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(tmp_path, name, count, text):

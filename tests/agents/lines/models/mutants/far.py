@@ -21,8 +21,8 @@ FAR = (
             Edit(_ROBOT, "            letter = self._letter(filter_)  #", "            #"),
             Edit(
                 _ROBOT,
-                "(), report, letter, handles",
-                "(), report, None if filter_ is None else self._letter(filter_), handles",
+                "            letter,\n            handles",
+                "            None if filter_ is None else self._letter(filter_),\n            handles",
             ),
         ),
         model="skirmish",

@@ -12,6 +12,8 @@ from tests.agents.lines.models.skirmishes.arena import SPEED, Vector
 class Attack:
     """Wants to collide: for some ticks at a peer, past it, or at the wall."""
 
+    failure = ""
+
     def __init__(self, rng: Random, world: Any, robot: int) -> None:
         self._rng, self._world, self._robot = rng, world, robot
         self._things = [(shape.around.x, shape.around.y) for shape in world.scenario.shapes.values()]
@@ -34,6 +36,8 @@ class Attack:
 
 class Staying:
     """Wants to stay."""
+
+    failure = ""
 
     def slice_norm(self, *_: Any) -> float:
         return 0.0
