@@ -3,23 +3,21 @@ of a simulation."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from deploy.run.operator import Operator, operating
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from disknav.scenarios import written
-from protocol.errors import UsageError
+from protocol.errors import MessageError, UsageError
 from protocol.geometry import Shape
-from protocol.messages import GoalStatus, Id, Vector
-from protocol.requests.goals import GoalOrder
-from protocol.requests.things import ThingOrder, ThingReply
+from protocol.messages import GoalStatus, Vector
+from protocol.operations import read_operation
 
 _LONGEST = 1e6  # s
 
@@ -52,17 +50,12 @@ class Orders:
             UsageError: the order is malformed, or the world refuses it; says why.
             BusError: no world of this run answers.
         """
-        order = _converted(
-            {"points": points, "queue": queue, "patrol": patrol, "within": within}, GoalOrder, "order"
-        )
-        reply = self._operator.order(_converted(robot, Id, "robot"), order)
-        if not reply.accepted:
-            raise UsageError(f"robot {robot} cannot be sent there: {reply.text}")
-        return reply.number
+        goal = {"robot": robot, "points": points, "queue": queue, "patrol": patrol, "within": within}
+        return self._operate({"goal": goal})
 
     def status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
-        return self._operator.status(_converted(robot, Id, "robot")).status
+        return self._operator.operate().goal(robot)
 
     def place(self, *points: Vector, radius: float | None = None) -> int:
         """Have a disk of `radius` (m) around a point appear, or the convex polygon of several, once every
@@ -73,40 +66,30 @@ class Orders:
             BusError: no world of this run answers.
         """
         if radius is None:
-            wanted: dict[str, object] = {"points": points}
-        elif len(points) == 1:
-            wanted = {"center": points[0], "radius": radius}
-        else:
-            raise UsageError("a disk has one point, its centre; leave out the others, or the radius")
-        thing = _converted(wanted, ThingOrder, "thing")
-        if problem := thing.defect():
-            raise UsageError(f"that is no thing: it {problem}")
-        return _accepted(self._operator.place(thing))
+            return self._operate({"place": {"points": points}})
+        if len(points) == 1:
+            return self._operate({"place": {"center": points[0], "radius": radius}})
+        raise UsageError("a disk has one point, its centre; leave out the others, or the radius")
 
     def take(self, number: int) -> None:
         """Say that a thing is not there any more; raises as `place` does."""
-        _accepted(self._operator.take(_converted(number, Id, "number of a thing")))
+        self._operate({"take": number})
 
     def things(self) -> dict[int, Shape]:
         """What stands, by number; what is yet to appear is not among it."""
-        return {
-            each.number: each.shape for each in self._operator.things().things if each.status == "standing"
-        }
+        there = self._operator.operate().things
+        return {each.number: each.shape for each in there if each.status == "standing"}
 
-
-def _converted(value: object, kind: Any, what: str) -> Any:
-    """What a program gave, checked as if it had come over the network; raises UsageError."""
-    text = written(value)
-    try:
-        return msgspec.json.decode(text, type=kind)
-    except msgspec.DecodeError as error:
-        raise UsageError(f"that is no {what}: {error}") from None
-
-
-def _accepted(reply: ThingReply) -> int:
-    if not reply.accepted:
-        raise UsageError(f"refused: {reply.text}")
-    return reply.number
+    def _operate(self, asked: dict[str, Any]) -> int:
+        """Ask for an operation, which is checked as if it had come over the network; its number."""
+        try:
+            operation = read_operation(json.loads(written(asked)))
+        except MessageError as error:
+            raise UsageError(str(error)) from None
+        outcome = self._operator.operate(operation)
+        if not outcome.accepted:
+            raise UsageError(f"refused: {outcome.text}")
+        return outcome.number
 
 
 class FleetOrders(Orders):

@@ -6,14 +6,13 @@ Grammar::
            | "disknav/" run "/world/" (world-stream | token)
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer from 1 to 999999999, no leading zero
-    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "goal" | "join"
-    world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "halt"
-                   | "fleet" | "things"
+    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "join"
+    world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "operation"
     token   = "alive/" session
     session = 1 to 64 of A-Z a-z 0-9 _ -              one process; of a world, its epoch in hexadecimal digits
 
-Tokens are liveliness tokens. `goal`, `join`, `scenario`, `steering`, `halt`, `fleet` and `things` are
-queryables; all other streams are published (declared with types and rates in `protocol.streams`).
+Tokens are liveliness tokens. `join`, `scenario`, `steering` and `operation` are queryables; all other
+streams are published (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations
@@ -24,11 +23,8 @@ from typing import Final, NamedTuple
 
 from protocol.errors import KeyGrammarError
 
-ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "goal", "join")
-WORLD_STREAMS = (
-    *("clock", "truth", "summary", "result"),
-    *("scenario", "steering", "halt", "fleet", "things"),
-)
+ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "join")
+WORLD_STREAMS = ("clock", "truth", "summary", "result", "scenario", "steering", "operation")
 TOKEN: Final = "alive"
 SESSION: Final = "[A-Za-z0-9_-]{1,64}"  # grammar of a session
 

@@ -30,7 +30,7 @@ class Stream(NamedTuple):
 
 
 class Question(NamedTuple):
-    """One kind of key under which the world answers requests (`protocol.requests`)."""
+    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.operations`)."""
 
     name: str
     asked_by: str  # "itself", the robot in the key; "monitor", or "operator"
@@ -82,10 +82,7 @@ _STREAMS = (
 STREAMS = {stream.name: stream for stream in _STREAMS}
 QUESTIONS = (
     Question("join", "itself"),
-    Question("goal", "operator"),
     Question("scenario", "monitor"),
     Question("steering", "monitor"),
-    Question("halt", "operator"),
-    Question("fleet", "operator"),
-    Question("things", "operator"),
+    Question("operation", "operator"),
 )

@@ -13,23 +13,10 @@ import msgspec
 from mypy_extensions import mypyc_attr
 
 from protocol.messages import Command, GoalStatus, Tick, Truth
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.things import ThingOrder, ThingReply
-from protocol.scenario.model import RobotSpec, Scenario
+from protocol.operations import Outcome
+from protocol.scenario.model import Journey, Operation, RobotSpec, Scenario, Thing
 from world.coordinator.coordinator import Coordinator
-from world.coordinator.inputs import (
-    Added,
-    Closed,
-    Contested,
-    Ended,
-    Halted,
-    Opened,
-    Ordered,
-    Placed,
-    Removed,
-    TakenAway,
-    checksum,
-)
+from world.coordinator.inputs import Closed, Contested, Ended, Opened, checksum
 from world.external import External
 from world.judge.verdict import Referee
 from world.report import report
@@ -201,63 +188,75 @@ class World:
 
     # -- what is asked for while it runs
 
-    def order(self, robot: int, order: GoalOrder) -> GoalReply:
-        """Send a robot elsewhere, from the next tick on that is opened; a refused order changes nothing."""
-        coordinator = self.coordinator
+    def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome:
+        """Carry out an operation; a refused one changes nothing.
+
+        Args:
+            awaited: whether the run goes on only once the process of a robot that is added has joined.
+        """
+        if operation.goal is not None:
+            outcome = self._order(operation.goal)
+        elif operation.add is not None:
+            outcome = self._add(operation.add, awaited)
+        elif operation.remove is not None:
+            outcome = self._remove(operation.remove)
+        elif operation.place is not None:
+            outcome = self._place(operation.place)
+        elif operation.take is not None:
+            outcome = self._take(operation.take)
+        else:
+            outcome = self._halt(bool(operation.halt))
+        if outcome.accepted:
+            self.coordinator.noted(operation)
+        return outcome
+
+    def _order(self, order: Journey) -> Outcome:
+        """Send a robot elsewhere, from the next tick on that is opened."""
+        coordinator, robot = self.coordinator, order.robot
         things = coordinator.lives.things.standing
-        refusal = coordinator.missions.refusal(robot, order, coordinator.lives.standing, things)
+        refusal = coordinator.missions.refusal(order, coordinator.lives.standing, things)
         if refusal:
-            return GoalReply(False, text=refusal)
-        reply = coordinator.missions.accept(robot, order, self.tick, self.simulation.place(robot))
+            return Outcome(False, text=refusal)
+        outcome = coordinator.missions.accept(order, self.tick, self.simulation.place(robot))
         self._redirect(robot)
-        coordinator.noted(Ordered(robot, order))
-        return reply
+        return outcome
 
     def _redirect(self, robot: int) -> None:
         goal = self.coordinator.missions.goal(robot)
         assert goal is not None
         self.referee.redirect(robot, goal, self.tick)
 
-    def goal_status(self, robot: int) -> GoalStatus | None:
-        """How things stand with a robot's goal; None if there is no such robot."""
-        if robot not in self.scenario.ids:
-            return None
-        status = self.coordinator.missions.status(robot)
-        if status.number == 0 and robot in self.referee.arrived(self.simulation.plant.positions):
-            return msgspec.structs.replace(status, tick=self.tick, status="arrived")
-        return status
+    def goal_statuses(self) -> tuple[GoalStatus, ...]:
+        """How things stand with the goals of all robots, by increasing id."""
+        arrived = set(self.referee.arrived(self.simulation.plant.positions))
+        statuses = map(self.coordinator.missions.status, self.scenario.ids)
+        return tuple(
+            msgspec.structs.replace(status, tick=self.tick, status="arrived")
+            if status.number == 0 and status.robot in arrived
+            else status
+            for status in statuses
+        )
 
     def goal_news(self) -> list[GoalStatus]:
         """What came of orders since this was last asked for."""
         return self.coordinator.missions.news()
 
-    def add(self, spec: RobotSpec, *, awaited: bool = False) -> str:
-        """Have the disk of another robot appear at its start, once everybody keeps clear of that place; then
-        the run goes on at once, or if its process is `awaited`, once that has joined.
-
-        Returns why that cannot be; "" if it is under way.
-        """
+    def _add(self, spec: RobotSpec, awaited: bool) -> Outcome:
+        """Have the disk of another robot appear at its start, once every robot keeps clear of that place."""
         membership, plant = self.coordinator.membership, self.simulation.plant
         reason = self._fixed or membership.unfit(spec) or plant.refusal(spec)
         if not reason:
             membership.add(spec, awaited=awaited)
-            self.coordinator.noted(Added(spec))
-        return reason
+        return Outcome(not reason, text=reason)
 
-    def remove(self, robot: int) -> str:
-        """End a robot and take its disk away, at the end of the open tick or else now.
-
-        Returns why that cannot be; "" if it is done.
-        """
+    def _remove(self, robot: int) -> Outcome:
+        """End a robot and take its disk away, at the end of the open tick or else now."""
         part = self.coordinator.parts.carried_by(robot)
         reason = f"robot {robot} carries part {part}" if part else ""
         reason = reason or self._fixed or self.coordinator.membership.remove(robot)
-        if reason:
-            return reason
-        if not self.is_open:
+        if not reason and not self.is_open:
             self._turn_over()
-        self.coordinator.noted(Removed(robot))
-        return ""
+        return Outcome(not reason, text=reason)
 
     @property
     def _fixed(self) -> str:
@@ -266,8 +265,8 @@ class World:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
 
-    def add_thing(self, order: ThingOrder) -> ThingReply:
-        """Have a thing put up; a refused one changes nothing.
+    def _place(self, order: Thing) -> Outcome:
+        """Have a thing put up.
 
         It stands once every robot that takes part has acknowledged its place; none can be added before the
         first tick.
@@ -276,29 +275,27 @@ class World:
         refusal = "" if coordinator.lives.founded else "the run has not begun"
         refusal = refusal or coordinator.lives.things.refusal(order, self.simulation.plant.positions)
         if refusal:
-            return ThingReply(False, text=refusal)
+            return Outcome(False, text=refusal)
         number = coordinator.lives.announce(order.shape)
         self.referee.disturb(self.tick)
-        coordinator.noted(Placed(order))
-        return ThingReply(True, number, coordinator.missions.covered(order.shape))
+        return Outcome(True, number, coordinator.missions.covered(order.shape))
 
-    def remove_thing(self, number: int) -> ThingReply:
+    def _take(self, number: int) -> Outcome:
         """A thing was taken out of the workspace, or is not to appear after all."""
         coordinator = self.coordinator
         if part := coordinator.parts.owns(number):
-            return ThingReply(False, text=f"thing {number} is part {part}, which robots carry")
+            return Outcome(False, text=f"thing {number} is part {part}, which robots carry")
         if not (coordinator.lives.founded and coordinator.lives.take_away(number)):
-            return ThingReply(False, text=f"there is no thing {number}")
+            return Outcome(False, text=f"there is no thing {number}")
         self.referee.surround(coordinator.lives.things.standing, self.tick)
-        coordinator.noted(TakenAway(number))
-        return ThingReply(True, number)
+        return Outcome(True, number)
 
-    def halt(self, halted: bool) -> None:
-        """Have everybody stand, from the open tick on, or release them."""
+    def _halt(self, halted: bool) -> Outcome:
+        """Have all robots stand, from the open tick on, or release them."""
         if halted != self.coordinator.stopped:
             before, self.coordinator.stopped = self.coordinator.halted, halted
             self._stop(before)
-            self.coordinator.noted(Halted(halted))
+        return Outcome(True)
 
     def contest(self, contested: bool) -> None:
         """Another coordinator of this run is there, or has left: everybody stands meanwhile, whatever is

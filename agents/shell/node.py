@@ -22,12 +22,12 @@ from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.subscriptions import Subscriptions
 from agents.shell.world_session import PATIENCE, RETRY, WorldSession
+from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Summary, Tick
-from protocol.requests import joining
 from protocol.streams import STREAMS
 
 REPORT_PERIOD: Final = 0.5  # s between health messages

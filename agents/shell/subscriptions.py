@@ -9,9 +9,9 @@ from agents.peers.fleet import fleet_of
 from agents.peers.reader import PeerReader
 from agents.peers.state import plausible
 from protocol.bus.bus import Bus
+from protocol.joining import Admission
 from protocol.keys import robot_key
 from protocol.messages import Roster
-from protocol.requests.joining import Admission
 
 _TURNS: Final = 4  # ticks in which robots withdraw subscriptions: it keeps a router busy
 

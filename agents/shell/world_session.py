@@ -8,11 +8,11 @@ from collections.abc import Callable
 from math import inf
 from typing import Final, final
 
+from protocol import joining
 from protocol.bus.bus import Bus
 from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
-from protocol.requests import joining
 
 PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
 RETRY: Final = 0.2  # s until the next question after one that was of no use

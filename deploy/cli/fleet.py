@@ -1,11 +1,11 @@
-"""`disknav fleet` and `disknav stop`: orders to a running fleet, whose name comes first."""
+"""`disknav fleet` and `disknav stop`: operations on a running fleet, whose name comes first."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import typer
@@ -15,12 +15,10 @@ from deploy.output import json_output
 from deploy.output.exit_status import EXIT_OTHERWISE
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
-from protocol.errors import UsageError
+from protocol.errors import MessageError, UsageError
 from protocol.messages import GoalStatus, Thing, Vector
-from protocol.requests.fleet import FleetReply
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.things import ThingOrder, ThingReply
-from protocol.scenario.model import RobotSpec
+from protocol.operations import Reply, read_operation
+from protocol.scenario.model import Operation
 
 if TYPE_CHECKING:
     from deploy.run.operator import Operator
@@ -37,7 +35,7 @@ def goal(
     robot: Annotated[int, typer.Argument(help="Id of the robot.")],
     points: Annotated[
         list[float] | None,
-        typer.Argument(metavar="X Y ...", help="Where to go, m, point by point; none asks how things stand."),
+        typer.Argument(metavar="X Y ...", help="Where to go, m, point by point; none asks for its status."),
     ] = None,
     queue: Annotated[bool, typer.Option("--queue", help="After what it is doing, not at once.")] = False,
     patrol: Annotated[bool, typer.Option("--patrol", help="Round and round through all points.")] = False,
@@ -50,7 +48,7 @@ def goal(
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Send a robot elsewhere, cancel what it is doing, or ask how it stands.
+    """Send a robot elsewhere, cancel what it is doing, or ask for its status.
 
     Example: disknav fleet goal yard 3 0.1 -0.05 0.1 0.15 --queue --wait
 
@@ -59,23 +57,27 @@ def goal(
     json_output.check(json_file)
     if not points:
         options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
-    order = _order(points or [], queue, patrol, within, cancel)
     if patrol and wait:
         raise UsageError("--wait: a patrol has no end; leave out --patrol or --wait")
+    order = _order(robot, points or [], queue, patrol, within, cancel)
     with _operating(run, router, secure) as operator:
-        reply = operator.status(robot) if order is None else operator.order(robot, order)
-        ended = reply.status
-        if wait and order is not None and reply.accepted:
-            ended = operator.outcome(robot, reply.number, _PATIENCE)
+        reply = operator.operate(order)
+        status = reply.goal(robot)
+        if order is None and status is None:
+            reply = msgspec.structs.replace(reply, accepted=False, text=f"no robot {robot}")
+        if wait and reply.accepted:
+            status = operator.outcome(robot, reply.number, _PATIENCE)
     content = {
-        **msgspec.to_builtins(reply),
-        "status": None if ended is None else msgspec.structs.asdict(ended),
+        "accepted": reply.accepted,
+        "number": reply.number,
+        "text": reply.text,
+        "status": None if status is None else msgspec.structs.asdict(status),
     }
     json_output.write_json(content, json_file)
     if not json_output.is_standard_output(json_file):
-        _print_goal(reply, ended)
-    failed = not reply.accepted or (wait and (ended is None or ended.status != "arrived"))
-    if failed and not (cancel and reply.accepted):
+        _print_goal(reply, status)
+    arrived = status is not None and status.status == "arrived"
+    if not reply.accepted or (wait and not arrived):
         raise typer.Exit(EXIT_OTHERWISE)
 
 
@@ -103,9 +105,10 @@ def add(
 
     Exit status: 0 it has appeared, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
     """
-    spec = RobotSpec(robot, radius, (x, y), goal or (x, y))
+    spec = {"id": robot, "radius": radius, "start": [x, y], "goal": list(goal or (x, y))}
+    operation = _operation({"add": spec})
     with _operating(run, router, secure) as operator:
-        _end_if_refused(operator.add(spec))
+        _done(operator, operation)
         member = operator.appeared(robot, within)
     print(f"run {run}: robot {robot} {'takes part' if member.status == 'live' else 'stands in its place'}")
 
@@ -123,8 +126,9 @@ def remove(
 
     Exit status: 0 it is gone, 1 refused, 2 invalid, 3 no answer.
     """
+    operation = _operation({"remove": robot})
     with _operating(run, router, secure) as operator:
-        _end_if_refused(operator.remove(robot))
+        _done(operator, operation)
     print(f"run {run}: robot {robot} is gone")
 
 
@@ -147,10 +151,11 @@ def place(
 
     Exit status: 0 it stands, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
     """
-    thing = _thing(points, radius)
+    operation = _operation({"place": _obstacle(points, radius)})
+    if operation.place is not None and (defect := operation.place.defect()):
+        raise UsageError(f"that is no obstacle: it {defect}")
     with _operating(run, router, secure) as operator:
-        reply = operator.place(thing)
-        _end_if_refused(reply)
+        reply = _done(operator, operation)
         if reply.text:
             print(f"beware: it {reply.text}")
         operator.stands(reply.number, within)
@@ -170,8 +175,9 @@ def take(
 
     Exit status: 0 done, 1 refused, 2 invalid, 3 no answer.
     """
+    operation = _operation({"take": number})
     with _operating(run, router, secure) as operator:
-        _end_if_refused(operator.take(number))
+        _done(operator, operation)
     print(f"thing {number} is gone")
 
 
@@ -190,10 +196,10 @@ def things(
     """
     json_output.check(json_file)
     with _operating(run, router, secure) as operator:
-        there = operator.things().things
+        there = operator.operate().things
     json_output.write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
     if not json_output.is_standard_output(json_file):
-        print("\n".join(map(_line, there)) or "nothing stands there")
+        print("\n".join(map(_line, there)) or "there are no obstacles")
 
 
 def stop(run: options.Run, router: options.Router = None, secure: options.Secure = None) -> None:
@@ -211,7 +217,7 @@ def stop(run: options.Run, router: options.Router = None, secure: options.Secure
         names = ", ".join(map(str, told.moving)) or "unknown"
         print(f"run {run}: asked to stop, but these robots do not stand after {_STANDING:g} s: {names}")
         raise typer.Exit(EXIT_OTHERWISE)
-    print(f"run {run}: everybody stands from tick {told.tick} on")
+    print(f"run {run}: all robots stand from tick {told.tick} on")
 
 
 @app.command()
@@ -223,10 +229,7 @@ def release(run: options.Run, router: options.Router = None, secure: options.Sec
     Exit status: 0 they are released, 1 they have to stand, 2 invalid, 3 no answer.
     """
     with _operating(run, router, secure) as operator:
-        told = operator.halt(False)
-    if told.halted:
-        print(f"run {run}: not released: {told.text}")
-        raise typer.Exit(EXIT_OTHERWISE)
+        told = _done(operator, Operation(halt=False))
     print(f"run {run}: released from tick {told.tick} on")
 
 
@@ -263,14 +266,24 @@ def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Op
         yield session
 
 
-def _end_if_refused(reply: FleetReply | ThingReply) -> None:
-    """End the command with status 1 if what it asked for was refused."""
+def _operation(asked: dict[str, Any]) -> Operation:
+    """The operation that a command line stands for; raises UsageError."""
+    try:
+        return read_operation(asked)
+    except MessageError as error:
+        raise UsageError(str(error)) from None
+
+
+def _done(operator: Operator, operation: Operation) -> Reply:
+    """Have an operation carried out; ends the command with status 1 if it was refused."""
+    reply = operator.operate(operation)
     if not reply.accepted:
         print(f"refused: {reply.text}")
         raise typer.Exit(EXIT_OTHERWISE)
+    return reply
 
 
-def _pairs(numbers: Sequence[float]) -> tuple[Vector, ...]:
+def _pairs(numbers: Sequence[float]) -> list[list[float]]:
     """Points of a command line, m.
 
     Raises:
@@ -278,12 +291,12 @@ def _pairs(numbers: Sequence[float]) -> tuple[Vector, ...]:
     """
     if len(numbers) % 2:
         raise UsageError("points are pairs of x and y: one number is missing, or one is too many")
-    return tuple(zip(numbers[::2], numbers[1::2], strict=True))
+    return [list(pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
 
 
 def _order(
-    points: list[float], queue: bool, patrol: bool, within: float | None, cancel: bool
-) -> GoalOrder | None:
+    robot: int, points: list[float], queue: bool, patrol: bool, within: float | None, cancel: bool
+) -> Operation | None:
     """The order that the command line stands for; None for a question."""
     places = _pairs(points)
     if cancel and (points or queue or patrol or within is not None):
@@ -292,41 +305,36 @@ def _order(
         raise UsageError("--queue, --patrol and --within need points: disknav fleet goal RUN ROBOT X Y")
     if not points and not cancel:
         return None
-    try:
-        return msgspec.convert(
-            {"points": places, "queue": queue, "patrol": patrol, "within": within}, GoalOrder
-        )
-    except msgspec.ValidationError as error:
-        raise UsageError(f"that is no order: {error}") from None
+    goal = {"robot": robot, "points": places, "queue": queue, "patrol": patrol, "within": within}
+    return _operation({"goal": goal})
 
 
-def _print_goal(reply: GoalReply, status: GoalStatus | None) -> None:
+def _print_goal(reply: Reply, status: GoalStatus | None) -> None:
     if not reply.accepted:
         print(f"refused: {reply.text}")
         return
     if reply.text:
         print(f"beware: {reply.text}")
     if status is not None:
-        x, y = status.goal
         ahead = f", {status.ahead} more after it" if status.ahead else ""
-        print(f"robot {status.robot}: {status.status}, ({x:g}, {y:g}){ahead}")
+        print(f"robot {status.robot}: {status.status}, {_point(status.goal)}{ahead}")
 
 
-def _thing(numbers: list[float], radius: float | None) -> ThingOrder:
+def _obstacle(numbers: list[float], radius: float | None) -> dict[str, Any]:
     """The obstacle that a command line stands for."""
     points = _pairs(numbers)
     if radius is None:
-        thing = ThingOrder(points=points)
-    elif len(points) == 1:
-        thing = ThingOrder(center=points[0], radius=radius)
-    else:
+        return {"points": points}
+    if len(points) != 1:
         raise UsageError("--radius is for a disk, with one point; a polygon has corners only")
-    if problem := thing.defect():
-        raise UsageError(f"that is no obstacle: it {problem}")
-    return thing
+    return {"center": points[0], "radius": radius}
 
 
 def _line(thing: Thing) -> str:
-    where = " ".join(f"({x:g}, {y:g})" for x, y in thing.points)
+    where = " ".join(map(_point, thing.points))
     what = f"disk of {thing.radius:g} m at {where}" if len(thing.points) == 1 else f"polygon {where}"
     return f"{thing.number}: {what}{'' if thing.status == 'standing' else ', ' + thing.status}"
+
+
+def _point(point: Vector) -> str:
+    return f"({point[0]:g}, {point[1]:g})"

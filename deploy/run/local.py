@@ -24,11 +24,11 @@ from deploy.telemetry.recording.writer_process import WriterProcess
 from protocol.bus.bus import Bus, Event, Node, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
+from protocol.joining import decode_reply
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
-from protocol.requests.joining import decode_reply
 from protocol.scenario.model import Scenario
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal

@@ -13,8 +13,7 @@ from typing import Any
 
 import msgspec
 
-from protocol import keys, messages
-from protocol.requests import fleet, goals, halt, joining, steering, things
+from protocol import joining, keys, messages, operations
 from protocol.streams import STREAMS, Stream
 
 PAGE = Path(__file__).parents[2] / "docs" / "streams.md"
@@ -56,8 +55,8 @@ A complete subscriber, with nothing but `pip install eclipse-zenoh msgpack`:
 """
 
 _REFUSED = """\
-What is none of the requests below is answered with `{"reply": "refused", "text": why}` in the form that it
-came in; under `robot/<id>/goal`, as an order that is not accepted.
+A malformed request is answered with `{"reply": "refused", "text": why}` in the form that it came in; a
+malformed operation as one that is not accepted.
 """
 
 _RECORDED = """\
@@ -221,11 +220,7 @@ def _requests() -> str:
     parts = ["## Requests", "", _REFUSED]
     asked = {
         "robot/<id>/join": joining,
-        "robot/<id>/goal": goals,
-        "world/fleet": fleet,
-        "world/things": things,
-        "world/halt": halt,
-        "world/steering": steering,
+        "world/operation": operations,
     }
     for name, module in asked.items():
         parts += [f"### `disknav/<run>/{name}`", "", inspect.getdoc(module) or "", ""]

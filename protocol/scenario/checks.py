@@ -24,7 +24,17 @@ from protocol.scenario.body import (
     Preset,
     ros_name,
 )
-from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Order, Point, RobotSpec, Scenario, Thing
+from protocol.scenario.model import (
+    ACTIONS,
+    CELLS,
+    MOST_CELLS,
+    Corners,
+    Order,
+    Point,
+    RobotSpec,
+    Scenario,
+    Thing,
+)
 from protocol.scenario.tables import Finding, Steps, written
 
 _NAMED = 3  # overlaps of one disk or thing that are spelled out
@@ -34,7 +44,6 @@ _LONG_TEXT = 10_000  # characters
 _MEMBERS = 50_000  # of partitions' groups: the scenario is part of several messages
 _TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
 _LARGEST_SPAN = 1e6  # s
-ACTIONS = ("goal", "add", "remove", "place", "take", "halt")
 # what a process is -> what may happen to it -> what it is then
 EVENTS = {
     "running": {"kill": "killed", "pause": "paused", "restart": "running"},

@@ -8,13 +8,13 @@ msgspec in messages.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, Literal, get_args
 
 from msgspec import Meta
 
 from protocol.errors import Problem, ScenarioError, UsageError
-from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.geometry import ConvexPolygon, Disk, Shape, defect
 from protocol.scenario.body import FARTHEST, PRESETS, Base, Body, Length, NonNegative, Positive, Preset
 
 LARGEST_GAIN = 1e12
@@ -47,6 +47,7 @@ BodyChoice = Annotated[Preset | Body, Meta(description=f"a table or one of {', '
 RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 
 CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smallest radius
+MOST_POINTS = 512  # that a robot has ahead, those of earlier orders included
 MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 DEFAULT_RADIUS = 0.30  # m, of the workspace
 CROWD = 32  # robots, up to which everybody hears everybody unless the scenario says otherwise
@@ -91,6 +92,14 @@ class Thing:
     center: Point | None = None
     radius: Length | None = None
     points: Corners | None = None
+
+    def defect(self) -> str:
+        """Why it has no shape; "" if it has one."""
+        if self.points is not None and self.center is None and self.radius is None:
+            return defect(self.points)
+        if self.center is not None and self.radius is not None and self.points is None:
+            return ""
+        return "must be a disk, with `center` and `radius`, or a convex polygon, with `points`"
 
     @property
     def shape(self) -> Shape:
@@ -247,24 +256,47 @@ class Journey:
     """Where a robot is sent: to `points` (m), one after another; without any it stays where it is."""
 
     robot: RobotId
-    points: Annotated[tuple[Point, ...], Meta(max_length=512)] = ()
+    points: Annotated[tuple[Point, ...], Meta(max_length=MOST_POINTS)] = ()
     queue: bool = False  # go there after what is ahead already, instead of at once
     patrol: bool = False  # begin anew with the first of all points after the last
     within: Positive | None = None  # s, after which it gives up and stays where it is
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
-    """What is asked for while the run goes on, as an operator would: one of these. What cannot be at that
-    time is refused, and the result says so."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operation:
+    """A change while the run goes on: one of these. Operators ask for it, or the scenario does."""
 
-    at: NonNegative  # s of simulated time
     goal: Journey | None = None
     add: RobotSpec | None = None  # it appears once everybody keeps clear of its start
     remove: RobotId | None = None
     place: Thing | None = None  # it stands once everybody keeps clear of it
     take: RobotId | None = None  # thing that is taken away
     halt: bool | None = None  # everybody stands; or is released
+
+    @property
+    def asked(self) -> list[str]:
+        """The fields that are given: one, unless it is malformed."""
+        return [action for action in ACTIONS if getattr(self, action) is not None]
+
+    def __str__(self) -> str:
+        if self.goal is not None:
+            return f"robot {self.goal.robot} is sent to {list(self.goal.points)}"
+        if self.halt is not None:
+            return "emergency stop" if self.halt else "released"
+        if self.add is not None or self.remove is not None:
+            return f"robot {self.remove} goes" if self.add is None else f"robot {self.add.id} comes"
+        return "a thing comes" if self.take is None else f"thing {self.take} goes"
+
+
+ACTIONS = tuple(field.name for field in fields(Operation))
+
+
+@dataclass(frozen=True, slots=True)
+class Order(Operation):
+    """An operation that the scenario asks for; what cannot be at that time is refused, and the result says
+    so."""
+
+    at: NonNegative  # s of simulated time
 
 
 @dataclass(frozen=True, slots=True)

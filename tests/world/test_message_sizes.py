@@ -18,7 +18,6 @@ from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import HIGHEST_ID, AnyMessage, Health, Letter, Proposal, Result, Standing, State
-from protocol.requests.things import ThingOrder
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
     Control,
@@ -31,6 +30,7 @@ from protocol.scenario.model import (
     Workspace,
 )
 from protocol.scenario.model import Thing as Listed
+from protocol.scenario.model import Thing as Obstacle
 from protocol.streams import STREAMS
 from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
@@ -42,8 +42,8 @@ LIFE = 2**40  # nobody will live as often
 IDS = tuple(range(HIGHEST_ID - MOST + 1, HIGHEST_ID + 1))
 POINT = (-0.123456789, 0.987654321)
 SPECK = Listed(center=(40.0, 0.0), radius=0.01)
-DISK = ThingOrder(center=(-40.123456789, -3.0), radius=0.123456789)
-ROUNDISH = ThingOrder(points=tuple((math.cos(0.1 * n) - 40.0, math.sin(0.1 * n)) for n in range(62)))
+DISK = Obstacle(center=(-40.123456789, -3.0), radius=0.123456789)
+ROUNDISH = Obstacle(points=tuple((math.cos(0.1 * n) - 40.0, math.sin(0.1 * n)) for n in range(62)))
 
 
 def assert_fits(message: AnyMessage, key: str) -> None:

@@ -1,6 +1,7 @@
 """What a world is told, as plain values: its state follows from them and its scenario, and from nothing else.
 
-A `Command` stands for itself. On disk each is one msgpack array that begins with its tag.
+A `Command` and an `Operation` stand for themselves. On disk an operation is a msgpack map, all others are
+arrays that begin with a tag.
 """
 
 from __future__ import annotations
@@ -11,9 +12,7 @@ from collections.abc import Sequence
 import msgspec
 
 from protocol.messages import Command, Count, Id, Vector
-from protocol.requests.goals import GoalOrder
-from protocol.requests.things import ThingOrder
-from protocol.scenario.model import RobotSpec
+from protocol.scenario.model import Operation
 
 
 class Joined(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="join"):
@@ -60,53 +59,15 @@ class Ended(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="end"):
     reason: str
 
 
-class Ordered(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="order"):
-    """See `World.order`."""
-
-    robot: Id
-    order: GoalOrder
-
-
-class Placed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="place"):
-    """See `World.add_thing`."""
-
-    order: ThingOrder
-
-
-class TakenAway(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="take away"):
-    """See `World.remove_thing`."""
-
-    number: Id
-
-
-class Halted(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="halt"):
-    """See `World.halt`."""
-
-    halted: bool
-
-
 class Contested(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="contest"):
     """See `World.contest`."""
 
     contested: bool
 
 
-class Added(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="add"):
-    """See `World.add`."""
-
-    spec: RobotSpec
-
-
-class Removed(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="remove"):
-    """See `World.remove`."""
-
-    robot: Id
-
-
 _encode = msgspec.msgpack.encode
 
-Operated = Ordered | Placed | TakenAway | Added | Removed | Halted
-Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operated | Contested | Ended
+Input = Command | Opened | Closed | Joined | Lost | Expected | GivenUp | Operation | Contested | Ended
 
 
 def checksum(positions: Sequence[Vector]) -> int:

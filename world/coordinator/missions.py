@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 from protocol.geometry import Shape
 from protocol.messages import Errand, GoalStatus, Standing, Vector
-from protocol.requests.goals import MOST_POINTS, GoalOrder, GoalReply
-from protocol.scenario.model import Scenario
+from protocol.operations import Outcome
+from protocol.scenario.model import MOST_POINTS, Journey, Scenario
 
 
 @dataclass(slots=True)
@@ -76,8 +76,7 @@ class Missions:
 
     def refusal(
         self,
-        robot: int,
-        order: GoalOrder,
+        order: Journey,
         standing: Iterable[Standing],
         things: Mapping[int, Shape] = MappingProxyType({}),
     ) -> str:
@@ -87,6 +86,7 @@ class Missions:
             standing: disks that stand, and may stand in a point.
             things: what else stands, by number.
         """
+        robot = order.robot
         if robot not in self._missions:
             known = ", ".join(map(str, self._missions))
             return f"no robot {robot} in scenario {self._scenario.name!r}; there are {known}"
@@ -100,8 +100,9 @@ class Missions:
         reasons = (self.obstacle(robot, radius, point, others, things) for point in order.points)
         return next((reason for reason in reasons if reason), "")
 
-    def accept(self, robot: int, order: GoalOrder, tick: int, position: Vector) -> GoalReply:
+    def accept(self, order: Journey, tick: int, position: Vector) -> Outcome:
         """Carry out an order that nothing speaks against, from `position` (m), at the start of `tick`."""
+        robot = order.robot
         before = self._missions[robot]
         number = before.number + 1
         deadline = None if order.within is None else tick + self._scenario.ticks(order.within)
@@ -113,7 +114,7 @@ class Missions:
             self._missions[robot] = Mission((*ahead, *order.points), number, order.patrol, deadline)
             self._underway.add(robot)
             self._note(robot, tick, "under way")
-        return GoalReply(True, number, self._caution(robot), self._status[robot])
+        return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
         """Go on to the next point where one is reached; returns whose goal is another now.

@@ -5,25 +5,14 @@ from __future__ import annotations
 from collections import deque
 from typing import Protocol
 
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.things import ThingOrder, ThingReply
-from protocol.scenario.model import Order, RobotSpec, Scenario, Thing
+from protocol.operations import Outcome
+from protocol.scenario.model import Operation, Order, Scenario
 
 
 class Operated(Protocol):
-    """Who carries out orders: see `world.world.World`."""
+    """Carries out operations: `world.world.World`."""
 
-    def order(self, robot: int, order: GoalOrder) -> GoalReply: ...
-
-    def add(self, spec: RobotSpec, *, awaited: bool = False) -> str: ...
-
-    def remove(self, robot: int) -> str: ...
-
-    def add_thing(self, order: ThingOrder) -> ThingReply: ...
-
-    def remove_thing(self, number: int) -> ThingReply: ...
-
-    def halt(self, halted: bool) -> None: ...
+    def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome: ...
 
 
 class Schedule:
@@ -51,31 +40,5 @@ class Schedule:
         """Ask for everything that is due by `tick`."""
         while self._due and self._due[0][0] <= tick:
             _, order = self._due.popleft()
-            self.done.append((tick, order, refusal(order, operated)))
-
-
-def refusal(order: Order, operated: Operated) -> str:
-    """Carry out an order; why it was refused, "" if it was not."""
-    if order.goal is not None:
-        goal = order.goal
-        wanted = GoalOrder(goal.points, goal.queue, goal.patrol, goal.within)
-        return _said(operated.order(goal.robot, wanted))
-    if order.add is not None:
-        return operated.add(order.add, awaited=True)
-    if order.remove is not None:
-        return operated.remove(order.remove)
-    if order.place is not None:
-        return _said(operated.add_thing(_ordered(order.place)))
-    if order.take is not None:
-        return _said(operated.remove_thing(order.take))
-    if order.halt is not None:
-        operated.halt(order.halt)
-    return ""
-
-
-def _ordered(thing: Thing) -> ThingOrder:
-    return ThingOrder(thing.center, thing.radius, thing.points or ())
-
-
-def _said(reply: GoalReply | ThingReply) -> str:
-    return "" if reply.accepted else reply.text
+            outcome = operated.operate(order, awaited=True)
+            self.done.append((tick, order, "" if outcome.accepted else outcome.text))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from protocol.geometry import Disk, Shape
 from protocol.messages import Presence, Thing, Vector
-from protocol.requests.things import ThingOrder
+from protocol.scenario import model
 from protocol.scenario.model import Scenario
 
 MOST = 256  # things that came, at a time: a roster is one message
@@ -44,7 +44,7 @@ class Surroundings:
         """Robots came and went."""
         self._scenario = scenario
 
-    def refusal(self, order: ThingOrder, positions: Sequence[Vector]) -> str:
+    def refusal(self, order: model.Thing, positions: Sequence[Vector]) -> str:
         """Why a thing cannot come; "" if it can.
 
         Args:
@@ -56,7 +56,7 @@ class Surroundings:
         came = [each for each in self.changes if each.status != "gone"]
         if len(came) >= MOST:
             return f"at most {MOST} things that came while the run went on are there at a time"
-        if sum(len(each.points) for each in came) + len(order.points) > MOST_CORNERS:
+        if sum(len(each.points) for each in came) + len(order.points or ()) > MOST_CORNERS:
             return f"all things that came while the run went on have at most {MOST_CORNERS} corners together"
         if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
             return "the thing lies outside of the workspace"

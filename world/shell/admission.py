@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import inf
 
+from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
-from protocol.requests import joining
 from world.coordinator.life import Fate, Life
 from world.shell.persistence.journal import Journal, Seated
 from world.shell.processes import Processes
@@ -181,8 +181,7 @@ class Admissions:
 
     def overview(self, run: Run) -> joining.Overview:
         """For those who only watch."""
-        statuses = (run.world.goal_status(robot) for robot in run.scenario.ids)
-        goals = tuple(status for status in statuses if status is not None and status.number)
+        goals = tuple(status for status in run.world.goal_statuses() if status.number)
         return joining.Overview(run.scenario, self._lockstep, goals)
 
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:

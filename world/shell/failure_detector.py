@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 
+from protocol.joining import Join
 from protocol.messages import Tick
-from protocol.requests.joining import Join
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.shell.run import Phase, Run

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Request, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
@@ -28,8 +29,7 @@ from protocol.keys import (
     world_tokens,
 )
 from protocol.messages import Command, Tick
-from protocol.requests import joining
-from protocol.requests.form import encode_reply
+from protocol.operations import encode_reply
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
@@ -130,10 +130,9 @@ class WorldNode:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(robot_tokens(run))
-        for stream in ("steering", "scenario", "halt", "fleet", "things"):
+        for stream in ("steering", "scenario", "operation"):
             bus.serve(world_key(run, stream))
-        for question in ("join", "goal"):
-            bus.serve(every_robot(run, question))
+        bus.serve(every_robot(run, "join"))
         bus.announce(world_token(run, self._session))
         bus.watch(world_tokens(run))
         if current.world.verdict:

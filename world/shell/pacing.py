@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from protocol.requests.steering import Steering
+from protocol.operations import Steering
 
 _AGAIN = 0.01  # s between looks at who is missing in the first tick
 BEAT = 0.1  # s between looks while nothing happens

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from protocol import joining
 from protocol.messages import Tick
-from protocol.requests import joining
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.shell.run import Phase, Run

@@ -16,7 +16,7 @@ from deploy.telemetry.scene.cast import Cast
 from deploy.telemetry.scene.thinned import Thinned
 from protocol.codec import DAMAGED
 from protocol.messages import Clock, GoalStatus, Health, Line, Message, Thing, Truth, Vector
-from protocol.requests.steering import Steering
+from protocol.operations import Steering
 from protocol.scenario.model import RobotSpec, Scenario
 
 # Of zenoh's admin space only `@/*/router` is asked for, one key per router: asking for everything (`@/**`)

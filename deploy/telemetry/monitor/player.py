@@ -11,9 +11,8 @@ from functools import partial
 from deploy.telemetry.monitor.live import View
 from deploy.telemetry.monitor.snapshot import Steerable
 from protocol.messages import Message
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.steering import Steer, Steering
-from protocol.scenario.model import Scenario
+from protocol.operations import Outcome, Steer, Steering
+from protocol.scenario.model import Operation, Scenario
 
 _NAP = 0.01  # s, longest wait before steering is looked at again
 
@@ -47,16 +46,10 @@ class Player(Steerable):
             self._steering.apply(steer)
         self._show()
 
-    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:  # noqa: ARG002
-        """See `Steerable.order`: what was recorded has happened."""
-        answer: Future[GoalReply] = Future()
-        answer.set_result(GoalReply(False, text="this is a recording: its robots go where they went"))
-        return answer
-
-    def halt(self, halt: bool) -> Future[str]:  # noqa: ARG002
-        """See `Steerable.halt`: there is nobody to stop."""
-        answer: Future[str] = Future()
-        answer.set_result("this is a recording: its robots have stood still since")
+    def operate(self, operation: Operation) -> Future[Outcome]:  # noqa: ARG002
+        """Refuse: what was recorded has happened."""
+        answer: Future[Outcome] = Future()
+        answer.set_result(Outcome(False, text="this is a recording: its robots go where they went"))
         return answer
 
     def close(self) -> None:

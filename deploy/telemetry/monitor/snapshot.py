@@ -12,8 +12,8 @@ from typing import Any
 from deploy.telemetry.monitor.live import ALARMS, RobotView, View
 from protocol.geometry import Disk, Shape
 from protocol.messages import Thing, Truth
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.steering import Steer
+from protocol.operations import Outcome, Steer
+from protocol.scenario.model import Operation
 
 _SAMPLES = 8  # of the past that a snapshot carries, at most
 
@@ -141,9 +141,5 @@ class Steerable(Source, ABC):
         """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
 
     @abstractmethod
-    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
-        """Send a robot elsewhere; what is accepted shows in a later snapshot."""
-
-    @abstractmethod
-    def halt(self, halt: bool) -> Future[str]:
-        """Have every robot stand at once, or release them; the text says why that failed, empty if not."""
+    def operate(self, operation: Operation) -> Future[Outcome]:
+        """Ask the world for an operation; what is accepted shows in a later snapshot."""

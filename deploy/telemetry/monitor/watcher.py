@@ -10,24 +10,23 @@ from concurrent.futures import Future
 from functools import partial
 from math import inf
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from deploy.telemetry.monitor.live import ROUTERS, View, router
 from deploy.telemetry.monitor.snapshot import Steerable
+from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import DAMAGED, decode
+from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.keys import checked_run, every_robot, parse, robot_key, robot_tokens, world_key, world_tokens
+from protocol.joining import Overview
+from protocol.keys import checked_run, every_robot, parse, robot_tokens, world_key, world_tokens
 from protocol.messages import AnyMessage
-from protocol.requests.form import read_reply
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.halt import Halt, Halted
-from protocol.requests.joining import Overview, decode_reply
-from protocol.requests.steering import Steer, Steering
+from protocol.operations import Outcome, Reply, Steer, Steering, decode_reply
+from protocol.scenario.model import Operation
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
@@ -37,8 +36,7 @@ PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
 _ASK_TIMEOUT = 2.0
 _UNANSWERED = "nobody answered: the world has gone, or the keys of this page are not an operator's"
-_NO_RUN = "there is no run yet to send a robot in"
-_NOBODY = "there is no run yet to stop"
+_NO_RUN = "there is no run yet"
 
 
 class Watcher(Steerable):
@@ -74,22 +72,13 @@ class Watcher(Steerable):
         """Wait for the owning thread to pass it on; see `Steerable.steer`."""
         self._wishes.put(partial(self._ask_for, steer))
 
-    def order(self, robot: int, order: GoalOrder) -> Future[GoalReply]:
-        """Wait for the owning thread to pass it on; see `Steerable.order`."""
-        answer: Future[GoalReply] = Future()
+    def operate(self, operation: Operation) -> Future[Outcome]:
+        """Wait for the owning thread to pass it on; see `Steerable.operate`."""
+        answer: Future[Outcome] = Future()
         if self._known:
-            self._wishes.put(lambda: answer.set_result(self._send(robot, order)))
+            self._wishes.put(lambda: answer.set_result(self._request(operation)))
         else:
-            answer.set_result(GoalReply(False, text=_NO_RUN))
-        return answer
-
-    def halt(self, halt: bool) -> Future[str]:
-        """Wait for the owning thread to pass it on; see `Steerable.halt`."""
-        answer: Future[str] = Future()
-        if self._known:
-            self._wishes.put(lambda: answer.set_result(self._hold_everybody(halt)))
-        else:
-            answer.set_result(_NOBODY)
+            answer.set_result(Outcome(False, text=_NO_RUN))
         return answer
 
     # -- on the thread that owns the bus
@@ -177,7 +166,9 @@ class Watcher(Steerable):
     def _present(self) -> Overview | None:
         """What the world says of its run; None if nobody answers."""
         try:
-            reply = decode_reply(self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0])
+            reply = joining.decode_reply(
+                self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
+            )
         except (BusError, MessageError):
             return None
         return reply if isinstance(reply, Overview) else None
@@ -190,36 +181,24 @@ class Watcher(Steerable):
                 return
             wish()
 
-    def _send(self, robot: int, order: GoalOrder) -> GoalReply:
+    def _request(self, operation: Operation) -> Outcome:
+        """The outcome of an operation; of several worlds, one that refuses it."""
         try:
-            key, request = robot_key(self._run, robot, "goal"), msgspec.msgpack.encode(order)
-            reply = read_reply(self._bus.ask(key, request, _ASK_TIMEOUT)[0], GoalReply, "goal")
+            key, request = world_key(self._run, "operation"), msgspec.msgpack.encode(operation)
+            replies = [decode_reply(each, Reply) for each in self._bus.ask(key, request, _ASK_TIMEOUT)]
         except (BusError, MessageError):
-            return GoalReply(False, text=_UNANSWERED)
-        status = reply.status
+            return Outcome(False, text=_UNANSWERED)
+        reply = min(replies, key=lambda each: each.accepted)
+        status = None if operation.goal is None else reply.goal(operation.goal.robot)
         if status is not None:
             self.change(lambda view, now: view.on_message(status, now))
         return reply
 
-    def _hold_everybody(self, halt: bool) -> str:
-        try:
-            key, request = world_key(self._run, "halt"), msgspec.msgpack.encode(Halt(halt))
-            replies = self._bus.ask(key, request, _ASK_TIMEOUT)
-            texts = {read_reply(reply, Halted, "halt").text for reply in replies}
-        except (BusError, MessageError):
-            return _UNANSWERED
-        return "; ".join(sorted(texts - {""}))
-
     def _ask_for(self, steer: Steer) -> None:
-        request: dict[str, Any] = {
-            name: value for name, value in msgspec.structs.asdict(steer).items() if value is not None
-        }
         try:
-            reply = self._bus.ask(
-                world_key(self._run, "steering"), msgspec.msgpack.encode(request), _ASK_TIMEOUT
-            )[0]
-            steering = msgspec.msgpack.decode(reply, type=Steering)
-        except (BusError, *DAMAGED):
+            key, request = world_key(self._run, "steering"), msgspec.msgpack.encode(steer)
+            steering = decode_reply(self._bus.ask(key, request, _ASK_TIMEOUT)[0], Steering)
+        except (BusError, MessageError):
             return  # the world has gone, or is of another version: its controls stay as they are shown
         self.change(lambda view, _: setattr(view, "steering", steering))
 

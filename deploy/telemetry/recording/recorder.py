@@ -12,12 +12,12 @@ from math import inf
 
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.recording.writer_process import Writer
+from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError, RecordingError
 from protocol.keys import robot_key, world_key, world_tokens
 from protocol.messages import Result
-from protocol.requests import joining
 from protocol.scenario.model import Scenario
 
 PATIENCE = 30.0  # s that the world may take to appear

@@ -7,8 +7,8 @@ from dataclasses import replace
 from agents.shell.subscriptions import Subscriptions
 from deploy.library.load import load
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.joining import Admission
 from protocol.keys import robot_key
-from protocol.requests.joining import Admission
 from protocol.scenario.model import Network
 
 PERIOD = 5  # ticks

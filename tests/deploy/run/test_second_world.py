@@ -15,13 +15,14 @@ from deploy.run.operator import Operator, operating
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.errors import BusError
-from protocol.requests.goals import GoalOrder
+from protocol.scenario.model import Journey, Operation
 from world.process import REFUSED
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(120)]
 
 SCENARIO = load("swap-2", ["time.endless=true"])
-ASIDE = GoalOrder(((0.1, 0.1), (-0.1, 0.1)), patrol=True)
+ASIDE = Operation(goal=Journey(1, ((0.1, 0.1), (-0.1, 0.1)), patrol=True))
+RELEASE = Operation(halt=False)
 
 
 def rows(connection: Connection, run: str) -> list[table.Process]:
@@ -46,13 +47,13 @@ def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterato
     supervisor.start(rows(connection, run))
     with operating(connection, run) as operator:
         until(lambda: begun(operator))
-        assert operator.order(1, ASIDE).accepted
+        assert operator.operate(ASIDE).accepted
         yield operator
 
 
 def begun(operator: Operator) -> bool:
     try:
-        return operator.halt().tick > 0
+        return operator.operate().tick > 0
     except BusError:
         return False
 
@@ -70,8 +71,8 @@ def test_a_second_world_is_refused_and_every_stop_reaches_the_first(
                 while not (exits := others.poll(0.01)):
                     stopped = operator.stop(10.0)
                     assert (stopped.halted, stopped.moving) == (True, ())
-                    assert operator.halt().halted
-                    assert not operator.halt(False).halted
+                    assert operator.operate().halted
+                    assert not operator.operate(RELEASE).halted
                 assert [exit_.code for exit_ in exits] == [REFUSED]
             assert supervisor.running() == ["router", "world", "robot-1", "robot-2"]
     said = [line for line in capfd.readouterr().err.splitlines() if "another world" in line]
@@ -89,12 +90,12 @@ def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(
         here, there = router(first), router(second)
         with driving(first, here, run) as operator, driving(second, there, run):
             router(link, *here.connect, *there.connect)
-            until(lambda: operator.halt().halted)
+            until(lambda: operator.operate().halted)
             assert f"2 worlds of run {run!r}" in caplog.text
-            assert operator.halt(False).text.startswith("another world of this run")
-            assert operator.halt().halted
+            assert operator.operate(RELEASE).text.startswith("another world of this run")
+            assert operator.operate().halted
             second.stop()
-            until(lambda: not operator.halt().halted)
+            until(lambda: not operator.operate().halted)
 
 
 def test_a_world_that_is_started_again_takes_the_place_of_a_dead_one() -> None:

@@ -58,9 +58,7 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
-        answers = role == "world" and key.endswith(
-            ("/scenario", "/steering", "/join", "/goal", "/halt", "/fleet", "/things")
-        )
+        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/operation"))
         assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
 
 
@@ -74,9 +72,8 @@ def test_a_token_stands_for_oneself(role: str) -> None:
 
 
 def test_only_an_operator_sends_robots_elsewhere() -> None:
-    goal = robot_key("demo", 1, "goal")
-    assert [role for role in ROSTER.roles[1:] if allowed(role, "query", goal)] == ["operator"]
-    assert [r for r in ROSTER.roles[1:] if allowed(r, "query", world_key("demo", "halt"))] == ["operator"]
+    operation = world_key("demo", "operation")
+    assert [role for role in ROSTER.roles[1:] if allowed(role, "query", operation)] == ["operator"]
     assert all(allowed("operator", "query", world_key("demo", name)) for name in ("scenario", "steering"))
 
 

@@ -78,10 +78,7 @@ def requests(own: int | None) -> dict[str, bytes]:
     pack = msgspec.msgpack.encode
     other = next(robot for robot in SCENARIO.ids if robot != own)
     return {
-        world_key(RUN, "halt"): pack({"halt": True}),
-        world_key(RUN, "fleet"): pack({"remove": other}),
-        world_key(RUN, "things"): pack({"place": {"center": [0.0, 0.0], "radius": 0.02}}),
-        robot_key(RUN, other, "goal"): pack({"points": [[0.1, 0.1]]}),
+        world_key(RUN, "operation"): pack({"halt": True}),
         robot_key(RUN, other, "join"): b"",
     }
 

@@ -9,11 +9,11 @@ from random import Random
 import msgspec
 
 from deploy.library.demonstrations import crash
+from protocol import joining
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import Health
-from protocol.requests import joining
-from protocol.requests.steering import Steer, decode_steer
+from protocol.operations import Steer, decode_steer
 from tests.campaigns.faults import fault_scenario
 from tests.fuzz.mutation import damaged_message
 from tests.fuzz.target import Target

@@ -31,8 +31,7 @@ _EVENTS = (
     f"disknav/{_RUN}/robot/alive",
     f"disknav/{_RUN}/robot/1/2/3/4/5/alive", f"disknav/{_RUN}/robot/*/command", f"disknav/{_RUN}/**", "**",
     f"disknav/{_RUN}/world/scenario", f"disknav/{_RUN}/world/control", f"disknav/{_RUN}/world/alive/1",
-    f"disknav/{_RUN}/world/*", "@/router/alive", "", f"disknav/{_RUN}/robot/1/goal",
-    f"disknav/{_RUN}/world/halt", f"disknav/{_RUN}/world/fleet", f"disknav/{_RUN}/world/things",
+    f"disknav/{_RUN}/world/*", "@/router/alive", "", f"disknav/{_RUN}/world/operation",
 )  # fmt: skip
 _Drawn = tuple[str, str, bytes]  # what happens, under which key, with what
 

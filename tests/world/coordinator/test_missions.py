@@ -8,15 +8,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.errors import MessageError
 from protocol.messages import Command, GoalStatus, Standing, Vector
-from protocol.requests.form import encode_reply, is_json
-from protocol.requests.goals import LIMIT, MOST_POINTS, GoalOrder, GoalReply, decode_order
+from protocol.operations import Outcome
+from protocol.scenario.model import MOST_POINTS, Journey, Operation
 from tests.world.driving import STEP, advance, joined, two
 from world.coordinator.missions import Missions
 from world.world import World
 
 HERE, THERE = (0.05, 0.15), (-0.05, 0.15)
+
+
+def order(world: World, journey: Journey) -> Outcome:
+    return world.operate(Operation(goal=journey))
+
+
+def status(world: World) -> GoalStatus:
+    return world.goal_statuses()[0]
 
 
 def drive(world: World, most: int = 400) -> list[GoalStatus]:
@@ -36,9 +43,8 @@ def drive(world: World, most: int = 400) -> list[GoalStatus]:
 
 def test_point_after_point() -> None:
     world = joined(two())
-    assert world.order(1, GoalOrder((HERE, THERE))) == GoalReply(
-        True, 1, status=GoalStatus(1, 0, 1, "under way", HERE, 1)
-    )
+    assert order(world, Journey(1, (HERE, THERE))) == Outcome(True, 1)
+    assert status(world) == GoalStatus(1, 0, 1, "under way", HERE, 1)
     said = drive(world)
     assert [(each.status, each.goal, each.ahead) for each in said] == [
         ("under way", HERE, 1),
@@ -46,21 +52,21 @@ def test_point_after_point() -> None:
         ("arrived", THERE, 0),
     ]
     assert math.dist(world.truth.positions[0], THERE) <= 0.005
-    assert world.goal_status(1) == said[-1]
+    assert status(world) == said[-1]
 
 
 def test_a_queued_order_waits_and_another_replaces() -> None:
     world = joined(two())
-    world.order(1, GoalOrder((HERE,)))
-    queued = world.order(1, GoalOrder((THERE,), queue=True))
-    assert (queued.number, queued.status.goal, queued.status.ahead) == (2, HERE, 1)
-    replaced = world.order(1, GoalOrder((THERE,)))
-    assert (replaced.number, replaced.status.goal, replaced.status.ahead) == (3, THERE, 0)
+    order(world, Journey(1, (HERE,)))
+    queued = order(world, Journey(1, (THERE,), queue=True))
+    assert (queued.number, status(world).goal, status(world).ahead) == (2, HERE, 1)
+    replaced = order(world, Journey(1, (THERE,)))
+    assert (replaced.number, status(world).goal, status(world).ahead) == (3, THERE, 0)
 
 
 def test_a_patrol_has_no_end_and_keeps_the_run_open() -> None:
     world = joined(two())
-    world.order(1, GoalOrder((HERE, THERE), patrol=True))
+    order(world, Journey(1, (HERE, THERE), patrol=True))
     said = drive(world, 120)
     assert len(said) > 4
     assert {each.goal for each in said} == {HERE, THERE}
@@ -70,21 +76,22 @@ def test_a_patrol_has_no_end_and_keeps_the_run_open() -> None:
 
 def test_cancelling_stays_and_giving_up_does_too() -> None:
     world = joined(two())
-    world.order(1, GoalOrder((HERE,)))
+    order(world, Journey(1, (HERE,)))
     advance(world, {1: (0.05, 0.0)})
     place = world.truth.positions[0]
-    assert world.order(1, GoalOrder(())).status == GoalStatus(1, 1, 2, "cancelled", place)
-    world.order(1, GoalOrder((HERE,), within=3 * STEP))
+    order(world, Journey(1, ()))
+    assert status(world) == GoalStatus(1, 1, 2, "cancelled", place)
+    order(world, Journey(1, (HERE,), within=3 * STEP))
     for _ in range(3):
         advance(world)
-    assert world.goal_status(1) == GoalStatus(1, 4, 3, "given up", place)
+    assert status(world) == GoalStatus(1, 4, 3, "given up", place)
     assert world.open_tick()[1].goal == place
 
 
 def test_the_straight_way_begins_where_the_order_came() -> None:
     world = joined(two())
     advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
-    world.order(1, GoalOrder((HERE,)))
+    order(world, Journey(1, (HERE,)))
     drive(world)
     lengths = world.report()["path_lengths"]
     straight = 0.005 + math.dist((-0.095, 0.1), HERE) + 0.2
@@ -93,31 +100,31 @@ def test_the_straight_way_begins_where_the_order_came() -> None:
 
 def test_what_cannot_be_is_refused_by_reason_and_changes_nothing() -> None:
     world = joined(two())
-    before = world.goal_status(1)
-    for robot, order, reason in (
-        (3, GoalOrder((HERE,)), "no robot 3"),
-        (1, GoalOrder(((0.28, 0.0),)), "0.02 m out of the workspace"),
-        (1, GoalOrder((HERE, (0.0, -0.3))), "out of the workspace"),
-        (1, GoalOrder((), patrol=True), "leave out"),
+    before = status(world)
+    for journey, reason in (
+        (Journey(3, (HERE,)), "no robot 3"),
+        (Journey(1, ((0.28, 0.0),)), "0.02 m out of the workspace"),
+        (Journey(1, (HERE, (0.0, -0.3))), "out of the workspace"),
+        (Journey(1, (), patrol=True), "leave out"),
     ):
-        reply = world.order(robot, order)
+        reply = order(world, journey)
         assert not reply.accepted
         assert reason in reply.text
-    assert (world.goal_status(1), world.goal_news()) == (before, [])
-    full = GoalOrder((HERE,) * MOST_POINTS)
-    assert world.order(1, full).accepted
-    assert "at most" in world.order(1, GoalOrder((THERE,), queue=True)).text
+    assert (status(world), world.goal_news()) == (before, [])
+    full = Journey(1, (HERE,) * MOST_POINTS)
+    assert order(world, full).accepted
+    assert "at most" in order(world, Journey(1, (THERE,), queue=True)).text
 
 
 def test_a_disk_that_stands_is_in_the_way_of_others_only() -> None:
     missions = Missions(two())
     down = [Standing(2, 1, HERE)]
-    assert "robot 2 is down and stands there" in missions.refusal(1, GoalOrder((HERE,)), down)
-    assert missions.refusal(2, GoalOrder((HERE,)), down) == ""
+    assert "robot 2 is down and stands there" in missions.refusal(Journey(1, (HERE,)), down)
+    assert missions.refusal(Journey(2, (HERE,)), down) == ""
 
 
 def test_a_goal_upon_anothers_is_accepted_with_a_warning() -> None:
-    reply = joined(two()).order(1, GoalOrder(((0.1, -0.05),)))
+    reply = order(joined(two()), Journey(1, ((0.1, -0.05),)))
     assert reply.accepted
     assert "robot 2" in reply.text
 
@@ -127,7 +134,7 @@ def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
     advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
     before = world.truth.positions
     world.open_tick()
-    world.halt(True)  # in the middle of a tick, with commands on their way
+    world.operate(Operation(halt=True))  # in the middle of a tick, with commands on their way
     for robot in world.coordinator.active:
         world.accept(Command(robot, 1, 1, (0.1, 0.0)))
     world.close_tick()
@@ -135,7 +142,7 @@ def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
         assert world.open_tick()[1].halted
         advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
     assert (world.truth.positions, world.verdict) == (before, "")
-    world.halt(False)
+    world.operate(Operation(halt=False))
     assert not world.open_tick()[1].halted
     advance(world, {1: (0.1, 0.0)})
     assert world.truth.positions[0] == (before[0][0] + 0.1 * STEP, before[0][1])
@@ -148,44 +155,19 @@ points = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 def test_whatever_is_accepted_lies_within_reach(orders: list[tuple[list[Vector], bool, bool]]) -> None:
     missions, number = Missions(two()), 0
     for given_points, queue, patrol in orders:
-        order = GoalOrder(tuple(given_points), queue=queue, patrol=patrol)
+        journey = Journey(1, tuple(given_points), queue=queue, patrol=patrol)
         inside = all(math.hypot(*point) + 0.04 < 0.3 for point in given_points)
-        accepted = missions.refusal(1, order, ()) == ""
+        accepted = missions.refusal(journey, ()) == ""
         assert accepted == (inside and (bool(given_points) or not (queue or patrol)))
         if accepted:
             number += 1
-            assert missions.accept(1, order, 0, (0.0, 0.0)).number == number
+            assert missions.accept(journey, 0, (0.0, 0.0)).number == number
             assert missions.pending == bool(given_points)
-
-
-@pytest.mark.parametrize(
-    ("payload", "reason"),
-    [
-        (b"\xc1", "shape"),
-        (b"{", "shape"),
-        (b'{"points": [[0, NaN]]}', "shape"),
-        (b'{"points": [[0, 1]], "patrole": true}', "shape"),
-        (b'{"points": [[0, 1]], "within": 0}', "shape"),
-        (b"\x81\xa6points\x91\x92\xcb\x7f\xf0\x00\x00\x00\x00\x00\x00\x00", "shape"),
-        (b" " * (LIMIT + 1), "oversize"),
-    ],
-)
-def test_malformed_orders_are_refused_for_their_reason(payload: bytes, reason: str) -> None:
-    with pytest.raises(MessageError) as raised:
-        decode_order(payload)
-    assert raised.value.reason == reason
-
-
-def test_people_may_write_json_and_get_json() -> None:
-    request = b'{"points": [[0.1, -0.2]], "queue": true}'
-    assert decode_order(request) == GoalOrder(((0.1, -0.2),), queue=True)
-    assert decode_order(b"") is None
-    assert is_json(encode_reply(GoalReply(True, 4), request))
 
 
 def test_a_goal_is_told_until_the_robot_has_commanded_and_to_its_next_life_again() -> None:
     world = joined(two())
-    world.order(1, GoalOrder((HERE,)))
+    order(world, Journey(1, (HERE,)))
     for _ in range(3):
         assert world.open_tick()[1].goal == HERE
         world.close_tick()  # nobody commands: it may not have heard

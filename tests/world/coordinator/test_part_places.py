@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from protocol.messages import Command, Handling, PartPlace, Vector
-from protocol.scenario.model import Part, RobotSpec, Time, Workspace
+from protocol.scenario.model import Operation, Part, RobotSpec, Time, Workspace
 from tests.world.driving import joined, scenario
 from world.world import World
 
@@ -77,7 +77,7 @@ def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
 
 def test_nobody_handles_parts_in_an_emergency_stop() -> None:
     found = world()
-    found.halt(True)
+    found.operate(Operation(halt=True))
     tick(found, {1: TAKE})
     assert where(found).carrier == 0
 
@@ -115,15 +115,15 @@ def test_who_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
 
 def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
     found = world()
-    assert "is part 1" in found.remove_thing(1).text
+    assert "is part 1" in found.operate(Operation(take=1)).text
     tick(found, {1: TAKE})
-    assert found.remove(1) == "robot 1 carries part 1"
+    assert found.operate(Operation(remove=1)).text == "robot 1 carries part 1"
 
 
 def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
     found = world()
     told = found.open_tick()
-    assert found.remove(1) == ""
+    assert found.operate(Operation(remove=1)).text == ""
     assert found.accept(Command(1, told[1].incarnation, found.tick, (0.0, 0.0), handles=TAKE))
     found.close_tick()
     assert found.coordinator.lives.status_of(1) == "gone"
@@ -132,10 +132,10 @@ def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
 
 def test_whoever_is_added_is_with_a_part_the_larger_of_its_own_disk_and_that() -> None:
     found = world()
-    assert found.remove(1) == ""
+    assert found.operate(Operation(remove=1)).text == ""
     larger = RobotSpec(1, 1.5 * LARGE, (0.095, 0.13), (0.3, 0.3))
     guest = RobotSpec(3, SMALL, (0.095, -0.095), (0.3, -0.3))
-    assert found.add(larger) == found.add(guest) == ""
+    assert all(found.operate(Operation(add=spec)).accepted for spec in (larger, guest))
     tick(found)
     tick(found)
     for robot in (1, 3):

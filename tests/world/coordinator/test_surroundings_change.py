@@ -11,15 +11,14 @@ from agents.robot import Robot
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import Command, Roster, Thing, Tick
-from protocol.requests.things import ThingOrder
-from protocol.scenario.model import RobotSpec, Workspace
+from protocol.scenario.model import Operation, RobotSpec, Workspace
 from protocol.scenario.model import Thing as Listed
 from tests.world.driving import advance, joined, scenario
 from world.shell.run import Run
 from world.world import World
 
 BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
-WALL = ThingOrder(points=((0.0, 0.1), (0.01, 0.1), (0.01, 0.2), (0.0, 0.2)))
+WALL = Listed(points=((0.0, 0.1), (0.01, 0.1), (0.01, 0.2), (0.0, 0.2)))
 
 
 def world() -> World:
@@ -40,7 +39,7 @@ def statuses(found: World) -> dict[int, str]:
 
 def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
     found = world()
-    reply = found.add_thing(WALL)
+    reply = found.operate(Operation(place=WALL))
     assert (reply.accepted, reply.number) == (True, 2)
     told = found.open_tick()
     assert statuses(found) == {2: "appearing"}
@@ -55,44 +54,43 @@ def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
 
 def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
     found = world()
-    assert found.remove_thing(1).accepted
+    assert found.operate(Operation(take=1)).accepted
     assert statuses(found) == {1: "gone"}
     for _ in range(4):
         advance(found, {1: (0.1, 0.03)})
-    assert not found.remove_thing(1).accepted
-    assert "no thing 1" in found.remove_thing(1).text
+    assert not found.operate(Operation(take=1)).accepted
+    assert "no thing 1" in found.operate(Operation(take=1)).text
     assert found.report()["collisions"] == 0
 
 
 def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
     found = world()
-    number = found.add_thing(ThingOrder(center=(-0.3, 0.0), radius=0.02)).number
+    number = found.operate(Operation(place=Listed(center=(-0.3, 0.0), radius=0.02))).number
     advance(found)
     advance(found)
     for _ in range(10):
         advance(found, {1: (0.1, 0.0)})
     assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
-    found.remove_thing(number)
+    found.operate(Operation(take=number))
     assert found.coordinator.lives.things.changes == ()
 
 
 @pytest.mark.parametrize(
     ("order", "words"),
     [
-        (ThingOrder(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))), "is not convex at point 3"),
-        (ThingOrder(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "crosses itself"),
-        (ThingOrder(center=(0.0, 0.0)), "needs `center` and `radius`, or `points`"),
-        (ThingOrder(center=(0.0, 0.0), radius=float("nan")), "not of reasonable size"),
-        (ThingOrder(center=(0.0, 0.0), radius=1.0, points=BOX), "not both"),
-        (ThingOrder(center=(2.0, 0.0), radius=0.1), "outside of the workspace"),
-        (ThingOrder(center=(-0.4, 0.05), radius=0.02), "overlaps robot 1 by 0.01 m"),
+        (Listed(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))), "is not convex at point 3"),
+        (Listed(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "crosses itself"),
+        (Listed(center=(0.0, 0.0)), "must be a disk, with `center` and `radius`, or"),
+        (Listed(center=(0.0, 0.0), radius=1.0, points=BOX), "must be a disk"),
+        (Listed(center=(2.0, 0.0), radius=0.1), "outside of the workspace"),
+        (Listed(center=(-0.4, 0.05), radius=0.02), "overlaps robot 1 by 0.01 m"),
     ],
 )
-def test_a_refusal_says_why_and_changes_nothing(order: ThingOrder, words: str) -> None:
+def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> None:
     found = world()
     version, noted = found.coordinator.lives.version, []
     found.coordinator.note = noted.append
-    reply = found.add_thing(order)
+    reply = found.operate(Operation(place=order))
     assert not reply.accepted
     assert words in reply.text
     assert (found.coordinator.lives.version, found.coordinator.lives.things.changes, noted) == (
@@ -104,11 +102,11 @@ def test_a_refusal_says_why_and_changes_nothing(order: ThingOrder, words: str) -
 
 def test_before_the_first_tick_nothing_is_added() -> None:
     fresh = World(scenario(((-0.1, 0.0), (0.1, 0.0))))
-    assert fresh.add_thing(WALL).text == "the run has not begun"
+    assert fresh.operate(Operation(place=WALL)).text == "the run has not begun"
 
 
 def test_a_thing_on_a_goal_is_accepted_with_a_warning() -> None:
-    reply = world().add_thing(ThingOrder(center=(0.4, 0.05), radius=0.02))
+    reply = world().operate(Operation(place=Listed(center=(0.4, 0.05), radius=0.02)))
     assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
 
 
@@ -119,7 +117,7 @@ def test_a_robot_in_the_way_gets_off_before_it_acknowledges() -> None:
     found.coordinator.give_up_waiting(2)
     found.open_tick()
     found.close_tick()
-    found.coordinator.lives.announce(ThingOrder(center=(0.02, 0.0), radius=0.02).shape)
+    found.coordinator.lives.announce(Listed(center=(0.02, 0.0), radius=0.02).shape)
     kept = []
     for _ in range(20):
         robot.begin(found.open_tick()[1])

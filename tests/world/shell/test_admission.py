@@ -11,8 +11,7 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
 from protocol.errors import BusError, JoinError, MessageError
-from protocol.messages import Health
-from protocol.requests.joining import (
+from protocol.joining import (
     Admission,
     Finished,
     Join,
@@ -22,6 +21,7 @@ from protocol.requests.joining import (
     decode_request,
     encode_request,
 )
+from protocol.messages import Health
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.coordinator.life import Life, Status

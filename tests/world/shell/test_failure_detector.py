@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import pytest
 
+from protocol.joining import Join
 from protocol.messages import Command, Tick
-from protocol.requests.joining import Join
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import json
 
+import msgspec
 import pytest
 
 from deploy.library.load import load
 from protocol.bus.bus import Request
 from protocol.bus.local import LocalNetwork
+from protocol.operations import is_json
 from world.shell.node import WorldNode
 
 ASKED = (
-    ("robot/2/goal", {"points": [[0.05, 0.02]]}),
-    ("robot/2/goal", {"points": [[9.0, 0.0]]}),
-    ("world/fleet", {"remove": 1}),
-    ("world/things", {"place": {"center": [0.0, 0.25], "radius": 0.01}}),
-    ("world/halt", {"halt": True}),
-    ("world/halt", {"halt": True}),
-    ("world/halt", {"halt": False}),
-    ("world/halt", {}),
+    {"goal": {"robot": 2, "points": [[0.05, 0.02]]}},
+    {"goal": {"robot": 2, "points": [[9.0, 0.0]]}},
+    {"remove": 1},
+    {"place": {"center": [0.0, 0.25], "radius": 0.01}},
+    {"halt": True},
+    {"halt": True},
+    {"halt": False},
+    {},
 )
 
 
@@ -29,9 +31,9 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     bus = LocalNetwork().connect()
     world = WorldNode(bus, "r", [load("swap-2")], say=said.append, note=noted.append)
     replies: list[bytes] = []
-    for key, request in ASKED:
+    for request in ASKED:
         payload = json.dumps(request).encode() if request else b""
-        world.handle(Request(f"disknav/r/{key}", payload, replies.append))
+        world.handle(Request("disknav/r/world/operation", payload, replies.append))
     assert len(replies) == len(ASKED)
     assert said == ["tick 0: emergency stop", "tick 0: released"]
     assert noted[0] == "tick 0: robot 2 is sent to [(0.05, 0.02)]"
@@ -42,13 +44,18 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stream", "payload"),
-    [("things", b'{"tak": 99}'), ("fleet", b'{"ad": 1}'), ("halt", b'{"halt": 1}'), ("fleet", b"{")],
+    "payload", [b'{"tak": 99}', b'{"halt": 1}', b"{", b"\xc1", b'{"take": 1, "remove": 1}']
 )
-def test_what_is_no_request_is_answered_in_its_form(stream: str, payload: bytes) -> None:
+def test_a_malformed_operation_is_refused_in_its_form(payload: bytes) -> None:
     world = WorldNode(LocalNetwork().connect(), "r", [load("swap-2")])
     replies: list[bytes] = []
-    world.handle(Request(f"disknav/r/world/{stream}", payload, replies.append))
-    reply = json.loads(replies[0])
-    assert reply.get("reply") == "refused" or reply["accepted"] is False
-    assert stream in reply["text"]
+    world.handle(Request("disknav/r/world/operation", payload, replies.append))
+    reply = json.loads(replies[0]) if is_json(payload) else msgspec.msgpack.decode(replies[0])
+    assert (reply["accepted"], reply["text"][:10]) == (False, "operation:")
+
+
+def test_what_nothing_can_be_asked_for_under_is_refused() -> None:
+    world = WorldNode(LocalNetwork().connect(), "r", [load("swap-2")])
+    replies: list[bytes] = []
+    world.handle(Request("disknav/r/world/things", b"{}", replies.append))
+    assert json.loads(replies[0])["reply"] == "refused"

@@ -11,14 +11,14 @@ from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
+from protocol import joining
 from protocol.bus.bus import Request, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, Tick
-from protocol.requests.form import read_reply
-from protocol.requests.halt import Halt, Halted
-from protocol.requests.joining import Join, decode_reply, encode_request
+from protocol.operations import Reply, decode_reply
+from protocol.scenario.model import Operation
 from world.shell import node as shell
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD
@@ -32,11 +32,11 @@ def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shell, "drawn_epoch", itertools.count(1).__next__)
 
 
-def asked(world: WorldNode, halt: bool | None = None) -> Halted:
+def asked(world: WorldNode, halt: bool | None = None) -> Reply:
     replies: list[bytes] = []
-    payload = b"" if halt is None else msgspec.msgpack.encode(Halt(halt))
-    world.handle(Request(world_key("local", "halt"), payload, replies.append))
-    return read_reply(replies[0], Halted, "halt")
+    payload = b"" if halt is None else msgspec.msgpack.encode(Operation(halt=halt))
+    world.handle(Request(world_key("local", "operation"), payload, replies.append))
+    return decode_reply(replies[0], Reply)
 
 
 def go(fleet: LocalFleet, ticks: int) -> None:
@@ -55,7 +55,8 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     assert fleet.world.world.coordinator.halted
     assert said == [f"tick 10: {OTHER_WORLD}"]
     before = fleet.world.world.simulation.places
-    assert asked(fleet.world, halt=False) == Halted(True, fleet.world.world.tick, (), OTHER_WORLD)
+    released = asked(fleet.world, halt=False)
+    assert (released.accepted, released.halted, released.text) == (False, True, OTHER_WORLD)
     go(fleet, 5)
     assert fleet.world.world.simulation.places == before
     bus.close()
@@ -74,7 +75,7 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     go(fleet, 3)
     bus.close()
     go(fleet, 3)
-    assert asked(fleet.world) == Halted(True, fleet.world.world.tick)
+    assert (asked(fleet.world).halted, asked(fleet.world).moving) == (True, ())
     assert not asked(fleet.world, halt=False).halted
 
 
@@ -162,7 +163,7 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
 class Answers:
     """A bus on which worlds answer as they are told."""
 
-    def __init__(self, *rounds: tuple[Halted, ...]) -> None:
+    def __init__(self, *rounds: tuple[Reply, ...]) -> None:
         self.rounds = list(rounds)
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
@@ -174,8 +175,8 @@ class Answers:
 
 def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     said: list[str] = []
-    moving, stands = Halted(True, 4, (2,)), Halted(True, 5)
-    bus = Answers((moving,), (stands, Halted(False, 9)), (stands, moving), (stands, stands))
+    moving, stands = Reply(True, tick=4, halted=True, moving=(2,)), Reply(True, tick=5, halted=True)
+    bus = Answers((moving,), (stands, Reply(True, tick=9, halted=False)), (stands, moving), (stands, stands))
     told = Operator(bus, "r", said.append).stop(60.0)  # type: ignore[arg-type]
     assert told == stands
     assert len(bus.rounds) == 1
@@ -183,7 +184,9 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
 
 
 def test_a_stop_that_has_no_effect_names_who_moves() -> None:
-    bus = Answers((Halted(True, 4, (2, 3)), Halted(True, 4, (3, 7))))
+    bus = Answers(
+        (Reply(True, tick=4, halted=True, moving=(2, 3)), Reply(True, tick=4, halted=True, moving=(3, 7)))
+    )
     told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
     assert (told.halted, told.moving) == (True, (2, 3, 7))
 
@@ -191,6 +194,6 @@ def test_a_stop_that_has_no_effect_names_who_moves() -> None:
 def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
     world = WorldNode(LocalNetwork().connect(), "local", [SWAP])
     replies: list[bytes] = []
-    request = encode_request(Join(1, "a/b"))
+    request = joining.encode_request(joining.Join(1, "a/b"))
     world.handle(Request(robot_key("local", 1, "join"), request, replies.append))
-    assert "session" in decode_reply(replies[0]).text  # type: ignore[union-attr]
+    assert "session" in joining.decode_reply(replies[0]).text  # type: ignore[union-attr]

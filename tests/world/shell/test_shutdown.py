@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from protocol.joining import Finished, Join, Reply, Wait
 from protocol.messages import Health
-from protocol.requests.joining import Finished, Join, Reply, Wait
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions

@@ -10,23 +10,17 @@ from typing import Any, NamedTuple
 
 from protocol.errors import JoinError, JournalError
 from protocol.messages import Command
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Operation, Scenario
 from world.coordinator.inputs import (
-    Added,
     Closed,
     Contested,
     Ended,
     Expected,
     GivenUp,
-    Halted,
     Input,
     Joined,
     Lost,
     Opened,
-    Ordered,
-    Placed,
-    Removed,
-    TakenAway,
 )
 from world.shell.persistence.journal import Began, Journal, Seated
 from world.shell.persistence.snapshot import Snapshot, restored
@@ -133,12 +127,7 @@ _FOLLOW: dict[type, Callable[[World, Any], bool]] = {
     Lost: _always(lambda world, entry: world.coordinator.lost(entry.robot, entry.reason)),
     Expected: lambda world, entry: world.coordinator.expect(entry.robot),
     GivenUp: _always(lambda world, entry: world.coordinator.give_up_waiting(entry.robot, entry.reason)),
-    Ordered: lambda world, entry: world.order(entry.robot, entry.order).accepted,
-    Placed: lambda world, entry: world.add_thing(entry.order).accepted,
-    TakenAway: lambda world, entry: world.remove_thing(entry.number).accepted,
-    Halted: _always(lambda world, entry: world.halt(entry.halted)),
+    Operation: lambda world, entry: world.operate(entry).accepted,
     Contested: _always(lambda world, entry: world.contest(entry.contested)),
-    Added: lambda world, entry: not world.add(entry.spec),
-    Removed: lambda world, entry: not world.remove(entry.robot),
     Ended: _always(lambda world, entry: world.finish(entry.verdict, entry.reason)),
 }

@@ -21,9 +21,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.codec import DAMAGED
-from protocol.messages import Id
-from protocol.requests.goals import GoalOrder, GoalReply
-from protocol.requests.steering import Steer
+from protocol.errors import MessageError
+from protocol.operations import Outcome, read_operation, read_steer
+from protocol.scenario.model import Operation
 
 FRAME_PERIOD = 0.05  # s
 _REST = 0.01  # s between two looks at least
@@ -96,21 +96,6 @@ _HEADERS = {
 _ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
 _ANSWER = 10.0  # s that the source may take over an order
 _SILENCE = "no answer from the run; the order may yet reach it"
-_UNANSWERED = GoalReply(False, text=_SILENCE)
-
-
-class Directed(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Who is to go where."""
-
-    robot: Id
-    order: GoalOrder
-
-
-class Asked(Steer, frozen=True):
-    """What a viewer may ask for: steering, where one robot is to go, and an emergency stop or its release."""
-
-    goal: Directed | None = None
-    halt: bool | None = None
 
 
 class FixedHeaders:
@@ -187,40 +172,28 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
         await asyncio.sleep(0)  # what has arrived is read without a pause: nobody else would have a turn
         try:
             text = await socket.receive_text()
-            asked = msgspec.json.decode(text, type=Asked)
+            asked = msgspec.json.decode(text)
             if not may_steer:
                 await _tell(socket, "refused", text=_ONLY_LOOKS)
-            elif asked.halt is not None:
-                tasks.create_task(_halt(socket, source, asked.halt))
-            elif asked.goal is not None:
-                tasks.create_task(_order(socket, source, asked.goal))
+            elif isinstance(asked, dict) and "steer" in asked:
+                source.steer(read_steer(asked["steer"]))
             else:
-                source.steer(Steer(asked.pause, asked.step, asked.speed))
+                tasks.create_task(_operate(socket, source, read_operation(asked)))
         except WebSocketDisconnect:
             return
-        except (*DAMAGED, KeyError) as error:
+        except (*DAMAGED, MessageError, KeyError) as error:
             await _tell(socket, "refused", text=str(error))
 
 
-async def _halt(socket: WebSocket, source: Steerable, halt: bool) -> None:
-    """Pass on an emergency stop or its release; frames tell that it is in force."""
+async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
+    """Pass on an operation, and say what came of it."""
     try:
         async with asyncio.timeout(_ANSWER):
-            refusal = await asyncio.wrap_future(source.halt(halt))
+            outcome = await asyncio.wrap_future(source.operate(operation))
     except TimeoutError:
-        refusal = _SILENCE
-    await _tell(socket, "halted", text=refusal)
-
-
-async def _order(socket: WebSocket, source: Steerable, directed: Directed) -> None:
-    """Pass on where a robot is to go, and say what was answered."""
-    try:
-        async with asyncio.timeout(_ANSWER):
-            reply = await asyncio.wrap_future(source.order(directed.robot, directed.order))
-    except TimeoutError:
-        reply = _UNANSWERED
-    told = {"robot": directed.robot, "points": directed.order.points}
-    await _tell(socket, "answer", **told, accepted=reply.accepted, text=reply.text)
+        outcome = Outcome(False, text=_SILENCE)
+    asked = {action: getattr(operation, action) for action in operation.asked}
+    await _tell(socket, "answer", asked=asked, accepted=outcome.accepted, text=outcome.text)
 
 
 async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:

@@ -14,6 +14,7 @@ from agents.shell.node import RobotNode
 from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
+from protocol import joining
 from protocol.bus.bus import Event
 from protocol.bus.connection import Connection
 from protocol.bus.loop import drive
@@ -21,7 +22,6 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import robot_key
 from protocol.messages import State
-from protocol.requests import joining
 from protocol.scenario.model import Scenario
 from protocol.streams import Stream
 

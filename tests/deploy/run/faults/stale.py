@@ -12,8 +12,8 @@ from agents.shell.node import RobotNode
 from deploy.run.local import FaultInjector, LocalFleet
 from protocol.bus.bus import Event, Request
 from protocol.bus.local import LocalBus
+from protocol.joining import Join, Reply, decode_reply, encode_request
 from protocol.keys import robot_key
-from protocol.requests.joining import Join, Reply, decode_reply, encode_request
 from protocol.scenario.model import ProcessFault, RobotSpec
 from tests.deploy.run.orders.guests import SWAP
 from world.coordinator.life import Life

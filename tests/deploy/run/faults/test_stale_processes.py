@@ -12,7 +12,7 @@ import pytest
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Presence
-from protocol.requests.joining import Admission, Finished, Reply, Wait
+from protocol.joining import Admission, Finished, Reply, Wait
 from protocol.scenario.model import Order, ProcessFault
 from tests.deploy.run.faults.stale import (
     AGAIN,

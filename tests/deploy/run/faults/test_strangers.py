@@ -21,9 +21,9 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
+from protocol.joining import Refusal, decode_reply
 from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
-from protocol.requests.joining import Refusal, decode_reply
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.monitor.watched import watch_local

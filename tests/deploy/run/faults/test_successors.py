@@ -16,7 +16,7 @@ from deploy.run.launcher import Launcher
 from deploy.run.local import FaultInjector, LocalFleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence
-from protocol.requests.joining import Admission, Refusal
+from protocol.joining import Admission, Refusal
 from protocol.scenario.model import ProcessFault
 from tests.deploy.run.faults.stale import ENDLESS, RESTARTED, Overheard, answer, go, injector, kept, life
 from tests.deploy.run.orders.guests import SWAP

@@ -11,7 +11,7 @@ import pytest
 
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
-from protocol.requests.joining import Join, Wait
+from protocol.joining import Join, Wait
 from protocol.scenario.model import Order, ProcessFault, Scenario
 from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.deploy.run.orders.turnover import asked

@@ -22,10 +22,9 @@ from protocol.bus.bus import Request
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError
-from protocol.keys import robot_key
+from protocol.keys import world_key
 from protocol.messages import Clock
-from protocol.requests.goals import GoalOrder
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Journey, Operation, Point, Scenario
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
 from world.shell.persistence.journal import Journal
@@ -33,6 +32,10 @@ from world.shell.persistence.journal import Journal
 SCENARIO = load("swap-4")
 TOLERANCE = SCENARIO.time.tolerance
 PLACE = (0.05, 0.02)
+
+
+def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
+    return Operation(goal=Journey(robot, points, within=within))
 
 
 class Ordered(LocalFleet):
@@ -47,8 +50,8 @@ class Ordered(LocalFleet):
         if clock.tick >= 30 and not self.replies:
             self.world.handle(
                 Request(
-                    robot_key(self.run, 2, "goal"),
-                    json.dumps({"points": [PLACE]}).encode(),
+                    world_key(self.run, "operation"),
+                    json.dumps({"goal": {"robot": 2, "points": [PLACE]}}).encode(),
                     lambda reply: self.replies.append(json.loads(reply)),
                 )
             )
@@ -86,7 +89,7 @@ def order_at(tick: int) -> str:
     fleet = LocalFleet([SCENARIO])
     while fleet.world.world.tick < tick:
         fleet.step()
-    assert fleet.world.world.order(2, GoalOrder((PLACE,))).accepted
+    assert fleet.world.world.operate(sent(2, PLACE)).accepted
     sha: str = fleet.execute()[0]["trajectory_sha256"]
     return sha
 
@@ -108,7 +111,7 @@ def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
 def answering(operator: Operator) -> Callable[[], bool]:
     def look() -> bool:
         try:
-            return operator.status(1).accepted
+            return bool(operator.operate().goals)
         except DisknavError:  # no answer yet
             return False
 
@@ -123,16 +126,17 @@ def test_keep_and_send(tmp_path: Path) -> None:
         until(lambda: reachable(endpoint), 30.0)
         with operating(Connection(connect=(endpoint,)), "yard") as operator:
             until(answering(operator), 30.0)
-            reply = operator.order(1, GoalOrder((PLACE, (0.1, 0.1))))
+            reply = operator.operate(sent(1, PLACE, (0.1, 0.1)))
             assert operator.outcome(1, reply.number, 60.0).status == "arrived"
-            assert operator.halt(True).halted
-            stopped = operator.order(1, GoalOrder((PLACE,), within=1.0))
+            assert operator.operate(Operation(halt=True)).halted
+            stopped = operator.operate(sent(1, PLACE, within=1.0))
             assert operator.outcome(1, stopped.number, 60.0).status == "given up"  # it could not move
-            assert not operator.halt(False).halted
-            assert "out of the workspace" in operator.order(1, GoalOrder(((9.0, 0.0),))).text
-            assert "no robot 7" in operator.order(7, GoalOrder((PLACE,))).text
+            assert not operator.operate(Operation(halt=False)).halted
+            assert "out of the workspace" in operator.operate(sent(1, (9.0, 0.0))).text
+            assert "no robot 7" in operator.operate(sent(7, PLACE)).text
         bus = ZenohBus(Connection(connect=(endpoint,)))  # as any client of zenoh
-        told = json.loads(bus.ask("disknav/yard/robot/3/goal", b'{"points": [[0, -0.1]]}', 5.0)[0])
+        request = b'{"goal": {"robot": 3, "points": [[0, -0.1]]}}'
+        told = json.loads(bus.ask("disknav/yard/world/operation", request, 5.0)[0])
         bus.close()
         assert (told["accepted"], told["number"]) == (True, 1)
         command = ["fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]

@@ -17,9 +17,8 @@ import msgspec
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Request
-from protocol.keys import robot_key, world_key
-from protocol.requests.fleet import FleetReply
-from protocol.requests.form import read_reply
+from protocol.keys import world_key
+from protocol.operations import Reply, decode_reply
 from protocol.scenario.model import Link, Partition, RobotSpec, Scenario, Sensing
 
 _SWAP = load("swap-4")
@@ -42,12 +41,12 @@ def faulty(seed: int, seconds: float) -> Scenario:
     )
 
 
-def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> FleetReply:
+def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> Reply:
     """What the world answers to a change, or to the question who is there."""
     replies: list[bytes] = []
     payload = b"" if change is None else msgspec.msgpack.encode(change)
-    fleet.world.handle(Request(world_key(fleet.run, "fleet"), payload, replies.append))
-    return read_reply(replies[0], FleetReply, "fleet")
+    fleet.world.handle(Request(world_key(fleet.run, "operation"), payload, replies.append))
+    return decode_reply(replies[0], Reply)
 
 
 class Turnover:
@@ -87,7 +86,7 @@ class Turnover:
             angle = math.tau * number / len(robots)
             assert self._send(robot, [(0.3 * math.cos(angle), 0.3 * math.sin(angle))])
         for _ in range(most):
-            if all((status := world.goal_status(robot)) and status.status == "arrived" for robot in robots):
+            if all(each.status == "arrived" for each in world.goal_statuses() if each.robot in robots):
                 return True
             assert self.fleet.step()
         return False
@@ -118,11 +117,7 @@ class Turnover:
                 self.fleet.start(member.robot).wake(math.inf)
 
     def _send(self, robot: int, points: list[tuple[float, float]]) -> bool:
-        replies: list[bytes] = []
-        order = msgspec.msgpack.encode({"points": points})
-        self.fleet.world.handle(Request(robot_key(self.fleet.run, robot, "goal"), order, replies.append))
-        accepted: bool = msgspec.msgpack.decode(replies[0])["accepted"]
-        return accepted
+        return asked(self.fleet, {"goal": {"robot": robot, "points": points}}).accepted
 
     def _place(self) -> tuple[float, float]:
         size, angle = _ROOM * math.sqrt(self.draw.random()), math.tau * self.draw.random()

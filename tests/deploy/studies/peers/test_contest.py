@@ -17,9 +17,9 @@ from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, r
 from deploy.studies.peers.places import Group, contest, places
 from deploy.studies.peers.study import LAWS, SCANS, peers, settings
 from deploy.studies.study import Cell
+from protocol import joining
 from protocol.errors import UsageError
-from protocol.requests import joining
-from protocol.requests.joining import Admission
+from protocol.joining import Admission
 
 pytest.importorskip("pyrvo")
 pytest.importorskip("daqp")

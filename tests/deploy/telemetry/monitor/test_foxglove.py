@@ -19,7 +19,7 @@ from deploy.telemetry.monitor.foxglove import FoxgloveServer
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.scene.fleet import TOPICS, Measures
 from protocol.errors import UsageError
-from protocol.requests.steering import Steer
+from protocol.operations import Steer
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until
 
 LAYOUT = Path(__file__).parents[4] / "docs" / "guides" / "foxglove-layout.json"

@@ -19,9 +19,8 @@ from deploy.telemetry.monitor.watcher import Watcher
 from protocol.bus.local import LocalNetwork
 from protocol.keys import parse
 from protocol.messages import Clock, Truth
-from protocol.requests.goals import GoalOrder
-from protocol.requests.steering import Steer
-from protocol.scenario.model import Order, RobotSpec, Time
+from protocol.operations import Steer
+from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
 from protocol.streams import STREAMS
 from tests.deploy.run.orders.turnover import asked
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
@@ -127,15 +126,19 @@ def test_who_comes_late_is_shown_what_is_in_force() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
+def sent(*points: Point) -> Operation:
+    return Operation(goal=Journey(1, points))
+
+
 def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
-    assert not watcher.order(1, GoalOrder(((0.0, 0.1),))).result(0.0).accepted  # nobody has begun
+    assert not watcher.operate(sent((0.0, 0.1))).result(0.0).accepted  # no run has begun
     with running(fleet):
         until(lambda: watcher.snapshot()["tick"] >= 2)
-        assert watcher.order(1, GoalOrder(((0.05, 0.1),))).result(PATIENCE).accepted
+        assert watcher.operate(sent((0.05, 0.1))).result(PATIENCE).accepted
         assert watcher.snapshot()["robots"][0]["goal"] == (0.05, 0.1)
-        outside = watcher.order(1, GoalOrder(((7.0, 0.1),))).result(PATIENCE)
+        outside = watcher.operate(sent((7.0, 0.1))).result(PATIENCE)
         assert not outside.accepted
         assert "out of the workspace" in outside.text
         late = watch_local(fleet.network, "r", speed=0.0)
@@ -148,25 +151,25 @@ def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
 def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
     watcher = watch_local(LocalNetwork(), "r")
     watcher._known = True  # what it learnt once; the world has gone since
-    answer, stop = watcher.order(1, GoalOrder(((0.0, 0.0),))), watcher.halt(True)
+    answer, stop = watcher.operate(sent((0.0, 0.0))), watcher.operate(Operation(halt=True))
     watcher.wake(time.monotonic())
     assert "nobody answered" in answer.result(0.0).text
-    assert "nobody answered" in stop.result(0.0)
+    assert "nobody answered" in stop.result(0.0).text
 
 
 def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
     fleet = LocalFleet([ring()], "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
-    assert "no run yet" in watcher.halt(True).result(0.0)
+    assert "no run yet" in watcher.operate(Operation(halt=True)).result(0.0).text
     with running(fleet):
         until(lambda: watcher.snapshot()["tick"] >= 2)
-        assert watcher.halt(True).result(PATIENCE) == ""
+        assert watcher.operate(Operation(halt=True)).result(PATIENCE).accepted
         until(lambda: watcher.snapshot()["phase"] == "halted")
         stood = fleet.world.world.truth.positions
         tick = fleet.world.world.tick
         until(lambda: fleet.world.world.tick >= tick + 5)
         assert fleet.world.world.truth.positions == stood
-        assert watcher.halt(False).result(PATIENCE) == ""
+        assert watcher.operate(Operation(halt=False)).result(PATIENCE).accepted
         watcher.steer(Steer(speed=0.0))
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
@@ -197,8 +200,8 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
         assert not player.join(0.15)
         assert player.snapshot()["tick"] <= held["tick"] + 1
         player.steer(Steer(pause=False, speed=0.0))
-        assert "recording" in player.order(1, GoalOrder(())).result(0.0).text
-        assert "recording" in player.halt(True).result(0.0)
+        assert "recording" in player.operate(sent()).result(0.0).text
+        assert "recording" in player.operate(Operation(halt=True)).result(0.0).text
         assert player.join(PATIENCE)
         assert player.snapshot()["verdict"] == "arrived"
 

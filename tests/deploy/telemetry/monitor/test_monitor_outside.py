@@ -23,9 +23,9 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
+from protocol.joining import Overview, encode_reply
 from protocol.keys import robot_token, world_key, world_token
 from protocol.messages import Clock, Truth
-from protocol.requests.joining import Overview, encode_reply
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.monitor.watched import ring, until
 

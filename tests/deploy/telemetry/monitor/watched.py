@@ -14,7 +14,7 @@ from deploy.telemetry.monitor.snapshot import Steerable
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.monitor.web.server import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
-from protocol.requests.steering import Steer
+from protocol.operations import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
 
 PATIENCE = 30.0

@@ -1,8 +1,8 @@
 """A world that says whatever a test wants."""
 
+from protocol import joining
 from protocol.bus.bus import Request
 from protocol.keys import parse, world_key, world_token
-from protocol.requests import joining
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.recorded import scenario
 

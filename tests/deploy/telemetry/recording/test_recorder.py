@@ -13,12 +13,12 @@ from deploy.telemetry.recording.reading.reader import read
 from deploy.telemetry.recording.recorder import PATIENCE, Recorder
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.recording.writer_process import WriterProcess
+from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError, UsageError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Command, Health, Result
-from protocol.requests import joining
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.fake_world import FakeWorld
 from tests.deploy.telemetry.recording.recorded import said_by, scenario

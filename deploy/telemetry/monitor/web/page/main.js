@@ -59,8 +59,10 @@ const live = new Live({
     halt.allow(false);
     showFigures(null, model);
   },
-  answer: (answer) => selected.answered(answer),
-  halted: (answer) => halt.answered(answer.text),
+  answer(answer) {
+    if ("halt" in answer.asked) halt.answered(answer.text);
+    else selected.answered({ ...answer.asked.goal, ...answer });
+  },
   refused: (refusal) => controls.refused(refusal.text),
 });
 

@@ -14,8 +14,7 @@ from typing import Any
 
 from agents.peers.state import addressed_to
 from protocol.messages import Command, State, Tick
-from protocol.requests.things import ThingOrder
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Operation, Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import arena
 from tests.agents.lines.models.skirmishes.arena import STEP, Vector
@@ -136,7 +135,7 @@ class Skirmish:
         book = self.world.coordinator.lives.things
         here = [*book.standing, *book.appearing]
         if here and rng.random() < 0.3:
-            self.world.remove_thing(rng.choice(here))
+            self.world.operate(Operation(take=rng.choice(here)))
             return
         thing = arena.thing_beside(rng, rng.choice(self.before))
         if self.world.coordinator.lives.founded and rng.random() < 0.3:
@@ -144,7 +143,7 @@ class Skirmish:
                 thing.shape
             )  # the world refuses what is on a robot; the roster need not
         else:
-            self.world.add_thing(ThingOrder(thing.center, thing.radius, thing.points or ()))
+            self.world.operate(Operation(place=thing))
 
     def _together(self, awake: list[_Process]) -> None:
         """All States are on their way before anybody commands."""

@@ -9,7 +9,7 @@ from rich.console import Console, RenderableType
 from deploy.telemetry.monitor import snapshot as telling
 from deploy.telemetry.monitor.terminal import table
 from protocol.messages import Errand, GoalStatus, Standing
-from protocol.requests.steering import Steering
+from protocol.operations import Steering
 from tests.deploy.telemetry.monitor.view.heard import (
     SCENARIO,
     clock,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.monitor.web.server import Server
-from protocol.requests.steering import Steer
+from protocol.operations import Steer
 from protocol.scenario.model import Scenario
 from tests.deploy.telemetry.monitor.watched import running, served, watch_local
 

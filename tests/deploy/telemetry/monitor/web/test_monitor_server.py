@@ -66,13 +66,13 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet), served(watcher) as server, live(server) as viewer:
         news(viewer, "frame", lambda it: it["tick"] >= 2)
-        viewer.send('{"pause": true}')
+        viewer.send('{"steer": {"pause": true}}')
         held = news(viewer, "frame", lambda it: it["phase"] == "paused")
         later = [news(viewer, "frame")["tick"] for _ in range(6)][-1]
         assert later - held["tick"] <= 1
-        viewer.send('{"pause": "perhaps"}')
+        viewer.send('{"steer": {"pause": "perhaps"}}')
         assert "pause" in news(viewer, "refused")["text"]
-        viewer.send('{"pause": false, "speed": 0}')
+        viewer.send('{"steer": {"pause": false, "speed": 0}}')
         assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
 
 
@@ -82,14 +82,14 @@ def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
     with running(fleet), served(watcher) as server, live(server) as viewer:
         assert news(viewer, "welcome")["may_steer"] is True
         news(viewer, "frame", lambda it: it["tick"] >= 2)
-        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 0.05]]}}}')
+        viewer.send('{"goal": {"robot": 2, "points": [[0.1, 0.05]]}}')
         assert news(viewer, "answer")["accepted"] is True
         assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
-        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1, 5]]}}}')
+        viewer.send('{"goal": {"robot": 2, "points": [[0.1, 5]]}}')
         refused = news(viewer, "answer")
-        assert (refused["accepted"], refused["robot"]) == (False, 2)
+        assert (refused["accepted"], refused["asked"]["goal"]["robot"]) == (False, 2)
         assert "out of the workspace" in refused["text"]
-        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0.1]]}}}')
+        viewer.send('{"goal": {"robot": 2, "points": [[0.1]]}}')
         assert "goal" in news(viewer, "refused")["text"]
         assert news(viewer, "frame")["robots"][1]["goal"] == [0.1, 0.05]
 
@@ -159,9 +159,9 @@ def test_who_has_no_token_may_only_look(query: str) -> None:
     ):
         assert news(viewer, "welcome")["may_steer"] is False
         news(viewer, "frame", lambda it: it["tick"] >= 2)
-        viewer.send('{"pause": true}')
+        viewer.send('{"steer": {"pause": true}}')
         assert "may only look" in news(viewer, "refused")["text"]
-        viewer.send('{"goal": {"robot": 2, "order": {"points": [[0, 0]]}}}')
+        viewer.send('{"goal": {"robot": 2, "points": [[0, 0]]}}')
         assert "may only look" in news(viewer, "refused")["text"]
         assert news(viewer, "frame")["robots"][1]["goal"] == list(ring().spec(2).goal)
         tick = news(viewer, "frame")["tick"]

@@ -11,8 +11,8 @@ export class Controls {
     this.speed = document.getElementById("speed");
     this.note = document.getElementById("held");
     this.pause.addEventListener("click", () => this.toggle());
-    this.step.addEventListener("click", () => this.send({ step: 1 }));
-    this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
+    this.step.addEventListener("click", () => this.send({ steer: { step: 1 } }));
+    this.speed.addEventListener("change", () => this.send({ steer: { speed: Number(this.speed.value) } }));
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -44,7 +44,7 @@ export class Controls {
   }
 
   toggle() {
-    if (!this.pause.disabled) this.send({ pause: !this.paused });
+    if (!this.pause.disabled) this.send({ steer: { pause: !this.paused } });
   }
 
   key(event) {
@@ -54,7 +54,7 @@ export class Controls {
       event.preventDefault();
       this.toggle();
     } else if (event.key === "ArrowRight" && !this.step.disabled) {
-      this.send({ step: 1 });
+      this.send({ steer: { step: 1 } });
     }
   }
 }

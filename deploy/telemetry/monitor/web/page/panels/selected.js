@@ -71,7 +71,7 @@ export class SelectedRobot {
     this.asked = this.robot.id;
     if (points.length) this.enter(points.at(-1));
     this.say("Asked …", "");
-    this.send({ goal: { robot: this.asked, order: { points, queue: points.length > 0 && (queued || this.part.queue.checked) } } });
+    this.send({ goal: { robot: this.asked, points, queue: points.length > 0 && (queued || this.part.queue.checked) } });
   }
 
   answered({ robot, points, accepted, text }) {
