@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.law import require as require_law
 from deploy.library.load import load as load_named
 from deploy.library.load import resolved
 from deploy.library.names import catalogue
+from deploy.library.trial import try_out
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
@@ -62,12 +62,13 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
 
     Raises:
         ScenarioError: as in `load`.
-        UsageError: a library that its law needs is missing, or `control.k` is "certified".
+        UsageError: a law from outside is not there, too slow or without its library, or `control.k` is
+            "certified".
     """
     plain = json.loads(written(document))
     scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
-    require_law(scenario.control.law)
     require_plant(scenario.world.plant)
+    try_out(scenario)
     return scenario
 
 

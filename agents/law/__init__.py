@@ -1,6 +1,6 @@
-"""Control laws: the paper's, and others to compare it with. The safety filter comes after any of them."""
+"""Control laws: the paper's, with additions, reciprocal velocities, and laws from outside."""
 
 from agents.law.api import Law, View
-from agents.law.choice import GuardedLaw, choose, require
+from agents.law.choice import GuardedLaw, choose
 
-__all__ = ["GuardedLaw", "Law", "View", "choose", "require"]
+__all__ = ["GuardedLaw", "Law", "View", "choose"]

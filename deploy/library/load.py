@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from agents.law import require as require_law
 from deploy.library.names import build
 from deploy.library.trial import try_out
 from deploy.theory.tuning import gain_for
@@ -19,9 +18,8 @@ from world.plants.plant import require as require_plant
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
-    """The scenario `name`, ready to run: as `read`, with k resolved, and its law's library at hand."""
+    """The scenario `name`, ready to run: as `read`, with k resolved, and its law tried out."""
     scenario = resolved(_certified(name, read(name, settings, seed)))
-    require_law(scenario.control.law)
     require_plant(scenario.world.plant)
     try_out(scenario)
     return scenario

@@ -1,4 +1,4 @@
-"""A user's law before anything starts: what it returns, and how long it takes."""
+"""A law from outside before anything starts: what it returns, and how long it takes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TRIES = 5  # the quickest counts: others may have waited for the processor
 
 
 def try_out(scenario: Scenario) -> None:
-    """Let a user's law make some steps as the first robot at the start.
+    """Let a law from outside make some steps as the first robot at the start.
 
     Raises:
         UsageError: there is no such law, or a step takes longer than a period.

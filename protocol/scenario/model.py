@@ -30,14 +30,14 @@ Span = Annotated[
     float | tuple[NonNegative, NonNegative],
     Meta(description="a number of seconds or an array [low, high]"),
 ]
-LAWS = ("gradient", "reciprocal", "orca", "barrier")
+LAWS = ("gradient", "reciprocal")
 Addition = Literal["obstacles", "jams", "late-states", "pace", "escape"]  # agents/law/additions.py
 ADDITIONS: tuple[Addition, ...] = get_args(Addition)
 LawName = Annotated[  # docs/guides/law.md
     str,
     Meta(
         pattern=rf"^({'|'.join(LAWS)}|(?s:.+:[^:]+))\Z",
-        description=f"one of {', '.join(LAWS)}, or your own: module:Class, file.py:Class or entry-point:NAME",
+        description=f"{' or '.join(LAWS)}, or your own: module:Class, file.py:Class or entry-point:NAME",
     ),
 ]
 GainChoice = Annotated[
@@ -151,12 +151,6 @@ class Control:
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
     additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: what they have beside the paper's law
-    # Of laws to compare with; each has a value of its own for what is not given.
-    horizon: Positive | None = None  # s, orca: no collision may follow for this long
-    barrier_gain: Positive | None = None  # 1/s, barrier: alpha in dh/dt >= -alpha h
-    symmetry_noise: Probability | None = None  # orca, barrier: random part of the wish, of the speed limit
-    margin: NonNegative | None = None  # m, orca, barrier: by how much every disk is taken for larger
-    # Of any law.
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
     def without(self, *names: Addition) -> Control:

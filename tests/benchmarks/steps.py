@@ -16,7 +16,11 @@ from deploy.library.random_instances import random_instance
 from deploy.studies.worker import MeteredFleet
 from protocol.scenario.model import Link, Scenario
 
-LAWS = {"reciprocal": "separating-lines", "gradient": "separating-lines", "orca": "none"}
+LAWS = {
+    "reciprocal": "separating-lines",
+    "gradient": "separating-lines",
+    "deploy.studies.peers.laws:Orca": "none",
+}
 
 
 def step(scenario: Scenario, runs: int) -> float:
@@ -49,7 +53,7 @@ def main() -> None:
     parser.add_argument("--delay", type=float, nargs="+", default=[0.0, 0.3], help="s")
     parser.add_argument("--runs", type=int, default=3)
     asked = parser.parse_args()
-    print("robots  delay, s  " + "  ".join(f"{law:>10}" for law in LAWS))
+    print("robots  delay, s  " + "  ".join(f"{law.rpartition(':')[2]:>10}" for law in LAWS))
     for robots in asked.robots:
         for delay in asked.delay:
             costs = [step(crowd(robots, law, delay), asked.runs) for law in LAWS]

@@ -15,8 +15,8 @@ from protocol.scenario.model import Scenario
 REFERENCE = "reciprocal + lines"  # what all others are paired with
 _SCANNED = {
     "horizon": "horizon {:g} s",
-    "barrier_gain": "alpha {:g}/s",
-    "symmetry_noise": "noise {:g}",
+    "gain": "alpha {:g}/s",
+    "noise": "noise {:g}",
     "margin": "margin {:g} m",
 }
 _Tried = dict[str, list["Attempt"]]  # of one group of scenarios and one law, by scenario

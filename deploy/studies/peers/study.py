@@ -15,8 +15,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from agents.law.choice import require
-from agents.law.plugin import found
+from agents.law.choice import found
 from deploy.library.trial import try_out
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.peers.places import DELAYS, Group, Place, contest, places
@@ -25,14 +24,15 @@ from protocol.errors import UsageError
 from protocol.scenario.model import Control
 
 RUNS = 20
+OTHERS = "deploy.studies.peers.laws"
 BARE = Control().without("escape").additions
 
 LAWS: dict[str, dict[str, Any]] = {
     "reciprocal + lines": {"law": "reciprocal", "filter": "separating-lines"},
     "gradient + lines": {"law": "gradient", "filter": "separating-lines"},
     "gradient": {"law": "gradient", "filter": "none", "additions": BARE},
-    "orca": {"law": "orca", "filter": "none"},
-    "barrier": {"law": "barrier", "filter": "none"},
+    "orca": {"law": f"{OTHERS}:Orca", "filter": "none"},
+    "barrier": {"law": f"{OTHERS}:Barrier", "filter": "none"},
 }
 NAMES = {  # of the laws, for people
     "reciprocal + lines": "reciprocal, lines",
@@ -48,26 +48,26 @@ NAMES = {  # of the laws, for people
 Scan = dict[str, tuple[float, ...]]
 SCANS: dict[Group, dict[str, Scan]] = {
     "fresh": {
-        "orca": {"horizon": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.3)},
-        "barrier": {"barrier_gain": (5.0, 10.0, 20.0), "symmetry_noise": (0.1, 0.6)},
+        "orca": {"horizon": (1.0, 2.0, 4.0), "noise": (0.1, 0.3)},
+        "barrier": {"gain": (5.0, 10.0, 20.0), "noise": (0.1, 0.6)},
     },
     "late": {
         "orca": {
             "horizon": (2.0, 4.0),
-            "symmetry_noise": (0.1, 0.3),
+            "noise": (0.1, 0.3),
             "margin": (0.001, 0.005, 0.008, 0.015),
         },
         "barrier": {
-            "barrier_gain": (5.0, 10.0),
-            "symmetry_noise": (0.1, 0.6),
+            "gain": (5.0, 10.0),
+            "noise": (0.1, 0.6),
             "margin": (0.001, 0.005, 0.01, 0.03),
         },
     },
     "RVO2": {
-        "orca": {"horizon": (2.5, 5.0, 10.0), "symmetry_noise": (0.1, 0.3)},
-        "barrier": {"barrier_gain": (1.0, 2.0, 4.0), "symmetry_noise": (0.1, 0.6)},
+        "orca": {"horizon": (2.5, 5.0, 10.0), "noise": (0.1, 0.3)},
+        "barrier": {"gain": (1.0, 2.0, 4.0), "noise": (0.1, 0.6)},
     },
-    "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"barrier_gain": (1.0, 2.0, 4.0)}},
+    "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"gain": (1.0, 2.0, 4.0)}},
 }
 COLUMNS = {
     "scenario": "",
@@ -103,11 +103,9 @@ def peers(
         only: the places whose labels contain one of these; all unless given.
 
     Raises:
-        UsageError: a law's library is not installed, there is no such law or no such place.
+        UsageError: a library of a law is not installed, there is no such law or no such place.
         LawError: a user's law fails.
     """
-    for control in LAWS.values():
-        require(control["law"])
     if scenarios is None:
         where = places()
     else:
@@ -115,14 +113,14 @@ def peers(
     where = _chosen(where, only)
     own = {f"{law} + lines": {"law": law, "filter": "separating-lines"} for law in laws}
     sources = {name: _source(control["law"]) for name, control in own.items()}
-    for control in own.values():
+    for control in (LAWS | own).values():
         try_out(contest(where[0], control, seed))
     cells = [
         Cell(
             {"scenario": place.label, "delay": place.delay, "group": place.group, "law": law}
             | setting
             | ({"source": sources[law]} if law in sources else {}),
-            partial(contest, place, control | setting),
+            partial(contest, place, with_arguments(control, setting)),
             range(seed, seed + runs),
         )
         for place in where
@@ -149,12 +147,18 @@ def _source(law: str) -> str:
     """Digest of the file that a user's law is in: what another one did is not its result."""
     if ":" not in law:
         raise UsageError(f"--law {law}: name it as module:Class, file.py:Class or entry-point:NAME")
-    path = inspect.getsourcefile(found(law))
+    path = inspect.getsourcefile(found(law)[0])
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16] if path else ""
 
 
 def settings(law: str, group: Group) -> Iterator[dict[str, float]]:
-    """Everything that is tried with a law, as fields of `protocol.scenario.model.Control`."""
+    """Everything that is tried with a law, as arguments of its class."""
     scan = SCANS[group].get(law, {})
     for values in product(*scan.values()):
         yield dict(zip(scan, values, strict=True))
+
+
+def with_arguments(control: Mapping[str, Any], setting: Mapping[str, float]) -> dict[str, Any]:
+    """Fields of the control table, with arguments for the law's class if there are any."""
+    arguments = ", ".join(f"{name}={value}" for name, value in setting.items())
+    return dict(control) | ({"law": f"{control['law']}({arguments})"} if arguments else {})

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import get_args
 
 from deploy.library.load import resolved
 from protocol.errors import ScenarioError
@@ -36,10 +36,7 @@ from tests.campaigns.scenarios.places import around, by_points, drawn_together, 
 
 BUDGET = (120.0, 3000.0)  # robots times ticks
 TICKS = (6, 400)
-LAWS: tuple[Literal["gradient", "reciprocal", "orca", "barrier"], ...] = (
-    *("gradient", "gradient", "gradient"),
-    *("reciprocal", "orca", "barrier"),
-)
+_PEERS = "deploy.studies.peers.laws"
 _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
 _FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
@@ -165,20 +162,28 @@ def _time(dice: Dice, scale: Scale) -> Time:
 
 
 def _control(dice: Dice, scale: Scale, k: float) -> Control:
-    law = dice.pick(LAWS)
     reach = scale.radius * dice.log_uniform(0.01, 3.0)  # m a tick
     return Control(
-        law=law,
+        law=_law(dice, scale),
         k=dice.pick((k, k, dice.log_uniform(0.3, 1e4))),
         speed=reach / scale.step,
         additions=tuple(each for each in ADDITIONS if dice.chance(0.8)),
-        horizon=dice.pick((None, scale.step * dice.log_uniform(0.5, 100.0))) if law == "orca" else None,
-        barrier_gain=dice.pick((None, dice.log_uniform(0.01, 2.0) / scale.step))
-        if law == "barrier"
-        else None,
-        symmetry_noise=None if law == "gradient" else dice.pick((None, dice.uniform(0.0, 1.0))),
-        margin=None if law == "gradient" else dice.pick((None, scale.radius * dice.uniform(0.0, 0.5))),
     )
+
+
+def _law(dice: Dice, scale: Scale) -> str:
+    """The paper's in half of the runs, else another one, or one that wants a touch."""
+    name = dice.pick(
+        ("gradient", "gradient", "gradient", "gradient", "reciprocal", "Orca", "Barrier", "Adversary")
+    )
+    if name == "Adversary":
+        return "tests.laws.adversary:Adversary"
+    if name not in ("Orca", "Barrier"):
+        return name
+    ahead = dice.log_uniform(0.5, 100.0)
+    own = f"horizon={scale.step * ahead}" if name == "Orca" else f"gain={1.0 / (scale.step * ahead)}"
+    noise, margin = dice.uniform(0.0, 1.0), scale.radius * dice.uniform(0.0, 0.5)
+    return f"{_PEERS}:{name}({own}, noise={noise}, margin={margin})"
 
 
 _HEADINGS = (0.0, 0.0, 1.0, 3.2, -1.6)  # rad

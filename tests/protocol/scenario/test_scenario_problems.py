@@ -58,7 +58,7 @@ def test_the_issue_in_one_line() -> None:
             "must be 'obstacles', 'jams', 'late-states', 'pace' or 'escape', not 1",
         ),
         ("[control]\nk = 0" + ROBOTS, "control.k", "at least 1e-09, is 0"),
-        ("[control]\nlaw = 'orka'" + ROBOTS, "control.law", "orca, barrier, or your own: module:Class"),
+        ("[control]\nlaw = 'orka'" + ROBOTS, "control.law", "gradient or reciprocal, or your own"),
         ("[time]\nstep = 2.0\nlimit = 1.0" + ROBOTS, "time.limit", "less than one step"),
         ("[time]\nstep = 1e-9\nlimit = 10.0" + ROBOTS, "time.limit", "more than 1e+09 steps"),
         ("[time]\nlimit = 1e300" + ROBOTS, "time.limit", "at most"),

@@ -59,7 +59,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     step = draw(st.floats(1e-3, 1.0))
     laws = st.builds(
         Control,
-        st.sampled_from(["gradient", "reciprocal", "orca", "barrier", "docs/law.py:Mine"]),
+        st.sampled_from(["gradient", "reciprocal", "docs/law.py:Mine", "laws:Orca(horizon=2.0)"]),
         positive | st.sampled_from(["auto", "certified"]),
         st.sampled_from(["separating-lines", "none"]),
         positive,

@@ -15,8 +15,8 @@ from tests.protocol.scenario.scenario_texts import document
     ("setting", "path", "value"),
     [
         ("control.k=80", ("control", "k"), 80),
-        ("control.law=orca", ("control", "law"), "orca"),
-        ('control.law="orca"', ("control", "law"), "orca"),
+        ("control.law=reciprocal", ("control", "law"), "reciprocal"),
+        ('control.law="reciprocal"', ("control", "law"), "reciprocal"),
         ("robots[1].goal=[0, 0.2]", ("robots", 1, "goal"), [0, 0.2]),
         ("robots[1].goal[0] = 0.2", ("robots", 1, "goal", 0), 0.2),
         ("link.delay=[0.0, 0.3]", ("link", "delay"), [0.0, 0.3]),

@@ -36,7 +36,7 @@ from protocol.streams import Stream
 
 LIAR, FROM = 2, 5
 MOST = 2**53
-LAWS = ("gradient", "reciprocal", "orca", "barrier")
+LAWS = ("gradient", "reciprocal")
 SWAP = load("swap-4")
 LIMITS = plausible(SWAP)
 

@@ -69,7 +69,7 @@ def outcome(fleet: Ordered) -> tuple[str, float, str]:
     return report["verdict"], math.dist(positions[2], PLACE), report["trajectory_sha256"]
 
 
-@pytest.mark.parametrize("law", ["gradient", "orca"])
+@pytest.mark.parametrize("law", ["gradient", "deploy.studies.peers.laws:Orca"])
 @pytest.mark.slow
 def test_a_robot_goes_where_it_is_sent(law: str) -> None:
     # Clocks are told by the wall clock, so the tick of the order differs from run to run.

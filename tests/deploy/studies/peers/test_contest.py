@@ -15,7 +15,7 @@ from deploy.library.swaps import swap
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
 from deploy.studies.peers.places import Group, contest, places
-from deploy.studies.peers.study import LAWS, SCANS, peers, settings
+from deploy.studies.peers.study import LAWS, SCANS, peers, settings, with_arguments
 from deploy.studies.study import Cell
 from protocol import joining
 from protocol.errors import UsageError
@@ -40,7 +40,7 @@ def result(**over: Any) -> dict[str, Any]:
 
 
 def test_a_row_counts_what_came_without_touching() -> None:
-    labels = {"scenario": "s", "delay": 0.0, "law": "orca", "horizon": 2.0, "symmetry_noise": 0.1}
+    labels = {"scenario": "s", "delay": 0.0, "law": "orca", "horizon": 2.0, "noise": 0.1}
     touched = result(verdict="collision", collisions=3, sim_time=1.0)
     stuck = result(verdict="deadlock", arrived=[2])
     found = row(labels, [result(), touched, stuck])
@@ -180,7 +180,8 @@ def test_all_places_can_be_built_and_differ_only_in_the_law() -> None:
     assert len(set(labels)) == len(labels) == 30
     for place in places():
         one, other = (
-            contest(place, LAWS[law] | next(settings(law, place.group)), 3) for law in SCANS[place.group]
+            contest(place, with_arguments(LAWS[law], next(settings(law, place.group))), 3)
+            for law in SCANS[place.group]
         )
         assert joining.decode_reply(joining.encode_reply(Admission(1, True, one))).scenario == one
         assert (one.robots, one.link, one.time) == (other.robots, other.link, other.time)

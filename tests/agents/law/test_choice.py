@@ -82,7 +82,7 @@ def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_pr
 def test_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     under("agents.law.reciprocal:ReciprocalLaw")
     entry = EntryPoint("mine", "agents.law.reciprocal:ReciprocalLaw", "disknav.laws")
-    monkeypatch.setattr("agents.law.plugin.entry_points", lambda **_: EntryPoints([entry]))
+    monkeypatch.setattr("agents.law.choice.entry_points", lambda **_: EntryPoints([entry]))
     under("entry-point:mine")
 
 

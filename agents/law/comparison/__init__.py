@@ -1,1 +1,0 @@
-"""Laws to compare with: ORCA and a barrier-function program, and the velocity that both start from."""
