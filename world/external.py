@@ -114,7 +114,7 @@ class External:
         body, speed = self._bodies[robot], self._speed
         return speed * seconds * (1.0 + body.error) + body.lag * speed + body.play
 
-    def recast(self, scenario: Scenario) -> None:  # noqa: ARG002
+    def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
         """Nobody comes or goes."""
         raise UsageError(self.plant.fixed)
 

@@ -10,7 +10,7 @@ from protocol.scenario.model import Order, Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.lives import Lives
 from world.judge.contacts import Contact, Touches
-from world.judge.goals import normalised_length
+from world.judge.measures import normalised_length, tight
 from world.judge.record import Record
 from world.sensing import Sensor
 
@@ -47,7 +47,8 @@ def report(
         orders: those of the scenario that were due: tick, order, and why it was refused or "".
         largest_bound: by which a reported position may have been off, m; None where the truth is known.
     """
-    step, truth = scenario.time.step, record.truth
+    step, totals, segment = scenario.time.step, record.totals, record.segment
+    truth, contacts = totals.truth, totals.contacts.all
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -58,20 +59,18 @@ def report(
         "verdict": verdict[0],
         "reason": verdict[1],
         "arrived": arrived,
-        "collisions": len(record.contacts.all),
-        "contacts": [_contact(contact, step) for contact in record.contacts.all[:LISTED]],
-        "min_clearance": record.clearance,
+        "collisions": len(contacts),
+        "contacts": [_contact(contact, step) for contact in contacts[:LISTED]],
+        "min_clearance": totals.clearance,
         "plant": {
             "kind": scenario.world.plant,
             "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in touches.all[:LISTED]],
             "reported_bound": largest_bound,
         },
-        "nrl": normalised_length(record.goals, dict(lengths)),
+        "nrl": normalised_length(segment.goals, dict(lengths)),
         "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},
-        "lateral_deviation": {
-            str(robot): away for robot, away in zip(scenario.ids, record.deviation, strict=True)
-        },
-        "tight": record.tight,
+        "lateral_deviation": {str(robot): deviation for robot, deviation in sorted(totals.deviation.items())},
+        "tight": tight(segment.disks, segment.goals),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
         "missed_commands": commands.missed,
@@ -79,7 +78,7 @@ def report(
         "down": [fenced.robot for fenced in lives.standing],
         "orders": [_order(tick, order, refused) for tick, order, refused in orders],
         "faults": _faults(scenario, lives, list(sensors)),
-        "phi": {"first": record.first_phi, "last": truth.phi, "increases": record.increases},
+        "phi": {"first": totals.first_phi, "last": truth.phi, "increases": totals.increases},
         "positions": {
             str(robot): list(position) for robot, position in zip(truth.robots, truth.positions, strict=True)
         },

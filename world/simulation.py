@@ -90,13 +90,13 @@ class Simulation:
         """Robots that do not stand."""
         return frozenset(self.plant.ids) - self.resting().keys()
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went: a new one is at its start."""
         plant = self.plant
         for robot, length in zip(plant.ids, plant.lengths, strict=True):
             if robot not in scenario.ids:
                 self._departed[robot] = self._departed.get(robot, 0.0) + length
-        plant.recast(scenario)
+        plant.set_fleet(scenario)
         self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {
             robot: self._odometers.get(robot) or Odometer(scenario, robot, plant.slips)

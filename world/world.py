@@ -70,7 +70,7 @@ class World:
     @property
     def truth(self) -> Truth:
         """Where every disk is at the start of `tick`."""
-        return self.referee.record.truth
+        return self.referee.record.totals.truth
 
     def news(self) -> list[Truth]:
         """The truth of every tick up to `tick` that was not handed out yet; each is handed out once."""
@@ -133,7 +133,7 @@ class World:
         referee.record.add(simulation.plant.positions, simulation.plant.between)
         resized = self._handle()
         if coordinator.lives.settle():
-            referee.record.surround(coordinator.lives.things.standing)
+            referee.record.set_obstacles(coordinator.lives.things.standing)
             resized |= coordinator.parts.settle()
         if resized:
             self._judge_anew()
@@ -157,7 +157,7 @@ class World:
         """From now on, by the disks that robots are with what they carry, among the things that stand."""
         loaded = self.coordinator.parts.loaded(self.scenario)
         things = self.coordinator.lives.things
-        self.referee.recast(loaded, self.simulation.plant.positions, things.standing, self.tick)
+        self.referee.set_fleet(loaded, self.simulation.plant.positions, things.standing, self.tick)
         things.recast(loaded)
 
     def _turn_over(self) -> None:
@@ -165,7 +165,7 @@ class World:
         coordinator, simulation = self.coordinator, self.simulation
         if not coordinator.membership.turn_over(self.tick, simulation.places):
             return
-        simulation.recast(self.scenario)
+        simulation.set_fleet(self.scenario)
         coordinator.missions.recast(self.scenario)
         coordinator.parts.recast(self.scenario)
         self._judge_anew()
@@ -173,7 +173,7 @@ class World:
     def _decide(self) -> None:
         coordinator, referee, plant = self.coordinator, self.referee, self.simulation.plant
         if coordinator.halted:
-            referee.disturb(self.tick)
+            referee.reset_deadlock_timer(self.tick)
         for robot in coordinator.missions.advance(self.tick, plant.ids, plant.positions):
             self._redirect(robot)
         if not self.verdict and not self.scenario.time.endless:
@@ -224,7 +224,7 @@ class World:
     def _redirect(self, robot: int) -> None:
         goal = self.coordinator.missions.goal(robot)
         assert goal is not None
-        self.referee.redirect(robot, goal, self.tick)
+        self.referee.set_goal(robot, goal, self.tick)
 
     def goal_statuses(self) -> tuple[GoalStatus, ...]:
         """How things stand with the goals of all robots, by increasing id."""
@@ -277,7 +277,7 @@ class World:
         if refusal:
             return Outcome(False, text=refusal)
         number = coordinator.lives.announce(order.shape)
-        self.referee.disturb(self.tick)
+        self.referee.reset_deadlock_timer(self.tick)
         return Outcome(True, number, coordinator.missions.covered(order.shape))
 
     def _take(self, number: int) -> Outcome:
@@ -287,7 +287,7 @@ class World:
             return Outcome(False, text=f"thing {number} is part {part}, which robots carry")
         if not (coordinator.lives.founded and coordinator.lives.take_away(number)):
             return Outcome(False, text=f"there is no thing {number}")
-        self.referee.surround(coordinator.lives.things.standing, self.tick)
+        self.referee.set_obstacles(coordinator.lives.things.standing, self.tick)
         return Outcome(True, number)
 
     def _halt(self, halted: bool) -> Outcome:

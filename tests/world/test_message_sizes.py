@@ -195,7 +195,7 @@ def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
     run = Run(0, validated(replace(crowd(), link=Link(partition=apart))), {})
     random, world = Random(1), run.world
-    world.referee.record.contacts.all.extend(
+    world.referee.record.totals.contacts.all.extend(
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
         for _ in range(100_000)
     )

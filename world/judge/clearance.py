@@ -1,58 +1,87 @@
 """Clearance: the gap between any two disks, and between a disk and what surrounds it, over continuous time.
 
-Positions are complex numbers x + iy, shape (..., p), in the order of robot ids; pairs are i < j,
-shape (..., q): any number of ticks may be measured at once.
+Positions are complex numbers x + iy, m, shape (..., p), in the order of robot ids: any number of ticks may be
+measured at once. Gaps, shape (..., q + p + m p), are those of the q pairs i < j, then of each robot to the
+boundary, then of each robot to each of m obstacles; negative is overlap. During straight motion at constant
+speed the distance from a convex set is a convex function of time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from protocol.geometry import Shape
+from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.model import Scenario
-from world.judge.surroundings import Surroundings, closest
+from world.close_pairs import close_pairs
 
 Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 Indices = NDArray[np.intp]
+Interval = tuple[float, float]
+
+REACH: Final = 12.0  # mean radii
+FEW: Final = 1 << 14  # pairs up to which all are measured
+_ROUNDING: Final = 1e-6  # of the reach
+_TINY: Final = np.finfo(np.float64).tiny
+_THIRDS: Final = 80  # of an interval: what is left is below a double's resolution of it
 
 
 class Disks:
-    """The disks of a scenario, and which of them can touch.
+    """A fleet's disks, and what they can touch. Immutable.
+
+    Args:
+        radii: by robot id, m.
+        room: the workspace.
+        obstacles: by number.
 
     Attributes:
         ids: robot ids in increasing order, p of them.
+        radii: in that order, m.
         first, second: index of either robot of each pair.
         contact: distance at which each pair touches, rho_ij, m.
-        surroundings: the boundary and the things.
+        wall: distance from the origin at which each robot touches the boundary of a round room, rho_0i, m.
+        shapes: the obstacles in the order of their numbers.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        specs = sorted(scenario.robots, key=lambda spec: spec.id)
-        radii = np.array([spec.radius for spec in specs])
-        self.ids = tuple(spec.id for spec in specs)
-        self.first, self.second = np.triu_indices(len(specs), 1)
-        self.contact: Reals = radii[self.first] + radii[self.second]
-        self.surroundings = Surroundings(scenario.workspace.shape, scenario.shapes, radii)
+    def __init__(self, radii: Mapping[int, float], room: Shape, obstacles: Mapping[int, Shape]) -> None:
+        self.ids = tuple(sorted(radii))
+        self.radii: Reals = np.array([radii[robot] for robot in self.ids])
+        self.first, self.second = np.triu_indices(len(self.ids), 1)
+        self.contact: Reals = self.radii[self.first] + self.radii[self.second]
+        self.room = room
+        self.wall: Reals = (room.radius if isinstance(room, Disk) else np.inf) - self.radii
+        self.numbers, self.shapes = tuple(obstacles), tuple(obstacles.values())
+        self._round = [index for index, shape in enumerate(self.shapes) if isinstance(shape, Disk)]
+        self._polygons = [index for index, shape in enumerate(self.shapes) if not isinstance(shape, Disk)]
+        around = [shape.around for shape in self.shapes]
+        self._centres: Plane = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
+        self._sizes: Reals = np.array([each.radius for each in around])
+        self._corners = _padded([shape for shape in self.shapes if isinstance(shape, ConvexPolygon)])
 
-    def surround(self, things: Mapping[int, Shape]) -> None:
-        """Other things stand now, by number."""
-        self.surroundings = Surroundings(self.surroundings.room, things, self.surroundings.radii)
+    @classmethod
+    def of(cls, scenario: Scenario, obstacles: Mapping[int, Shape] | None = None) -> Disks:
+        """Those of a scenario, among its obstacles unless there are others."""
+        radii = {spec.id: spec.radius for spec in scenario.robots}
+        return cls(radii, scenario.workspace.shape, scenario.shapes if obstacles is None else obstacles)
+
+    def among(self, obstacles: Mapping[int, Shape]) -> Disks:
+        """The same disks, among other obstacles."""
+        return Disks(dict(zip(self.ids, self.radii.tolist(), strict=True)), self.room, obstacles)
 
     def only(self, first: Indices, second: Indices) -> Disks:
         """The same disks, and of all pairs these, by the indices of either robot."""
-        few, radii = copy(self), self.surroundings.radii
-        few.first, few.second = first, second
-        few.contact = radii[first] + radii[second]
+        few = copy(self)
+        few.first, few.second, few.contact = first, second, self.radii[first] + self.radii[second]
         return few
 
     def __len__(self) -> int:
         """Number of gaps of a configuration."""
-        return len(self.contact) + len(self.surroundings)
+        return len(self.contact) + len(self.ids) * (1 + len(self.shapes))
 
     def relative(self, positions: Plane) -> Plane:
         """Relative position d_ij = b_i - b_j of each pair, shape (..., q)."""
@@ -60,20 +89,217 @@ class Disks:
         return relative
 
     def names(self, index: int) -> tuple[int, int]:
-        """Ids of the two that gap `index` of `gaps` is between; 0 is the boundary, -n is thing n."""
+        """Ids of the two that a gap is between; 0 is the boundary, -n is obstacle n."""
         pairs = len(self.contact)
         if index < pairs:
             return (self.ids[self.first[index]], self.ids[self.second[index]])
-        thing, robot = divmod(index - pairs, len(self.ids))
-        return (-self.surroundings.numbers[thing - 1] if thing else 0, self.ids[robot])
+        obstacle, robot = divmod(index - pairs, len(self.ids))
+        return (-self.numbers[obstacle - 1] if obstacle else 0, self.ids[robot])
+
+    def beta(self, positions: Plane) -> Reals:
+        """beta of every robot with the boundary and with each obstacle, (n, ...) m^2; straight walls
+        count each. A disk's is |b - c|^2 - (rho + r)^2, that of another shape d^2 - rho^2 at a distance d."""
+        if isinstance(self.room, Disk):
+            walls = self.wall**2 - positions.real**2 - positions.imag**2
+        else:
+            rooms = [offset - _along(nx, ny, positions) for nx, ny, offset in self.room.sides]
+            walls = np.concatenate([_squared_gap(room, self.radii) for room in rooms], axis=-1)
+        if not self.shapes:
+            return walls
+        sizes = np.zeros(len(self.shapes))
+        sizes[self._round] = self._sizes[self._round]
+        distances = self._to_obstacles(positions, positions) + self.radii
+        among = _squared_gap(distances + sizes[:, None], self.radii + sizes[:, None])
+        return np.concatenate((walls, among.reshape(*positions.shape[:-1], -1)), axis=-1)
+
+    def overlaps(self, index: int, before: Plane, after: Plane, touch: float) -> list[Interval]:
+        """When, during one straight motion, a gap is below -touch; within [0, 1]."""
+        pairs = len(self.contact)
+        if index < pairs:
+            i, j = self.first[index], self.second[index]
+            start, motion = before[i] - before[j], after[i] - after[j] - (before[i] - before[j])
+            inside = sublevel(lambda time: abs(start + time * motion), self.contact[index] - touch)
+            return [] if inside is None else [inside]
+        obstacle, robot = divmod(index - pairs, len(self.ids))
+        shape = self.shapes[obstacle - 1] if obstacle else self.room
+
+        def distance(time: float) -> float:
+            place = before[robot] + time * (after[robot] - before[robot])
+            return shape.distance(place.real, place.imag)
+
+        radius = float(self.radii[robot])
+        if obstacle:
+            inside = sublevel(distance, radius - touch)
+            return [] if inside is None else [inside]
+        inside = sublevel(distance, touch - radius)
+        outside = [(0.0, 1.0)] if inside is None else [(0.0, inside[0]), (inside[1], 1.0)]
+        return [part for part in outside if part[0] < part[1]]
+
+    def to_surroundings(self, before: Plane, after: Plane) -> Reals:
+        """Smallest gaps to the boundary and to obstacles during motions, (n, p) each, m."""
+        if isinstance(self.room, Disk):
+            walls = self.wall - np.maximum(np.abs(before), np.abs(after))
+        else:
+            rooms = [
+                offset - np.maximum(_along(nx, ny, before), _along(nx, ny, after))
+                for nx, ny, offset in self.room.sides
+            ]
+            walls = np.min(rooms, axis=0) - self.radii
+        if not self.shapes:
+            return walls
+        return np.concatenate(
+            (walls, self._to_obstacles(before, after).reshape(*before.shape[:-1], -1)), axis=-1
+        )
+
+    def _to_obstacles(self, before: Plane, after: Plane) -> Reals:
+        found = np.empty((*before.shape[:-1], len(self.shapes), before.shape[-1]))
+        start = before[..., None, :] - self._centres[self._round][:, None]
+        found[..., self._round, :] = closest(start, (after - before)[..., None, :])
+        found[..., self._round, :] -= self._sizes[self._round][:, None]
+        if self._polygons:
+            found[..., self._polygons, :] = _from_polygons(self._corners, before, after)
+        found -= self.radii
+        return found
 
 
 def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
-    """Smallest gap of each pair, then of each robot to the boundary and to things, during straight motion at
-    constant speed from `before` to `after`; negative is overlap. Shape (..., len(disks)), m.
+    """Smallest gaps during straight motion from `before` to `after`, shape (..., len(disks)), m.
 
     The distance of a pair is smallest where its relative motion, a straight line, is nearest to the origin.
     """
     start = disks.relative(before)
     to_others = closest(start, disks.relative(after) - start) - disks.contact
-    return np.concatenate((to_others, disks.surroundings.gaps(before, after)), axis=-1)
+    return np.concatenate((to_others, disks.to_surroundings(before, after)), axis=-1)
+
+
+class NearestGaps:
+    """Measures gaps as `gaps` does, but of a large fleet only those of pairs that can be nearest, or touch.
+
+    A pair with a gap of more than the reach has one of more than the reach less twice what any robot has
+    moved since. If the smallest gap that was measured is below that, it is the smallest of all, and no other
+    pair touches.
+    """
+
+    def __init__(self, disks: Disks) -> None:
+        self._all = self._near = disks
+        self._reach = REACH * float(disks.radii.mean())
+        self._places: Plane | None = None  # where the disks were when the near pairs were found
+
+    def __call__(self, before: Plane, after: Plane) -> tuple[Disks, Reals]:
+        """Gaps of n motions, shape (n, p) each, among them the smallest of each and all that are negative;
+        and the disks with these pairs."""
+        if len(self._all.contact) <= FEW:
+            return self._all, gaps(self._all, before, after)
+        beyond = self._beyond(before, after)
+        if beyond < 0.5 * self._reach:
+            self._places = before[0].copy()
+            self._near = self._all.only(*close_pairs(self._places, self._all.radii, self._reach))
+            beyond = self._beyond(before, after)
+        found = gaps(self._near, before, after)
+        if beyond >= 0.0 and (found.min(axis=-1) <= beyond).all():
+            return self._near, found
+        return self._all, gaps(self._all, before, after)
+
+    def _beyond(self, before: Plane, after: Plane) -> float:
+        """What the gap of every other pair surely exceeds, m."""
+        if self._places is None:
+            return -np.inf
+        moved = max(float(np.abs(plane - self._places).max()) for plane in (before, after))
+        return (1.0 - _ROUNDING) * self._reach - 2.0 * moved
+
+
+def closest(start: Plane, motion: Plane) -> Reals:
+    """Smallest distance from the origin on the way from `start` to `start + motion`."""
+    squared = motion.real**2 + motion.imag**2
+    along = start.real * motion.real + start.imag * motion.imag
+    nearest = np.clip(-along / np.maximum(squared, _TINY), 0.0, 1.0)
+    return np.abs(start + nearest * motion)
+
+
+def lowest(convex: Callable[[float], float]) -> float:
+    """Where in [0, 1] a convex function is smallest."""
+    low, high = 0.0, 1.0
+    for _ in range(_THIRDS):
+        third = (high - low) / 3.0
+        if convex(low + third) < convex(high - third):
+            high -= third
+        else:
+            low += third
+    return min((0.0, low, 1.0), key=convex)
+
+
+def sublevel(convex: Callable[[float], float], level: float) -> Interval | None:
+    """The part of [0, 1] in which a convex function is at most `level`."""
+    inside = lowest(convex)
+    if convex(inside) > level:
+        return None
+    return _edge(convex, level, inside, 0.0), _edge(convex, level, inside, 1.0)
+
+
+def _edge(convex: Callable[[float], float], level: float, inside: float, outside: float) -> float:
+    """Where, between a time inside and an end of the interval, the level is crossed; the end if nowhere."""
+    if convex(outside) <= level:
+        return outside
+    for _ in range(_THIRDS):
+        middle = 0.5 * (inside + outside)
+        if convex(middle) <= level:
+            inside = middle
+        else:
+            outside = middle
+    return inside
+
+
+def _along(nx: float, ny: float, positions: Plane) -> Reals:
+    product: Reals = nx * positions.real + ny * positions.imag
+    return product
+
+
+def _squared_gap(distances: Reals, contact: Reals) -> Reals:
+    """distance^2 - contact^2; -contact^2 where the distance is negative."""
+    return np.maximum(distances, 0.0) ** 2 - contact**2
+
+
+def _padded(polygons: list[ConvexPolygon]) -> Plane:
+    """Corners of all, (m, K); those with fewer repeat their last one."""
+    most = max((len(polygon.points) for polygon in polygons), default=0)
+    rows = [[complex(*point) for point in polygon.points] for polygon in polygons]
+    return np.array([row + row[-1:] * (most - len(row)) for row in rows], dtype=np.complex128)
+
+
+def _from_polygons(corners: Plane, before: Plane, after: Plane) -> Reals:
+    """Smallest distance of moving points from convex polygons, (n, m, p) m; inside, minus the depth."""
+    distance: Reals
+    edges = np.roll(corners, -1, axis=1) - corners
+    begin, end = before[..., None, :, None], after[..., None, :, None]  # (n, 1, p, 1)
+    corner, edge = corners[:, None, :], edges[:, None, :]  # (m, 1, K)
+    distance = np.minimum(closest(begin - corner, end - begin), closest(corner - begin, edge))
+    distance = np.minimum(distance, closest(corner - end, edge)).min(axis=-1)
+    lengths = np.abs(edge)
+    normals = np.where(lengths > 0.0, -1j * edge / np.maximum(lengths, _TINY), 0.0)
+    first = ((begin - corner) * normals.conj()).real  # signed distances from the sides
+    slope = ((end - begin) * normals.conj()).real
+    inside = _enters(np.where(lengths > 0.0, first, -np.inf), slope)
+    for place in np.argwhere(inside):
+        n, m, p = place
+        sides = lengths[m, 0] > 0.0
+        distance[n, m, p] = _deepest(first[n, m, p][sides], slope[n, m, p][sides])
+    return distance
+
+
+def _enters(first: Reals, slope: Reals) -> NDArray[np.bool_]:
+    """Whether all of first + t slope <= 0 for some t in [0, 1], along the last axis."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = -first / slope
+    low = np.where(slope < 0.0, crossing, np.where((slope == 0.0) & (first > 0.0), np.inf, 0.0)).max(axis=-1)
+    high = np.where(slope > 0.0, crossing, 1.0).min(axis=-1)
+    entered: NDArray[np.bool_] = np.maximum(low, 0.0) <= np.minimum(high, 1.0)
+    return entered
+
+
+def _deepest(first: Reals, slope: Reals) -> float:
+    """The smallest value of the largest of first + t slope, t in [0, 1]."""
+
+    def depth(time: float) -> float:
+        return float((first + time * slope).max())
+
+    return depth(lowest(depth))

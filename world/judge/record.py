@@ -1,24 +1,24 @@
 """The record of a run: everything that is measured of the truth, tick by tick.
 
-What happened is put aside and measured some ticks at a time: one pass of numpy over thirty ticks
-costs little more than over one, and nobody has to wait for it.
+A run consists of segments, in which fleet, goals and obstacles stay the same; what is measured of each is
+folded into totals. Ticks are put aside and measured some at a time: one pass of numpy over thirty ticks costs
+little more than over one, and no robot waits for it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
-from mypy_extensions import mypyc_attr
 
 from protocol.geometry import Shape
 from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, Plane, gaps
+from world.judge.clearance import Disks, NearestGaps, Plane, gaps
 from world.judge.contacts import Contacts
-from world.judge.goals import Goals, LateralDeviation, tight
-from world.judge.nearest import NearestGaps
-from world.judge.phi import NavigationFunction
+from world.judge.measures import Goals, phi_of
 from world.judge.trajectory import TrajectoryDigest
 
 _RISE = 1e-12  # an increase of phi below this is rounding
@@ -26,36 +26,70 @@ _BATCH = 32  # ticks put aside at most
 _LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
+class Segment(NamedTuple):
+    """What stays the same between two changes."""
+
+    disks: Disks  # of the fleet, among the obstacles
+    goals: Goals
+    k: float
+    gaps: NearestGaps  # of the disks
+
+    def truth(self, tick: int, positions: Sequence[Vector]) -> Truth:
+        """What is measured of one configuration by itself."""
+        plane = as_plane([positions])
+        clearance, phi = float(gaps(self.disks, plane, plane).min()), phi_of(*self[:3], plane)[0]
+        return Truth(tick, self.disks.ids, tuple(positions), clearance, phi)
+
+
+def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] | None = None) -> Segment:
+    """The segment of a fleet, among the scenario's obstacles unless there are others."""
+    disks = Disks.of(scenario, obstacles)
+    return Segment(disks, goals, scenario.k, NearestGaps(disks))
+
+
+@dataclass
+class Totals:
+    """What all segments so far amount to.
+
+    Attributes:
+        truth: the newest configuration.
+        clearance: smallest gap, over continuous time, m.
+        first_phi: phi of the first configuration.
+        increases: number of ticks in which phi rose.
+        deviation: largest distance from its straight way of each robot that is there, m.
+        contacts: overlaps.
+    """
+
+    truth: Truth
+    clearance: float
+    first_phi: float
+    deviation: dict[int, float]
+    increases: int = 0
+    contacts: Contacts = field(default_factory=Contacts)
+
+
 class Record:
-    """Clearance, contacts, phi and digest of a trajectory.
+    """Folds segments into totals.
 
     Args:
+        positions: of all disks in the order of robot ids, m.
         parts: straight motions that a tick consists of.
 
     Attributes:
-        goals: by which it measures; another one is set by `redirect`.
+        segment: the present one.
     """
 
-    def __init__(self, scenario: Scenario, goals: Goals, positions: Sequence[Vector], parts: int = 1) -> None:
-        disks = self._disks = Disks(scenario)
-        self._gaps = NearestGaps(disks)
-        self.goals = goals
-        self._phi = NavigationFunction(disks, goals, scenario.k)
-        self._digest = TrajectoryDigest(disks.ids)
-        self._contacts = Contacts()
-        self._deviation = LateralDeviation(goals)
+    def __init__(self, scenario: Scenario, positions: Sequence[Vector], parts: int = 1) -> None:
+        self.segment = segment_of(scenario, Goals.of(scenario))
+        self._plane = as_plane([positions])
         self._aside: list[tuple[Vector, ...]] = []
         self._parts = parts
-        self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(disks)))
-        self._tick = 0  # of the newest configuration that is measured
-        self._plane = as_plane([positions])
-        self._increases = 0
-        clearance, phi = float(gaps(disks, self._plane, self._plane).min()), self._phi(self._plane)[0]
-        self._clearance, self.first_phi = clearance, phi
+        self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
+        truth = self.segment.truth(0, positions)
+        self._totals = Totals(truth, truth.clearance, truth.phi, dict.fromkeys(scenario.ids, 0.0))
+        self._digest = TrajectoryDigest(scenario.ids)
         self._digest.add([0], [positions])
-        self._truth = Truth(0, disks.ids, tuple(positions), clearance, phi)
-        self._news = [self._truth]
+        self._news = [truth]
 
     def add(self, positions: Sequence[Vector], between: Sequence[tuple[Vector, ...]] = ()) -> None:
         """The configuration one tick later, reached by straight motion since the one before; if a tick has
@@ -65,69 +99,37 @@ class Record:
         if len(self._aside) >= self._batch:
             self._measure()
 
-    def recast(self, scenario: Scenario, positions: Sequence[Vector], shapes: Mapping[int, Shape]) -> None:
-        """Robots came and went: from the newest configuration on, which is `positions` now, those of another
-        scenario are judged, among things of these shapes."""
-        self._measure()
-        self.goals.recast(scenario)
-        disks = self._disks = Disks(scenario)
-        disks.surround(shapes)
-        self._gaps = NearestGaps(disks)
-        self._phi = NavigationFunction(disks, self.goals, scenario.k)
-        self._contacts.recast()
-        self._digest.recast(disks.ids)  # from the next tick on
-        self._deviation.recast()
+    def set_fleet(
+        self, scenario: Scenario, positions: Sequence[Vector], obstacles: Mapping[int, Shape]
+    ) -> None:
+        """From the newest configuration on, which is `positions` now, the robots of another scenario are
+        judged, among obstacles of these shapes, by number."""
+        totals = self.totals
+        self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
+        totals.contacts.end()
+        totals.deviation = {robot: totals.deviation.get(robot, 0.0) for robot in scenario.ids}
+        totals.truth = self.segment.truth(totals.truth.tick, positions)
+        totals.clearance = min(totals.clearance, totals.truth.clearance)
+        self._digest.set_fleet(scenario.ids)  # from the next tick on
         self._plane = as_plane([positions])
-        clearance = float(gaps(disks, self._plane, self._plane).min())
-        self._clearance = min(self._clearance, clearance)
-        self._truth = Truth(self._tick, disks.ids, tuple(positions), clearance, self._phi(self._plane)[0])
 
-    def redirect(self, robot: int, goal: Vector) -> None:
-        """From the newest configuration on a robot is to go to `goal`, m; all before is measured by the old
-        one."""
-        self._measure()
-        x, y = self._truth.positions[self._truth.robots.index(robot)]
-        self.goals.change(robot, goal, (x, y))
+    def set_goal(self, robot: int, goal: Vector) -> None:
+        """From the newest configuration on a robot is to go to `goal`, m."""
+        truth = self.totals.truth
+        goals = self.segment.goals.to(robot, goal, truth.positions[truth.robots.index(robot)])
+        self.segment = self.segment._replace(goals=goals)
 
-    def surround(self, shapes: Mapping[int, Shape]) -> None:
-        """From the newest configuration on these things stand, by number; all before is measured without."""
+    def set_obstacles(self, obstacles: Mapping[int, Shape]) -> None:
+        """From the newest configuration on there are these obstacles, by number."""
         self._measure()
-        self._disks.surround(shapes)
+        disks = self.segment.disks.among(obstacles)
+        self.segment = self.segment._replace(disks=disks, gaps=NearestGaps(disks))
 
     @property
-    def tight(self) -> float | None:
-        """Tightness of the present goals."""
-        return tight(self._disks, self.goals)
-
-    @property
-    def truth(self) -> Truth:
-        """The newest configuration."""
+    def totals(self) -> Totals:
+        """Up to the newest configuration."""
         self._measure()
-        return self._truth
-
-    @property
-    def contacts(self) -> Contacts:
-        """Overlaps so far."""
-        self._measure()
-        return self._contacts
-
-    @property
-    def clearance(self) -> float:
-        """Smallest gap so far, over continuous time, m."""
-        self._measure()
-        return self._clearance
-
-    @property
-    def increases(self) -> int:
-        """Number of ticks in which phi rose."""
-        self._measure()
-        return self._increases
-
-    @property
-    def deviation(self) -> list[float]:
-        """Largest distance of each robot from its straight way so far, in the order of ids, m."""
-        self._measure()
-        return self._deviation()
+        return self._totals
 
     def sha256(self) -> str:
         """Digest of the trajectory so far."""
@@ -145,25 +147,28 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
-        plane, parts = as_plane(aside), self._parts
+        plane, parts, totals = as_plane(aside), self._parts, self._totals
         before = np.concatenate((self._plane, plane[:-1]))
-        disks, during = self._gaps(before, plane)
+        disks, during = self.segment.gaps(before, plane)
         for row, nearest in enumerate(during):
-            self._contacts.add(self._tick + row / parts, disks, nearest, before[row], plane[row], 1.0 / parts)
+            tick = totals.truth.tick + row / parts
+            totals.contacts.add(tick, disks, nearest, before[row], plane[row], 1.0 / parts)
+        away = self.segment.goals.deviations(plane).max(axis=0).tolist()
+        for robot, deviation in zip(disks.ids, away, strict=True):
+            totals.deviation[robot] = max(totals.deviation[robot], deviation)
         self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
-        self._deviation.add(plane)
         self._plane = plane[-1:]
 
     def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
         """Take in the configurations at the ends of ticks, with the smallest gap in each of these."""
-        values = self._phi(as_plane(configurations))
+        totals, begin = self._totals, self._totals.truth.tick + 1
+        values = phi_of(*self.segment[:3], as_plane(configurations))
         for row, (positions, clearance, phi) in enumerate(zip(configurations, smallest, values, strict=True)):
-            self._increases += phi > self._truth.phi + _RISE
-            self._truth = Truth(self._tick + row + 1, self._disks.ids, positions, clearance, phi)
-            self._news.append(self._truth)
-        self._digest.add(range(self._tick + 1, self._tick + 1 + len(configurations)), configurations)
-        self._clearance = min(self._clearance, *smallest)
-        self._tick += len(configurations)
+            totals.increases += phi > totals.truth.phi + _RISE
+            totals.truth = Truth(begin + row, totals.truth.robots, positions, clearance, phi)
+            self._news.append(totals.truth)
+        self._digest.add(range(begin, begin + len(configurations)), configurations)
+        totals.clearance = min(totals.clearance, *smallest)
 
 
 def as_plane(positions: Sequence[Sequence[Vector]]) -> Plane:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from protocol.messages import Vector
 
-LINK = 1 << 13  # ticks after which a digest begins anew, with the one so far
+LINK = 1 << 13  # ticks after which a digest is reset, with the one so far
 
 Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
 
@@ -20,7 +20,7 @@ class TrajectoryDigest:
     """SHA-256 over, tick by tick and in the order of ids, the four little-endian doubles
     tick, robot id, x, y (m); begins with tick 0, before any motion.
 
-    Before the first tick after every `LINK`th it begins anew, with the 32 bytes of the digest so far: those
+    Before the first tick after every `LINK`th it is reset, with the 32 bytes of the digest so far: those
     are all that has to be kept of a long run then, so that is when a digest can be pickled.
     """
 
@@ -31,7 +31,7 @@ class TrajectoryDigest:
         self._newest = 0
         self._end = LINK  # last tick of this link
 
-    def recast(self, ids: Sequence[int]) -> None:
+    def set_fleet(self, ids: Sequence[int]) -> None:
         """Other robots from now on."""
         self._ids = np.array(ids, dtype="<f8")
 

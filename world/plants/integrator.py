@@ -50,7 +50,7 @@ class Actuation:
         self._bound = scenario.actuation.bound
         self._draws = {robot: Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2) for robot in scenario.ids}
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went."""
         for robot in scenario.ids:
             self._draws.setdefault(robot, Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2))
@@ -210,7 +210,7 @@ class Integrator:
             return f"robot {spec.id}: a fleet of points takes in points only"
         return ""
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went: a new one is at its start; of one that left nothing is kept."""
         each = zip(self.positions, self.displacements, self.lengths, strict=True)
         known = dict(zip(self.ids, each, strict=True))
@@ -219,7 +219,7 @@ class Integrator:
         self.positions = [position for position, _, _ in kept]
         self.displacements = [displacement for _, displacement, _ in kept]
         self.lengths = [length for _, _, length in kept]
-        self._actuation.recast(scenario)
+        self._actuation.set_fleet(scenario)
         self._based = {
             robot: self._based.get(robot) or simulated_base(scenario, robot)
             for robot in self.ids

@@ -107,7 +107,7 @@ class Physics:
         """`world.plants.plant.Plant`."""
         return self.fixed
 
-    def recast(self, scenario: Scenario) -> None:  # noqa: ARG002
+    def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
         """`world.plants.plant.Plant`."""
         raise UsageError(self.fixed)
 

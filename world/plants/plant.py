@@ -46,7 +46,7 @@ class Plant(Protocol):
         """Why this robot cannot be added; "" if it can."""
         ...
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went, where the plant is not `fixed`: a new one is at its start; of one that left
         nothing is kept."""
 

@@ -20,7 +20,7 @@ from deploy.theory.tuning import automatic_k, density
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks
-from world.judge.goals import Goals, tight
+from world.judge.measures import Goals, tight
 
 LARGEST = 32  # robots
 SEARCHED = 12  # robots up to which equilibria are looked for
@@ -189,7 +189,7 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
         scenario=scenario.name,
         robots=problem.p,
         density=density(problem.radii, problem.workspace),
-        tight=tight(Disks(scenario), Goals(scenario)),
+        tight=tight(Disks.of(scenario), Goals.of(scenario)),
         k=problem.k,
         automatic=scenario.control.k == "auto",
         automatic_k=automatic_k(problem.radii, problem.workspace),

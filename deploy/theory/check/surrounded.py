@@ -21,7 +21,7 @@ from deploy.theory.tuning import crowd, gain_for
 from protocol.geometry import ROOM, Disk, obstructed
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
-from world.judge.goals import Goals, tight
+from world.judge.measures import Goals, tight
 
 Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
 
@@ -154,7 +154,7 @@ def surrounded(scenario: Scenario) -> Surrounded:
         robots=len(scenario.robots),
         things=len(scenario.things),
         density=float((radii**2).sum() / workspace**2),
-        tight=tight(Disks(scenario), Goals(scenario)),
+        tight=tight(Disks.of(scenario), Goals.of(scenario)),
         k=scenario.k,
         automatic_k=gain_for(scenario),
         start=_clearance(scenario, "start"),
@@ -171,7 +171,7 @@ def surrounded(scenario: Scenario) -> Surrounded:
 
 def _clearance(scenario: Scenario, which: str) -> float:
     at = np.array([[complex(*getattr(scenario.spec(robot), which)) for robot in scenario.ids]])
-    return float(gaps(Disks(scenario), at, at).min())
+    return float(gaps(Disks.of(scenario), at, at).min())
 
 
 def _has_order(scenario: Scenario) -> bool:

@@ -1,52 +1,153 @@
+"""Gaps of disks, walls and obstacles against dense sampling; of a large fleet, those that matter."""
+
+from __future__ import annotations
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from deploy.library.random_instances import random_instance
+from protocol.geometry import Disk, Shape
+from tests.protocol.shapes import disks, points, polygons, shapes
 from tests.world.driving import scenario
-from world.judge.clearance import Disks, gaps
-from world.judge.surroundings import Surroundings
+from world.judge import clearance
+from world.judge.clearance import Disks, NearestGaps, Plane, Reals, gaps, sublevel
 
-SAMPLES = 2001
-coordinate = st.floats(-0.3, 0.3)
-point = st.builds(complex, coordinate, coordinate)
+SAMPLES = 400
+ROBOTS = 60
+STEP = 0.01  # m
+rooms = st.one_of(st.just(Disk(0.0, 0.0, 0.3)), polygons())
+radii = st.floats(0.001, 0.1)
 
 
-@given(st.lists(st.tuples(point, point, st.floats(0.001, 0.1)), min_size=1, max_size=5))
-def test_gaps_agree_with_dense_sampling(motions):
+def inside(room: Shape, place: complex) -> float:
+    """Distance from the boundary; outside of a polygon, minus that from the wall that is farthest behind."""
+    if isinstance(room, Disk):
+        return room.radius - abs(place)
+    return min(offset - nx * place.real - ny * place.imag for nx, ny, offset in room.sides)
+
+
+@given(
+    rooms, st.lists(shapes, max_size=4), st.lists(st.tuples(points, points, radii), min_size=1, max_size=4)
+)
+def test_gaps_agree_with_dense_sampling(room, obstacles, motions):
     """No sampled instant is closer, and some sampled instant is as close as sampling can tell."""
-    before = np.array([start for start, _, _ in motions])
-    after = np.array([end for _, end, _ in motions])
-    radii = [radius for _, _, radius in motions]
-    setting = scenario(*[((0.0, 0.0), (0.0, 0.0))] * len(motions))
-    disks = Disks(setting)
-    disks.contact = np.array([radii[i] + radii[j] for i, j in zip(disks.first, disks.second, strict=True)])
-    disks.surroundings = Surroundings(setting.workspace.shape, {}, np.array(radii))
-    found = gaps(disks, before, after)
-
-    share = np.linspace(0.0, 1.0, SAMPLES)[:, None]
-    path = before + share * (after - before)
-    apart = np.abs(path[:, disks.first] - path[:, disks.second]) - disks.contact
-    inside = disks.surroundings.wall - np.abs(path)
-    sampled = np.concatenate((apart, inside), axis=1).min(axis=0)
-    travelled = np.concatenate((np.abs(disks.relative(after - before)), np.abs(after - before)))
-    assert np.all(found <= sampled + 1e-12)
-    assert np.all(found >= sampled - travelled / (SAMPLES - 1) - 1e-12)
+    sizes = {number: radius for number, (_, _, radius) in enumerate(motions, 1)}
+    fleet = Disks(sizes, room, dict(enumerate(obstacles, 1)))
+    before = np.array([complex(*start) for start, _, _ in motions])
+    after = np.array([complex(*end) for _, end, _ in motions])
+    found = gaps(fleet, before[None], after[None])[0]
+    assert len(found) == len(fleet)
+    path = before + np.linspace(0.0, 1.0, SAMPLES)[:, None] * (after - before)
+    sampled = [*(np.abs(path[:, fleet.first] - path[:, fleet.second]) - fleet.contact).min(axis=0)]
+    sampled += [min(inside(room, z) for z in way) - r for way, r in zip(path.T, fleet.radii, strict=True)]
+    for each in obstacles:
+        sampled += [
+            min(each.distance(z.real, z.imag) for z in way) - r
+            for way, r in zip(path.T, fleet.radii, strict=True)
+        ]
+    moved = np.abs(after - before)
+    travelled = np.concatenate((np.abs(fleet.relative(after - before)), np.tile(moved, 1 + len(obstacles))))
+    assert np.all(found <= np.array(sampled) + 1e-12)
+    assert np.all(found >= np.array(sampled) - travelled / (SAMPLES - 1) - 1e-12)
 
 
 def test_closest_approach_lies_inside_the_tick():
-    disks = Disks(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.0, 0.0), (0.0, 0.0)), radius=0.01))
-    found = gaps(disks, np.array([-0.1 + 0.05j, 0.1 + 0j]), np.array([0.1 + 0.05j, -0.1 + 0j]))
+    fleet = Disks.of(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.0, 0.0), (0.0, 0.0)), radius=0.01))
+    found = gaps(fleet, np.array([-0.1 + 0.05j, 0.1 + 0j]), np.array([0.1 + 0.05j, -0.1 + 0j]))
     assert found[0] == np.float64(0.05 - 0.02)
     assert found[1] == 0.29 - abs(0.1 + 0.05j)
 
 
-def test_pairs_are_named_by_id_whatever_their_order_in_the_scenario():
-    setting = scenario(*[((0.1 * n, 0.0), (0.0, 0.0)) for n in range(3)])
-    disks = Disks(setting)
-    assert [disks.names(n) for n in range(6)] == [(1, 2), (1, 3), (2, 3), (0, 1), (0, 2), (0, 3)]
+def test_gaps_are_named_by_id():
+    fleet = Disks({1: 0.1, 2: 0.1, 3: 0.1}, Disk(0.0, 0.0, 9.0), {7: Disk(5.0, 0.0, 1.0)})
+    assert [fleet.names(n) for n in range(6)] == [(1, 2), (1, 3), (2, 3), (0, 1), (0, 2), (0, 3)]
+    assert [fleet.names(n) for n in range(6, 9)] == [(-7, 1), (-7, 2), (-7, 3)]
 
 
-def test_standing_robots_keep_their_static_gap():
-    disks = Disks(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.2, 0.0), (0.0, 0.0))))
-    at = np.array([0.0 + 0j, 0.2 + 0j])
-    assert np.allclose(gaps(disks, at, at), [0.12, 0.26, 0.06], atol=1e-15)
+@given(st.one_of(disks, polygons()), points, points, radii)
+def test_an_overlap_lasts_while_the_gap_is_negative(shape, start, end, radius):
+    fleet = Disks({1: radius}, Disk(0.0, 0.0, 9.0), {7: shape})
+    before, after = complex(*start), complex(*end)
+    touched = [
+        t
+        for t in np.linspace(0.0, 1.0, SAMPLES)
+        if shape.distance((before + t * (after - before)).real, (before + t * (after - before)).imag)
+        < radius - 1e-6
+    ]
+    intervals = fleet.overlaps(1, np.array([before]), np.array([after]), 1e-9)
+    if touched:
+        ((first, last),) = intervals
+        assert first <= touched[0]
+        assert last >= touched[-1]
+        assert max(touched[0] - first, last - touched[-1]) <= 1.0 / (SAMPLES - 1) + 1e-3 / max(
+            abs(after - before), 1e-9
+        )
+
+
+@given(points, points, radii, radii)
+def test_two_disks_overlap_while_they_are_within_their_radii(start, end, one, other):
+    fleet = Disks({1: one, 2: other}, Disk(0.0, 0.0, 9.0), {})
+    before, after = np.array([complex(*start), 0.0]), np.array([complex(*end), 0.0])
+    intervals = fleet.overlaps(0, before, after, 0.0)
+    for t in np.linspace(0.0, 1.0, 101):
+        distance = abs(before[0] + t * (after[0] - before[0]))
+        if abs(distance - one - other) > 1e-9:
+            within = any(first - 1e-9 <= t <= last + 1e-9 for first, last in intervals)
+            assert within == (distance < one + other)
+
+
+def test_a_sublevel_has_both_its_ends():
+    assert np.allclose(sublevel(lambda t: (t - 0.5) ** 2, 0.01), (0.4, 0.6), atol=1e-12)
+    assert sublevel(lambda t: t, -0.1) is None
+    assert sublevel(lambda t: -t, 5.0) == (0.0, 1.0)
+
+
+# -- a large fleet
+
+
+@pytest.fixture
+def crowd(monkeypatch: pytest.MonkeyPatch) -> tuple[Disks, Plane]:
+    """No number of pairs is so small that all are measured."""
+    monkeypatch.setattr(clearance, "FEW", 0)
+    instance = random_instance(ROBOTS, 1)
+    return Disks.of(instance), np.array([complex(*spec.start) for spec in instance.robots])
+
+
+def negative(fleet: Disks, found: Reals) -> list[tuple[int, tuple[int, int], float]]:
+    return [(row, fleet.names(index), found[row, index]) for row, index in np.argwhere(found < 0.0).tolist()]
+
+
+def assert_same(measured: tuple[Disks, Reals], fleet: Disks, before: Plane, after: Plane) -> None:
+    some, found = measured
+    wanted = gaps(fleet, before, after)
+    assert found.min(axis=-1).tolist() == wanted.min(axis=-1).tolist()
+    assert negative(some, found) == negative(fleet, wanted)
+
+
+def test_what_matters_is_measured_while_disks_wander_and_overlap(crowd) -> None:
+    fleet, places = crowd
+    measure, random, fewer = NearestGaps(fleet), np.random.default_rng(0), 0
+    contacts = 0
+    for _ in range(50):
+        steps = STEP * np.exp(2j * np.pi * random.uniform(size=(2, ROBOTS)))
+        path = np.stack((places, places + steps[0], places + steps[0] + steps[1]))
+        some, found = measure(path[:2], path[1:])
+        assert_same((some, found), fleet, path[:2], path[1:])
+        fewer += len(some.contact) < len(fleet.contact) / 3
+        contacts += len(negative(some, found))
+        places = path[-1]
+    assert fewer == 50
+    assert contacts > 0
+
+
+def test_all_are_measured_where_a_robot_leaps_and_where_none_is_near(crowd) -> None:
+    fleet, places = crowd
+    measure = NearestGaps(fleet)
+    measure(places[None], places[None])
+    after = places.copy()
+    after[0] = places[int(np.abs(places - places[0]).argmax())]
+    assert_same(measure(places[None], after[None]), fleet, places[None], after[None])
+    far = 100.0 * places
+    assert_same(NearestGaps(fleet)(far[None], far[None]), fleet, far[None], far[None])

@@ -1,26 +1,12 @@
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from protocol.scenario.model import Control
 from tests.world.driving import advance, joined, scenario
-from world.judge.contacts import TOUCH, within
+from world.judge.contacts import TOUCH
 
 FAST = Control(k=60.0, speed=10.0)
-coordinate = st.floats(-1.0, 1.0)
-point = st.builds(complex, coordinate, coordinate)
-
-
-@given(point, point, st.floats(0.01, 1.0))
-def test_within_is_the_interval_inside_the_circle(start, end, radius):
-    inside = within(start, end, radius)
-    for n in range(101):
-        distance = abs(start + n / 100 * (end - start))
-        if abs(distance - radius) > 1e-9:
-            expected = inside is not None and inside[0] - 1e-9 <= n / 100 <= inside[1] + 1e-9
-            assert (distance < radius) == expected
 
 
 def passing(y):

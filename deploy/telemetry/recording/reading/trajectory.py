@@ -107,7 +107,7 @@ def trajectory(recording: Recording) -> Trajectory:
                     f"{recording.path}: robots came or went before tick {tick}, and the truth of the tick "
                     f"before was not recorded, so the trajectory cannot be checked; record it with less load"
                 )
-            digest.recast(there.robots)
+            digest.set_fleet(there.robots)
         digest.add([tick], np.array([there.places]))
         here = there
     return Trajectory(digest.hexdigest(), len(missing))

@@ -1,0 +1,159 @@
+"""Tightness, lengths, deviations, and phi against its formula in many digits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from protocol.scenario.model import Control, Workspace
+from tests.world.driving import scenario
+from world.judge.clearance import Disks
+from world.judge.measures import Goals, normalised_length, phi_of, tight
+
+RADIUS = 0.04
+
+
+def at_goals(*goals, radius=0.04):
+    return scenario(*[((0.0, 0.0), goal) for goal in goals], radius=radius)
+
+
+def tightness(setting):
+    return tight(Disks.of(setting), Goals.of(setting))
+
+
+def test_tight_is_computed_in_centimetres():
+    """Three robots of 4 cm with goals on a right triangle of 20, 15 and 25 cm."""
+    product = (20**2 - 64) * (15**2 - 64) * (25**2 - 64)
+    assert tightness(at_goals((0.0, 0.0), (0.2, 0.0), (0.0, 0.15))) == pytest.approx(
+        100 / math.log10(product)
+    )
+
+
+@pytest.mark.parametrize(
+    "goals",
+    [((0.0, 0.0),), ((0.0, 0.0), (0.08, 0.0)), ((0.0, 0.0), (0.05, 0.0)), ((0.0, 0.0), (0.0805, 0.0))],
+)
+def test_tight_is_none_where_it_has_no_meaning(goals):
+    assert tightness(at_goals(*goals)) is None
+
+
+def test_normalised_length():
+    setting = scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2)))
+    assert normalised_length(Goals.of(setting), {1: 0.35, 2: 0.15}) == pytest.approx(0.5 / 0.4)
+    assert normalised_length(Goals.of(at_goals((0.0, 0.0))), {1: 0.0}) is None
+
+
+def test_another_goal_ends_the_straight_way_and_begins_one():
+    goals = Goals.of(scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2))))
+    goals = goals.to(1, (0.1, 0.1), (0.1, 0.0))
+    assert goals.straight == pytest.approx(0.1 + 0.1 + 0.1)
+    assert goals.points.tolist() == [0.1 + 0.1j, 0.1 + 0.2j]
+    with pytest.raises(KeyError):
+        goals.to(7, (0.0, 0.0), (0.0, 0.0))
+
+
+def test_another_fleet_keeps_the_ways_of_those_that_stay():
+    goals = Goals.of(scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2)))).to(
+        2, (0.0, 0.1), (0.1, 0.1)
+    )
+    stays = scenario(((0.9, 0.9), (0.9, 0.9)), ((0.1, 0.1), (0.1, 0.2)), ((0.0, 0.0), (0.0, 0.5)))
+    fleet = goals.of_fleet(replace(stays, robots=stays.robots[1:]))
+    assert fleet.ids == (2, 3)
+    assert fleet.points.tolist() == [0.1j, 0.5j]
+    assert fleet.straight == pytest.approx(0.3 + 0.1 + 0.5)
+
+
+def test_deviation_is_the_distance_from_the_straight_way():
+    goals = Goals.of(scenario(((0.0, 0.0), (0.2, 0.0)), ((0.0, 0.1), (0.0, 0.1))))
+    places = np.array(
+        [[0.1 + 0.03j, 0.01 + 0.1j], [0.15 - 0.02j, 0.1j], [-0.03 - 0.04j, 0.1j], [0.23 + 0.08j, 0.3j]]
+    )
+    found = goals.deviations(places)
+    assert found[:, 0] == pytest.approx([0.03, 0.02, 0.05, np.hypot(0.03, 0.08)])
+    assert found[:, 1] == pytest.approx([0.01, 0.0, 0.0, 0.2])
+
+
+def test_a_way_in_any_direction():
+    start, goal = np.array([0.1, -0.05]), np.array([-0.12, 0.07])
+    goals = Goals.of(scenario((tuple(start), tuple(goal))))
+    way = (goal - start) / np.linalg.norm(goal - start)
+    for share in (0.0, 0.4, 1.0):
+        x, y = start + share * (goal - start) + 0.02 * np.array([-way[1], way[0]])
+        assert goals.deviations(np.array([[complex(x, y)]])) == pytest.approx(0.02)
+
+
+def judged(setting, positions):
+    return phi_of(Disks.of(setting), Goals.of(setting), setting.k, positions)
+
+
+def exact(setting, positions):
+    """Equations (4), (5), (9) in 60 digits, with nothing in logarithms."""
+    mp.dps = 60
+    specs, k = setting.robots, mpf(setting.k)
+    points = [(mpf(z.real), mpf(z.imag)) for z in positions]
+    gamma = sum((x - s.goal[0]) ** 2 + (y - s.goal[1]) ** 2 for (x, y), s in zip(points, specs, strict=True))
+    beta = mpf(1)
+    for (a, b), (c, d) in itertools.combinations(points, 2):
+        beta *= (a - c) ** 2 + (b - d) ** 2 - mpf(2 * RADIUS) ** 2
+    for x, y in points:
+        beta *= mpf(setting.workspace.radius - RADIUS) ** 2 - x**2 - y**2
+    return float((gamma**k / (gamma**k + beta)) ** (1 / k))
+
+
+def spread(robots, seed, k):
+    """Robots on a jittered grid, goals at random."""
+    draw = np.random.default_rng(seed)
+    side = math.ceil(math.sqrt(robots))
+    grid = [complex(0.1 * (n % side), 0.1 * (n // side)) - complex(side, side) / 20 for n in range(robots)]
+    jitter = draw.uniform(-0.005, 0.005, (robots, 2))
+    goals = [(float(x), float(y)) for x, y in draw.uniform(-0.2, 0.2, (robots, 2))]
+    setting = scenario(
+        *[((0.0, 0.0), goal) for goal in goals],
+        radius=RADIUS,
+        control=Control(k=k),
+        workspace=Workspace(0.1 * side + 0.2),
+    )
+    return setting, np.array(grid) + jitter[:, 0] + 1j * jitter[:, 1]
+
+
+@pytest.mark.parametrize(
+    ("robots", "k"), [(1, 2.0), (2, 5.0), (3, 20.0), (6, 60.0), (6, 1000.0), (20, 700.0), (6, 1e4)]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_phi_equals_the_formula_in_many_digits(robots, k, seed):
+    setting, positions = spread(robots, seed, k)
+    (phi,) = judged(setting, positions[None])
+    assert phi == pytest.approx(exact(setting, positions), rel=1e-10)
+
+
+@pytest.mark.parametrize("robots", [2, 20, 70])
+def test_phi_of_many_is_the_same(robots, monkeypatch):
+    setting, positions = spread(robots, 0, 1e4)
+    disks, goals = Disks.of(setting), replace(Goals.of(setting), points=positions + 0.01)
+    positions = np.array([positions, positions])
+    positions[1, 0] = positions[1, -1] + RADIUS
+    found = phi_of(disks, goals, setting.k, positions)
+    monkeypatch.setattr("world.judge.measures.FEW", 0)
+    assert phi_of(disks, goals, setting.k, positions) == pytest.approx(found, rel=1e-12)
+    assert found[0] < found[1] == 1.0
+
+
+def test_phi_is_finite_for_many_robots_and_a_large_gain():
+    setting, positions = spread(200, 0, 1e4)
+    (phi,) = judged(setting, positions[None])
+    assert 0.0 < phi <= 1.0
+
+
+def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
+    setting = scenario(((0.0, 0.0), (0.1, 0.0)), ((0.0, 0.0), (-0.1, 0.0)))
+    configurations = np.array(
+        [[0.1, -0.1], [0.04, -0.04], [0.01, -0.01], [0.5, -0.1], [0.5, -0.5], [0.06, -0.06]], dtype=complex
+    )
+    *values, free = judged(setting, configurations)
+    assert values == [0.0, 1.0, 1.0, 1.0, 1.0]
+    assert 0.0 < free < 1.0

@@ -1,0 +1,88 @@
+"""What a record measures, in parts of ticks, among obstacles, and when fleet, goals or obstacles change."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from protocol.geometry import Disk
+from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Workspace
+from tests.world.driving import scenario, two
+from world.judge.clearance import Disks
+from world.judge.measures import Goals, phi_of
+from world.judge.record import Record
+
+BOX = ((-0.05, 0.1), (0.05, 0.1), (0.05, 0.2), (-0.05, 0.2))
+ROOM = ((-1.0, -0.5), (1.0, -0.5), (1.0, 0.5), (-1.0, 0.5))
+
+
+def crossing() -> Scenario:
+    """One robot that is driven through a box and a disk, and into a wall."""
+    return Scenario(
+        (RobotSpec(3, 0.04, (-0.5, 0.15), (0.5, -0.3)),),
+        workspace=Workspace(points=ROOM),
+        control=Control(k=60.0),
+        things=(Thing(points=BOX), Thing(center=(0.4, 0.15), radius=0.05)),
+    )
+
+
+def test_contacts_name_the_obstacle_or_the_wall():
+    setting = crossing()
+    record = Record(setting, [(-0.5, 0.15)])
+    for place in ((0.0, 0.15), (0.5, 0.15), (0.98, 0.15), (0.98, 0.15)):
+        record.add([place])
+    contacts = {contact.pair: contact for contact in record.totals.contacts.all}
+    assert set(contacts) == {(-1, 3), (-2, 3), (0, 3)}
+    box = contacts[(-1, 3)]
+    assert math.isclose(box.begin, (0.5 - 0.09) / 0.5, abs_tol=1e-6)
+    assert math.isclose(box.end, 1.0 + 0.09 / 0.5, abs_tol=1e-6)
+    assert math.isclose(box.deepest, -0.09, abs_tol=1e-9)
+    assert math.isclose(contacts[(0, 3)].deepest, -0.02, abs_tol=1e-9)
+    assert math.isclose(record.totals.clearance, -0.09, abs_tol=1e-9)
+
+
+def test_phi_is_one_where_an_obstacle_or_a_wall_is_touched():
+    setting = crossing()
+    places = np.array([[-0.5 + 0j], [0.08 + 0.15j], [0.4 + 0.07j], [0.97 + 0j], [0.5 - 0.3j]])
+    free, box, disk, wall, goal = phi_of(Disks.of(setting), Goals.of(setting), setting.k, places)
+    assert 0.0 < free < 1.0
+    assert box == disk == wall == 1.0
+    assert goal == 0.0
+
+
+def test_a_touch_within_a_tick_is_found_when_and_where_it_was() -> None:
+    setting = two()
+    record = Record(setting, [(-0.1, 0.1), (-0.1, -0.1)], parts=2)
+    record.add([(-0.1, 0.1), (-0.1, -0.1)], [((-0.1, 0.01), (-0.1, -0.01))])
+    record.add([(-0.1, 0.1), (-0.1, -0.1)], [((-0.1, 0.1), (-0.1, -0.1))])
+    (contact,) = record.totals.contacts.all
+    assert record.totals.clearance == pytest.approx(-0.06)
+    assert contact.deepest == pytest.approx(-0.06)
+    assert 0.25 < contact.begin < 0.5 < contact.end < 0.75
+    assert record.totals.truth.tick == 2
+    assert [truth.tick for truth in record.news()] == [0, 1, 2]
+    assert record.totals.truth.clearance == pytest.approx(0.26 - 0.1 * 2.0**0.5)  # to the boundary
+
+
+def test_what_changes_counts_from_the_newest_configuration_on():
+    record = Record(scenario(((0.0, 0.0), (0.2, 0.0))), [(0.0, 0.0)])
+    record.add([(0.1, 0.01)])
+    record.set_goal(1, (0.1, 0.2))
+    record.set_obstacles({7: Disk(0.1, 0.05, 0.02)})
+    assert record.totals.clearance == pytest.approx(0.26 - math.hypot(0.1, 0.01))
+    record.add([(0.1, 0.1)])
+    (contact,) = record.totals.contacts.all
+    assert contact.pair == (-7, 1)
+    assert record.totals.clearance == pytest.approx(-0.06)
+    assert record.totals.deviation == {1: pytest.approx(0.01)}
+    record.add([(0.14, 0.1)])
+    assert record.totals.deviation == {1: pytest.approx(0.04)}
+    record.set_fleet(
+        scenario(((0.0, 0.0), (0.1, 0.0)), ((-0.1, 0.0), (0.1, 0.0))), [(0.14, 0.1), (-0.1, 0.0)], {}
+    )
+    assert record.totals.truth.tick == 3
+    assert record.totals.deviation == {1: pytest.approx(0.04), 2: 0.0}
+    assert record.segment.goals.points.tolist() == [0.1 + 0.2j, 0.1 + 0j]
+    assert [truth.tick for truth in record.news()] == [0, 1, 2, 3]

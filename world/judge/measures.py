@@ -1,0 +1,169 @@
+"""What is measured of a fleet on its way to its goals (Karagoz, Bozma, Koditschek, equations (4), (5), (9),
+and section 4).
+
+    phi = (gamma^k / (gamma^k + beta))^(1/k)
+
+Obstacles enter beta like the disks of a sphere world (Koditschek and Rimon). phi is 0 at the goal, 1 on the
+boundary of free space and, by convention here, everywhere outside it. Lengths in m.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from protocol.messages import Vector
+from protocol.scenario.model import Scenario
+from world.judge.clearance import FEW, Disks, Plane, Reals
+
+_CENTIMETRES = 100.0
+_TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
+_ROWS = 8  # of the triangle of many pairs, whose factors are multiplied before a logarithm is taken
+_TWICE = np.tri(_ROWS, dtype=np.bool_)
+
+
+@dataclass(frozen=True)
+class Goals:
+    """Goals and straight ways, as complex numbers x + iy in the order of ids. Immutable.
+
+    Attributes:
+        ids: robot ids in increasing order, p of them.
+        points: present goals, shape (p,).
+        begins: where the straight way to the present goal begins, shape (p,).
+        behind: length of straight ways that another goal has ended, m.
+    """
+
+    ids: tuple[int, ...]
+    points: Plane
+    begins: Plane
+    behind: float = 0.0
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Goals:
+        """Those of a scenario."""
+        specs = [scenario.spec(robot) for robot in scenario.ids]
+        points: Plane = np.array([complex(*spec.goal) for spec in specs])
+        return cls(scenario.ids, points, np.array([complex(*spec.start) for spec in specs]))
+
+    def to(self, robot: int, goal: Vector, position: Vector) -> Goals:
+        """From `position` on a robot is to go to `goal`: its straight way so far ends there.
+
+        Raises:
+            KeyError: unknown id.
+        """
+        if robot not in self.ids:
+            raise KeyError(robot)
+        index, points, begins = self.ids.index(robot), self.points.copy(), self.begins.copy()
+        behind = self.behind + float(abs(complex(*position) - begins[index]))
+        begins[index], points[index] = complex(*position), complex(*goal)
+        return Goals(self.ids, points, begins, behind)
+
+    def of_fleet(self, scenario: Scenario) -> Goals:
+        """Robots came and went: a new one's straight way begins at its start, that of one that left is behind
+        up to where its goal was."""
+        new, left = Goals.of(scenario), dict(zip(self.ids, range(len(self.ids)), strict=True))
+        for index, robot in enumerate(new.ids):
+            if robot in left:
+                old = left.pop(robot)
+                new.points[index], new.begins[index] = self.points[old], self.begins[old]
+        gone = np.array(list(left.values()), dtype=np.intp)
+        return replace(new, behind=self.behind + float(np.abs(self.points[gone] - self.begins[gone]).sum()))
+
+    @property
+    def straight(self) -> float:
+        """Length of all straight ways so far, the present ones to their goals."""
+        return self.behind + float(np.abs(self.points - self.begins).sum())
+
+    def deviations(self, positions: Plane) -> Reals:
+        """Distance of each centre from the segment that is its straight way; of a robot that starts at its
+        goal, from there. Shapes (n, p).
+
+        A convex function of the place: during straight motion it is nowhere larger than at both ends.
+        """
+        ways = self.points - self.begins
+        lengths = np.abs(ways)
+        # Factors that make every way run along the real axis.
+        turns = np.divide(np.conj(ways), lengths, out=np.ones_like(ways), where=lengths > 0.0)
+        turned = (positions - self.begins - 0.5 * ways) * turns
+        along = np.maximum(np.abs(turned.real) - 0.5 * lengths, 0.0)
+        return np.hypot(along, turned.imag)
+
+
+def tight(disks: Disks, goals: Goals) -> float | None:
+    """Tightness of the goals: 100 / log10 of the product over pairs of |g_ij|^2 - rho_ij^2, in cm.
+
+    None where the measure has no meaning: fewer than two robots, goals that touch or overlap, or
+    goals so close that the logarithm is not positive.
+    """
+    apart = disks.relative(goals.points)
+    factors = _CENTIMETRES**2 * (apart.real**2 + apart.imag**2 - disks.contact**2)
+    if (factors <= 0.0).any():
+        return None
+    total = math.fsum(math.log10(factor) for factor in factors)
+    return 100.0 / total if total > 0.0 else None
+
+
+def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
+    """nrl: path lengths (by robot id) over straight distances to the goals, summed over robots.
+
+    None when every robot starts at its goal.
+    """
+    straight = goals.straight
+    return math.fsum(lengths.values()) / straight if straight > 0.0 else None
+
+
+def phi_of(disks: Disks, goals: Goals, k: float, positions: Plane) -> list[float]:
+    """phi of each of n configurations, shape (n, p); finite for any k and number of robots."""
+    offset = positions - goals.points
+    gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
+    found = []
+    for each, log_beta in zip(gamma, _log_beta(disks, positions), strict=True):
+        if log_beta == -math.inf:
+            found.append(1.0)
+        else:
+            found.append(phi(math.log(each), log_beta, k) if each > 0.0 else 0.0)
+    return found
+
+
+def phi(log_gamma: float, log_beta: float, k: float) -> float:
+    """phi from log gamma and log beta: exp(-softplus(log beta - k log gamma) / k)."""
+    excess = log_beta - k * log_gamma
+    softplus = max(excess, 0.0) + math.log1p(math.exp(-abs(excess)))
+    return math.exp(-softplus / k)
+
+
+def _log_beta(disks: Disks, positions: Plane) -> list[float]:
+    """Of each configuration; -inf outside free space."""
+    walls = disks.beta(positions)
+    if len(disks.contact) > FEW:
+        return [
+            _log_product(each, disks.radii) + _log(wall) for each, wall in zip(positions, walls, strict=True)
+        ]
+    relative = disks.relative(positions)
+    beta_pairs = relative.real**2 + relative.imag**2 - disks.contact**2
+    beta = np.concatenate((beta_pairs, walls), axis=-1)
+    found = np.log(np.maximum(beta, _TINY)).sum(axis=-1)
+    logs: list[float] = np.where(beta.min(axis=-1) > 0.0, found, -math.inf).tolist()
+    return logs
+
+
+def _log(beta: Reals) -> float:
+    """Logarithm of the product; -inf unless all are positive."""
+    return float(np.log(beta).sum()) if beta.min() > 0.0 else -math.inf
+
+
+def _log_product(positions: Plane, radii: Reals) -> float:
+    """`_log` of beta of all pairs, some rows of their triangle at a time."""
+    x, y, total = positions.real.copy(), positions.imag.copy(), 0.0
+    for begin in range(0, len(x), _ROWS):
+        rows = slice(begin, begin + _ROWS)
+        beta = (x[rows, None] - x[begin:]) ** 2
+        beta += (y[rows, None] - y[begin:]) ** 2
+        beta -= (radii[rows, None] + radii[begin:]) ** 2
+        beta[:, : len(beta)][_TWICE[: len(beta), : len(beta)]] = 1.0  # each pair once
+        if beta.min() <= 0.0:
+            return -math.inf
+        total += float(np.log(beta.prod(axis=0)).sum())
+    return total
