@@ -101,3 +101,7 @@ class RecordingError(DisknavError):
 
 class JournalError(DisknavError):
     """A world's journal cannot be gone on with: damaged, of another run, or not there."""
+
+
+class MapError(DocumentError):
+    """A map, or another tool's file, cannot be read or does not describe what it should."""

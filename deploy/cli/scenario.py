@@ -73,6 +73,25 @@ def new(
     _write(generate(kind, seed, given), out)
 
 
+@app.command("import")
+def import_(
+    file: Annotated[Path, typer.Argument(help="A map of map_server (YAML).", exists=True, dir_okay=False)],
+    out: Annotated[
+        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
+    ] = None,
+    robots: Annotated[int, options.robots(1, "--count")] = 5,
+    radius: Annotated[float, typer.Option(min=1e-3, help="Of the robots, m.")] = 0.2,
+    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random.")] = 0,
+) -> None:
+    """Make a scenario file of a map: robots with random starts and goals in its free space.
+
+    Example: disknav scenario import office.yaml --robots 5 --radius 0.2 -o office.toml
+    """
+    from deploy.maps.scenario import map_scenario
+
+    _write(map_scenario(file, robots, radius, seed, Path() if out is None else out.parent), out)
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files, for editors that check TOML.

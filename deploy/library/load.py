@@ -10,7 +10,7 @@ from deploy.library.names import build
 from deploy.library.trial import try_out
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
-from protocol.errors import UsageError
+from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document
@@ -35,10 +35,19 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
     Raises:
         ScenarioError: the scenario or a setting is invalid; names every problem.
+        MapError: its map cannot be read.
         UsageError: there is no such file or library name.
     """
     document = apply_settings(_document(name, seed), settings)
-    return parse_document(document, name)
+    if "map" not in document:
+        return parse_document(document, name)
+    from deploy.maps.expand import blamed_on_map, expanded
+
+    try:
+        return parse_document(expanded(document, Path(name).parent, name), name)
+    except ScenarioError as error:
+        own = document.get("things", [])
+        raise blamed_on_map(error, len(own) if isinstance(own, list) else 0) from None
 
 
 def resolved(scenario: Scenario) -> Scenario:

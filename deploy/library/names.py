@@ -17,9 +17,15 @@ from deploy.library.random_instances import in_turn, random_instance
 from deploy.library.swaps import circle, head_on, swap, turtlebots
 from protocol.draws import checked_seed
 from protocol.errors import UsageError
+from protocol.scenario.file import parse_document
 from protocol.scenario.model import Scenario
 
 DEFAULT_SEED = 0
+MAPS = {  # deploy/library/maps
+    "office": "seven rooms on both sides of a corridor",
+    "warehouse": "racks between aisles",
+    "cloister": "a round court with four gates in an octagonal walk",
+}
 
 
 class Entry(NamedTuple):
@@ -31,6 +37,14 @@ class Entry(NamedTuple):
 
 
 _Build = Callable[[int], Scenario]
+
+
+def _on_map(name: str, count: int, seed: int) -> Scenario:
+    from deploy.maps.scenario import library_map  # needs libraries of an extra
+
+    return parse_document(library_map(name, count, seed))
+
+
 # the scenario of a seed, how many robots it has, and what it shows
 _FIXED: dict[str, tuple[_Build, str, str]] = {
     "figure-1": (figure_1, "6", "robot 1 passes between four others that nudge aside"),
@@ -68,6 +82,10 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
     "beads": (beads, "1 to 100", "in a corridor, where all keep their order"),
     "in-turn": (in_turn, "1 to 100", "only one robot moves at a time"),
     "parts": (parts, "3", "robots bring N parts to their goals, taking them up and down"),
+    **{
+        name: (partial(_on_map, name), "1 to 100", f"random goals on a floor plan: {text}")
+        for name, text in MAPS.items()
+    },
     "random": (random_instance, "1 to 1000", "random starts and goals at the paper's density"),
 }
 _NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")

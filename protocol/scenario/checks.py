@@ -86,6 +86,7 @@ def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
         *_ids(scenario),
         *_fit(scenario, room),
         *_overlaps(placed),
+        *_map(scenario),
         *_things(scenario, sound, room, placed),
         *_parts(scenario, sound, room, placed),
         *_times(scenario),
@@ -187,6 +188,11 @@ def _listed(depths: list[tuple[str, float]]) -> str:
     texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
     more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
     return ", ".join(texts) + more
+
+
+def _map(scenario: Scenario) -> Iterator[Finding]:
+    if scenario.map is not None:
+        yield ("map",), "must be a file that can be read: load the scenario from a file, beside its map"
 
 
 def _things(scenario: Scenario, sound: Sound, room: Shape | None, placed: list[Placed]) -> Iterator[Finding]:

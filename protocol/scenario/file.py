@@ -145,8 +145,10 @@ def document_of(scenario: Scenario) -> Document:
     if scenario.description:
         document["description"] = scenario.description
     document["seed"] = scenario.seed
-    for key in _ALWAYS:
+    for key in _ALWAYS if scenario.map is None else _ALWAYS[1:]:  # a map may bring the workspace
         document[key] = _table(getattr(scenario, key), complete=True)
+    if scenario.map is not None:
+        document["map"] = _table(scenario.map)
     if scenario.sensing != (Sensing(),):
         document["sensing"] = [_table(sensing) for sensing in scenario.sensing]
     for key in ("link", "network", "process", "actuation", "world", "things", "parts", "carrying", "orders"):

@@ -112,6 +112,18 @@ class Thing:
 
 
 @dataclass(frozen=True, slots=True)
+class FloorPlan:
+    """A map of map_server that stands for obstacles, and for the workspace unless that is given.
+
+    The file is looked for beside the scenario. Whoever reads the scenario puts the obstacles in its place.
+    """
+
+    file: Annotated[str, Meta(min_length=1, max_length=1000, description="the name of a file")]
+    error: Annotated[float, Meta(ge=0, le=10)] = 0.05  # m, by which obstacles may reach into what is free
+    unknown: Literal["occupied", "free"] = "occupied"  # what the map does not know
+
+
+@dataclass(frozen=True, slots=True)
 class Part:
     """What robots carry from where it stands to its goal: a disk (m)."""
 
@@ -319,7 +331,8 @@ class Scenario:
     world: World = World()
     body: BodyChoice = "point"  # of every robot that has none of its own
     base: Base | None = None  # of every robot that has none of its own
-    things: Annotated[tuple[Thing, ...], Meta(max_length=1000)] = ()  # what stands; the first is thing 1
+    map: FloorPlan | None = None  # adds its obstacles to those of `things`
+    things: Annotated[tuple[Thing, ...], Meta(max_length=5000)] = ()  # what stands; the first is thing 1
     parts: Annotated[tuple[Part, ...], Meta(max_length=100)] = ()  # what is carried; the first is part 1
     carrying: Carrying = Carrying()
     orders: Annotated[tuple[Order, ...], Meta(max_length=1000)] = ()

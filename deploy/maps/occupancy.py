@@ -1,0 +1,134 @@
+"""Maps of ROS's map_server: a YAML file, and beside it a picture with a pixel for each cell."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+from numpy.typing import NDArray
+
+from protocol.errors import MapError, Problem
+from protocol.process.installation import missing_library
+from protocol.scenario.model import Coordinate
+
+MOST_CELLS = 16_000_000  # of a map: 200 m by 200 m in cells of 0.05 m; takes some 1 GB while it is read
+FINEST, COARSEST = 1e-3, 10.0  # m, of a cell
+Mask = NDArray[np.bool_]
+Threshold = Annotated[float, Meta(ge=0, le=1)]
+Angle = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
+
+
+@dataclass(frozen=True)
+class Occupancy:
+    """A grid of square cells, rows from south to north, columns from west to east in the map's own frame.
+
+    Attributes:
+        occupied: which cells are.
+        unknown: which cells are neither occupied nor free.
+        resolution: side of a cell, m.
+        origin: of the outer corner of the first cell (m, m), and the direction of the rows (rad).
+    """
+
+    occupied: Mask
+    unknown: Mask
+    resolution: float
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def place(self, column: float, row: float) -> tuple[float, float]:
+        """Where a corner of cells is, m; whole numbers are corners, halves centres."""
+        x, y, yaw = self.origin
+        u, v = self.resolution * column, self.resolution * row
+        return x + math.cos(yaw) * u - math.sin(yaw) * v, y + math.sin(yaw) * u + math.cos(yaw) * v
+
+    def cell(self, x: float, y: float) -> tuple[int, int] | None:
+        """Row and column of the cell that (x, y), m, is in; None outside of the map."""
+        dx, dy, yaw = x - self.origin[0], y - self.origin[1], self.origin[2]
+        column = math.floor((math.cos(yaw) * dx + math.sin(yaw) * dy) / self.resolution)
+        row = math.floor((math.cos(yaw) * dy - math.sin(yaw) * dx) / self.resolution)
+        rows, columns = self.occupied.shape
+        return (row, column) if 0 <= row < rows and 0 <= column < columns else None
+
+
+class _Head(msgspec.Struct):
+    """What the YAML file says, by map_server's names; keys of other tools are ignored."""
+
+    image: str
+    resolution: Annotated[float, Meta(ge=FINEST, le=COARSEST)]
+    origin: tuple[Coordinate, Coordinate, Angle]
+    occupied_thresh: Threshold = 0.65
+    free_thresh: Threshold = 0.196
+    negate: Annotated[int, Meta(ge=0, le=1)] = 0
+    mode: Literal["trinary", "scale", "raw"] = "trinary"
+
+
+def read_map(path: Path) -> Occupancy:
+    """The map that a YAML file describes.
+
+    Raises:
+        MapError: the file or its picture cannot be read, or does not describe a map.
+        UsageError: the libraries that read YAML and pictures are not installed.
+    """
+    head = _head(path)
+    image = path.parent / head.image
+    grey = _pixels(image)
+    if head.mode == "raw":  # the occupancy in per cent
+        occupied, free = (grey <= 100) & (grey >= 100 * head.occupied_thresh), grey <= 100 * head.free_thresh
+    else:
+        darkness = (grey if head.negate else 255 - grey.astype(np.int16)) / 255.0
+        occupied, free = darkness > head.occupied_thresh, darkness < head.free_thresh
+    return Occupancy(occupied, ~(occupied | free), head.resolution, head.origin)
+
+
+def _head(path: Path) -> _Head:
+    try:
+        import yaml
+    except ModuleNotFoundError as error:
+        raise missing_library("reading a map", "pyyaml", "maps") from error
+    try:
+        found: Any = yaml.safe_load(path.read_bytes())
+        head = msgspec.convert(found, _Head)
+    except OSError as error:
+        raise _wrong(path, "", f"cannot be read: {error.strerror or error}") from None
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise _wrong(path, "", f"is not YAML: {' '.join(str(error).split())}") from None
+    except msgspec.ValidationError as error:
+        text, _, place = str(error).partition(" - at `$")
+        raise _wrong(path, place.strip(".`"), f"{text[:1].lower()}{text[1:]}") from None
+    if not math.isfinite(head.resolution) or not all(map(math.isfinite, head.origin)):
+        raise _wrong(path, "resolution, origin", "must be finite numbers")
+    if head.free_thresh > head.occupied_thresh:
+        raise _wrong(path, "free_thresh", f"must be at most occupied_thresh, {head.occupied_thresh:g}")
+    return head
+
+
+def _pixels(path: Path) -> NDArray[np.uint8]:
+    """Brightness, 0 to 255, the last row of the picture first."""
+    try:
+        from PIL import Image
+    except ModuleNotFoundError as error:
+        raise missing_library("reading a map", "pillow", "maps") from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # there is a limit of our own
+            with Image.open(path, formats=("PPM", "PNG", "BMP")) as picture:
+                width, height = picture.size
+                if width * height > MOST_CELLS:
+                    raise _wrong(
+                        path, "", f"has {width} x {height} pixels, at most {MOST_CELLS:,} can be read"
+                    )
+                return np.flipud(np.asarray(picture.convert("L")))
+    except Image.DecompressionBombError:
+        raise _wrong(path, "", f"has too many pixels, at most {MOST_CELLS:,} can be read") from None
+    except (OSError, SyntaxError, ValueError) as error:  # the errors of broken pictures
+        text = getattr(error, "strerror", None) or "is no whole PGM, PNG or BMP picture"
+        raise _wrong(path, "", text) from None
+
+
+def _wrong(path: Path, place: str, text: str) -> MapError:
+    return MapError(str(path), [Problem(place, text)])

@@ -1,0 +1,214 @@
+"""An occupancy grid as convex obstacles, to the safe side within a stated error.
+
+Every piece is the convex hull of cells, so that pieces cover all cells they were made of. A piece is accepted
+if it overlaps no cell that is farther than the error from all solid ones: then every point of an obstacle is
+within the error of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are
+joined again where that is accepted. Solid is all that no robot gets into; covered are the solid cells that
+free ones touch, for what lies behind those cannot be reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from deploy.maps.occupancy import Mask, Occupancy
+from protocol.scenario.model import Point
+
+_AROUND: Final = np.ones((3, 3), dtype=bool)
+_CUTS: Final = (0.25, 0.5, 0.75)  # of the cells, where a set may be split along each axis
+_MANY: Final = 500  # cells; a larger set is halved before cuts are compared
+_MOST_CORNERS: Final = 64  # that a polygon of a scenario may have
+Ints = NDArray[np.intp]
+_Corner = tuple[int, int]
+
+
+class FloorPlan(NamedTuple):
+    """What a map is for robots: the rectangle around the free space they fit into (corners, m), the convex
+    obstacles in it (corners, m), and which cells are part of that free space."""
+
+    workspace: tuple[Point, ...]
+    obstacles: list[tuple[Point, ...]]
+    free: Mask
+
+
+def floor_plan(
+    grid: Occupancy, error: float, radius: float = 0.0, *, unknown_is_free: bool = False
+) -> FloorPlan:
+    """Obstacles that cover all that is not free, and reach at most `error` (m) into what is.
+
+    Args:
+        grid: the map.
+        error: m.
+        radius: of the smallest robot, m; free space that it does not fit into anywhere is left out.
+        unknown_is_free: whether robots may go where the map knows nothing.
+    """
+    solid = grid.occupied if unknown_is_free else grid.occupied | grid.unknown
+    free = _roomy(~solid, radius / grid.resolution)
+    if not free.any():
+        return FloorPlan((), [], free)
+    rows, columns = (np.flatnonzero(free.any(axis=axis)) for axis in (1, 0))
+    bottom, top, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+    inside = free[bottom:top, left:right]
+    edges = ~inside & ndimage.binary_dilation(inside, _AROUND)
+    allowed = _near(~inside, error / grid.resolution)
+    pieces = [
+        tuple(grid.place(left + column, bottom + row) for column, row in piece)
+        for piece in _pieces(edges, _Forbidden(allowed))
+    ]
+    around = ((left, bottom), (right, bottom), (right, top), (left, top))
+    return FloorPlan(tuple(grid.place(*corner) for corner in around), pieces, free)
+
+
+def _roomy(free: Mask, radius: float) -> Mask:
+    """The connected parts of free space that hold a disk of `radius` (cells)."""
+    count_of, _ = ndimage.label(free)
+    room = np.asarray(ndimage.distance_transform_edt(np.pad(free, 1)))[1:-1, 1:-1]
+    kept = np.unique(count_of[free & (room >= radius)])
+    return np.isin(count_of, kept[kept > 0])
+
+
+def _near(solid: Mask, error: float) -> Mask:
+    """Cells of which every point is within `error` (cells) of a solid cell: as far as the centres are."""
+    if not solid.any():
+        return solid
+    away = np.asarray(ndimage.distance_transform_edt(~solid))
+    near: Mask = away <= error
+    return near
+
+
+class _Forbidden:
+    """How many cells that no obstacle may overlap lie in a convex polygon."""
+
+    def __init__(self, allowed: Mask) -> None:
+        self._before = np.zeros((allowed.shape[0], allowed.shape[1] + 1), dtype=np.intp)
+        np.cumsum(~allowed, axis=1, out=self._before[:, 1:])
+
+    def inside(self, hull: list[_Corner]) -> int:
+        """Of the corners (column, row), counterclockwise from the lowest, then leftmost one."""
+        top = max(range(len(hull)), key=lambda n: (hull[n][1], hull[n][0]))
+        right, left = np.array(hull[: top + 1]), np.array([hull[0], *hull[: top - 1 : -1]])
+        rows = np.arange(hull[0][1], hull[top][1] + 1)
+        low = _outermost(rows, left, np.minimum)
+        high = _outermost(rows, right, np.maximum)
+        low, high = np.minimum(low[:-1], low[1:]), np.maximum(high[:-1], high[1:])
+        begin, end = np.floor(low + 1e-9).astype(np.intp), np.ceil(high - 1e-9).astype(np.intp)
+        each = rows[:-1]
+        return int((self._before[each, end] - self._before[each, begin]).sum())
+
+
+def _outermost(rows: Ints, chain: Ints, pick: np.ufunc) -> NDArray[np.float64]:
+    """Where a chain of corners that goes up is in each row; of a level side its outer end."""
+    flat = np.interp(rows, chain[:, 1], chain[:, 0])
+    pick.at(flat, chain[:, 1] - rows[0], chain[:, 0].astype(np.float64))
+    return flat
+
+
+class _Piece(NamedTuple):
+    """A convex polygon, and how many cells it overlaps that it must not."""
+
+    hull: list[_Corner]
+    bad: int
+
+
+def _pieces(cells: Mask, forbidden: _Forbidden) -> list[list[_Corner]]:
+    """Corners (column, row) of convex pieces that together cover all `cells`."""
+    numbered, _ = ndimage.label(cells, _AROUND)
+    found: list[_Piece] = []
+    for number, box in enumerate(ndimage.find_objects(numbered), 1):
+        rows, columns = np.nonzero(numbered[box] == number)
+        found += _joined(list(_split(rows + box[0].start, columns + box[1].start, forbidden)), forbidden)
+    return [each.hull for each in _joined(found, forbidden)]
+
+
+def _piece(points: list[_Corner], forbidden: _Forbidden) -> _Piece:
+    hull = _hull(points)
+    return _Piece(hull, forbidden.inside(hull) + (len(hull) > _MOST_CORNERS))
+
+
+def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
+    """The hull of cells."""
+    base = rows.min()
+    left = np.full(rows.max() - base + 1, np.iinfo(np.intp).max)
+    right = np.full(len(left), -1)
+    np.minimum.at(left, rows - base, columns)
+    np.maximum.at(right, rows - base, columns + 1)
+    (each,) = np.nonzero(right >= 0)
+    points = [
+        (x, y + int(base))
+        for side in (left, right)
+        for x, y in zip(side[each].tolist(), each.tolist(), strict=True)
+    ]
+    return _piece([*points, *((x, y + 1) for x, y in points)], forbidden)
+
+
+def _split(rows: Ints, columns: Ints, forbidden: _Forbidden) -> Iterator[_Piece]:
+    """Hulls that are accepted: a set of cells is cut where that leaves least forbidden, again and again."""
+    waiting = [(rows, columns, _around(rows, columns, forbidden))]
+    while waiting:
+        rows, columns, whole = waiting.pop()
+        if not whole.bad:
+            yield whole
+            continue
+        best: list[tuple[Ints, Ints, _Piece]] = []
+        for along in (rows, columns) if len(rows) <= _MANY else (max(rows, columns, key=np.ptp),):
+            for low in _cuts(along):
+                parts = [
+                    (rows[side], columns[side], _around(rows[side], columns[side], forbidden))
+                    for side in (low, ~low)
+                ]
+                if not best or sum(part[2].bad for part in parts) < sum(part[2].bad for part in best):
+                    best = parts
+        waiting += best
+
+
+def _cuts(along: Ints) -> Iterator[Mask]:
+    """Which cells are on the low side of each cut across one axis."""
+    middle = (int(along.min()) + int(along.max())) // 2
+    others = np.quantile(along, _CUTS).astype(np.intp).tolist() if len(along) <= _MANY else []
+    for place in sorted({middle, *others}):
+        low: Mask = along <= place
+        if not low.all():
+            yield low
+
+
+def _joined(pieces: list[_Piece], forbidden: _Forbidden) -> list[_Piece]:
+    """The same with neighbours joined as long as their common hull is accepted."""
+    pieces, there = list(pieces), np.ones(len(pieces), dtype=bool)
+    low = np.array([np.min(each.hull, axis=0) for each in pieces])
+    high = np.array([np.max(each.hull, axis=0) for each in pieces])
+    for index in range(len(pieces)):
+        grows = bool(there[index])
+        while grows:
+            grows = False
+            near = there & (low <= high[index]).all(axis=1) & (high >= low[index]).all(axis=1)
+            near[index] = False
+            for other in np.flatnonzero(near).tolist():
+                both = _piece(pieces[index].hull + pieces[other].hull, forbidden)
+                if not both.bad:
+                    pieces[index], there[other], grows = both, False, True
+                    low[index], high[index] = np.min(both.hull, axis=0), np.max(both.hull, axis=0)
+    return [pieces[index] for index in np.flatnonzero(there).tolist()]
+
+
+def _hull(points: list[_Corner]) -> list[_Corner]:
+    """Corners of the convex hull, counterclockwise from the lowest, then leftmost (Andrew 1979)."""
+    upwards = sorted(set(points), key=lambda point: (point[1], point[0]))
+    return _chain(upwards)[:-1] + _chain(upwards[::-1])[:-1]
+
+
+def _chain(points: list[_Corner]) -> list[_Corner]:
+    """Those of a sequence of points at which the line around its right-hand side turns left."""
+    chain: list[_Corner] = []
+    for x, y in points:
+        while len(chain) > 1:
+            (ax, ay), (bx, by) = chain[-2:]
+            if (bx - ax) * (y - by) - (by - ay) * (x - bx) > 0:
+                break
+            chain.pop()
+        chain.append((x, y))
+    return chain
