@@ -1,17 +1,15 @@
-"""What must hold between the fields of a scenario: disks that do not overlap, ids that exist, times in order.
+"""What must hold between the fields of a scenario: ids that exist, times in order, bodies that fit the plant.
 
 Each check reads a whole scenario and is silent about what is malformed in itself: such a number is NaN, an id
-0, and `Sound` tells where more than that has to be known. Contact counts as overlap: phi is 1 there, beta 0.
+0, and `Sound` tells where more than that has to be known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
-from math import hypot, isfinite
+from collections.abc import Collection, Iterator
 
 from protocol.errors import UsageError
-from protocol.geometry import ConvexPolygon, Disk, Shape, defect
+from protocol.geometry import Shape
 from protocol.scenario.body import (
     BRISKEST,
     FRAMES,
@@ -24,20 +22,10 @@ from protocol.scenario.body import (
     Preset,
     ros_name,
 )
-from protocol.scenario.model import (
-    ACTIONS,
-    CELLS,
-    MOST_CELLS,
-    Corners,
-    Order,
-    Point,
-    RobotSpec,
-    Scenario,
-    Thing,
-)
+from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario
+from protocol.scenario.places import Sound, fits, inside, obstacle, placed
 from protocol.scenario.tables import Finding, Steps, written
 
-_NAMED = 3  # overlaps of one disk or thing that are spelled out
 _LONGEST = 10**9  # ticks
 _LONG_NAME = 200  # characters
 _LONG_TEXT = 10_000  # characters
@@ -52,43 +40,15 @@ EVENTS = {
 }
 
 
-@dataclass(frozen=True)
-class Sound:
-    """Which parts of a scenario can be relied on; `malformed` are the paths that cannot."""
-
-    malformed: Collection[Steps]
-
-    def __call__(self, *steps: str | int) -> bool:
-        """Whether there is nothing malformed at this path, above or below it."""
-        return not any(each[: len(steps)] == steps[: len(each)] for each in self.malformed)
-
-
-@dataclass(frozen=True)
-class Placed:
-    """Where a disk is or shall be: which end, whose, and where that is said."""
-
-    end: str
-    whose: str
-    disk: Disk
-    steps: Steps
-
-    def __str__(self) -> str:
-        return f"the {self.end} of {self.whose}"
-
-
 def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
     """Everything that is wrong between fields; `malformed` names the fields that are wrong in themselves."""
     sound = Sound(malformed)
-    room, findings = _room(scenario, sound)
-    placed = list(_placed(scenario))
+    room, findings = placed(scenario, sound)
     findings = [
         *findings,
         *_ids(scenario),
-        *_fit(scenario, room),
-        *_overlaps(placed),
         *_map(scenario),
-        *_things(scenario, sound, room, placed),
-        *_parts(scenario, sound, room, placed),
+        *_carriers(scenario, sound),
         *_times(scenario),
         *_texts(scenario),
         *_bodies(scenario, sound),
@@ -109,34 +69,7 @@ def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
         yield f"{written(steps)}: {text}"
 
 
-# -- the workspace, and what is in it
-
-
-def _room(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
-    """The workspace, None where it is malformed, and what is wrong with it."""
-    room = scenario.workspace
-    if not sound("workspace"):
-        return None, []
-    if room.points is None:
-        return room.shape, []
-    if room.radius is not None:
-        return None, [(("workspace",), "is given by `radius` or by `points`, not by both")]
-    return _polygon(room.points, ("workspace", "points"))
-
-
-def _polygon(points: Corners, steps: Steps) -> tuple[Shape | None, list[Finding]]:
-    problem = defect(points)
-    return (None, [(steps, problem)]) if problem else (ConvexPolygon(points), [])
-
-
-def _placed(scenario: Scenario) -> Iterator[Placed]:
-    """Every disk where it begins and where it shall be, of which both are known."""
-    for end in ("start", "goal"):
-        for index, spec in enumerate(scenario.robots):
-            x, y = spec.start if end == "start" else spec.goal
-            if isfinite(x) and isfinite(y) and isfinite(spec.radius):
-                whose = f"robot {spec.id}" if spec.id else f"robots[{index}]"
-                yield Placed(end, whose, Disk(x, y, spec.radius), ("robots", index, end))
+# -- names and times
 
 
 def _ids(scenario: Scenario) -> Iterator[Finding]:
@@ -144,167 +77,6 @@ def _ids(scenario: Scenario) -> Iterator[Finding]:
     for index, spec in enumerate(scenario.robots):
         if spec.id and first.setdefault(spec.id, index) != index:
             yield ("robots", index, "id"), f"{spec.id} is the id of robots[{first[spec.id]}] already"
-
-
-def _fit(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
-    for index, spec in enumerate(scenario.robots):
-        yield from _fits(room, spec.radius, ("robots", index), start=spec.start, goal=spec.goal)
-
-
-def _fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> Iterator[Finding]:
-    """Whether a disk of `radius` is inside the workspace at each of these points."""
-    if room is None or not isfinite(radius):
-        return
-    if isinstance(room, Disk) and radius >= room.radius:
-        text = f"a disk of radius {radius:g} m does not fit into the workspace of {room.radius:g} m"
-        yield (*steps, "radius"), text
-        return
-    for key, point in points.items():
-        yield from _inside(room, point, radius, (*steps, key))
-
-
-def _inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[Finding]:
-    if all(map(isfinite, point)) and (beyond := room.distance(*point) + radius) >= 0.0:
-        yield steps, f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
-
-
-def _overlaps(placed: Iterable[Placed]) -> Iterator[Finding]:
-    """Each disk against those before it in the file, where they begin and where they end."""
-    before: dict[str, list[tuple[Placed, float, float, float]]] = {}
-    for one in placed:
-        x, y, radius = one.disk.x, one.disk.y, one.disk.radius
-        others = before.setdefault(one.end, [])
-        depths = [
-            (other.whose, depth)
-            for other, ox, oy, r in others
-            if abs(x - ox) <= (reach := radius + r) and (depth := reach - hypot(x - ox, y - oy)) >= 0.0
-        ]
-        others.append((one, x, y, radius))
-        if depths:
-            yield one.steps, _listed(depths)
-
-
-def _listed(depths: list[tuple[str, float]]) -> str:
-    texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
-    more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
-    return ", ".join(texts) + more
-
-
-def _map(scenario: Scenario) -> Iterator[Finding]:
-    if scenario.map is not None:
-        yield ("map",), "must be a file that can be read: load the scenario from a file, beside its map"
-
-
-def _things(scenario: Scenario, sound: Sound, room: Shape | None, placed: list[Placed]) -> Iterator[Finding]:
-    for index, thing in enumerate(scenario.things):
-        shape, findings = _thing(thing, ("things", index), sound, room)
-        yield from findings
-        if shape is None:
-            continue
-        depths = [
-            (str(each), depth)
-            for each in placed
-            if (depth := each.disk.radius - shape.distance(each.disk.x, each.disk.y)) >= 0.0
-        ]
-        if depths:
-            yield ("things", index, _where(shape)), _listed(depths)
-
-
-def _thing(
-    thing: Thing, steps: Steps, sound: Sound, room: Shape | None = None
-) -> tuple[Shape | None, list[Finding]]:
-    """The shape of a thing, None where it has none, and what is wrong with it."""
-    shape: Shape | None = None
-    findings: list[Finding] = []
-    if not sound(*steps):
-        return None, []
-    if thing.points is not None and thing.center is None and thing.radius is None:
-        shape, findings = _polygon(thing.points, (*steps, "points"))
-    elif thing.center is not None and thing.radius is not None and thing.points is None:
-        shape = thing.shape
-    else:
-        findings = [(steps, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
-    if shape is not None and room is not None and _outside(shape, room):
-        findings = [((*steps, _where(shape)), "lies outside of the workspace")]
-    return shape, findings
-
-
-def _where(shape: Shape) -> str:
-    """The key that says where it is."""
-    return "points" if isinstance(shape, ConvexPolygon) else "center"
-
-
-def _outside(shape: Shape, room: Shape) -> bool:
-    """Whether no point of a thing is inside the workspace."""
-    if isinstance(room, Disk):
-        return shape.distance(room.x, room.y) >= room.radius
-    return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (
-        isinstance(shape, Disk) and room.distance(shape.x, shape.y) >= shape.radius
-    )
-
-
-def _parts(scenario: Scenario, sound: Sound, room: Shape | None, placed: list[Placed]) -> Iterator[Finding]:
-    """Parts that no robot of this scenario carries, that are outside, or that overlap a thing, a robot or
-    another part where both begin, or end."""
-    if not scenario.parts:
-        return
-    yield from _carriers(scenario, sound)
-    yield from _cells(scenario, room)
-    shapes = [
-        (f"things[{n}]", _thing(each, ("things", n), sound)[0]) for n, each in enumerate(scenario.things)
-    ]
-    for end in ("start", "goal"):
-        others: list[tuple[str, Shape]] = [(str(each), each.disk) for each in placed if each.end == end]
-        others += [(f"things[{n}]", shape) for n, shape in shapes if shape is not None]
-        for index, part in enumerate(scenario.parts):
-            disk = Disk(*(part.start if end == "start" else part.goal), part.radius)
-            if not all(map(isfinite, (disk.x, disk.y, disk.radius))):
-                continue
-            for text in _collisions(disk, room, others):
-                yield ("parts", index, end), text
-            others.append((f"the {end} of part {index + 1}", disk))
-
-
-def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
-    """What does not go together with parts."""
-    plant = scenario.world.plant
-    if plant != "integrator" and sound("world", "plant"):
-        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
-    for steps, spec in described(scenario):
-        body = _body(scenario, sound, steps, spec)
-        if body is not None and body.kind != "point":
-            yield (*steps, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
-    if scenario.network.interest == "near":
-        yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
-
-
-def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
-    """What makes the grid too large on which each robot plans."""
-    radii = [each.radius for each in scenario.parts] + [each.radius for each in scenario.robots]
-    radii = [radius for radius in radii if isfinite(radius)]
-    if room is None or not radii:
-        return
-    (left, low), (right, high) = room.box
-    smallest = min(radii)
-    cells = (right - left) * (high - low) / (smallest / CELLS) ** 2
-    if cells > MOST_CELLS:
-        yield (
-            ("workspace",),
-            f"is too large to carry disks of {smallest:g} m in: to plan on a grid of {CELLS:g} cells to a "
-            f"radius takes {cells:.2g} of them, at most {MOST_CELLS:.0e} fit; use larger disks or less room",
-        )
-
-
-def _collisions(disk: Disk, room: Shape | None, others: Iterable[tuple[str, Shape]]) -> Iterator[str]:
-    if room is not None and (beyond := room.distance(disk.x, disk.y) + disk.radius) > 0.0:
-        yield f"reaches {beyond:.3g} m out of the workspace"
-    for name, shape in others:
-        depth = disk.radius - shape.distance(disk.x, disk.y)
-        if depth >= 0.0:
-            yield f"overlaps {name} by {depth:.3g} m" if depth else f"touches {name}"
-
-
-# -- times and names
 
 
 def _times(scenario: Scenario) -> Iterator[Finding]:
@@ -380,6 +152,26 @@ def _bodies(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
         yield from _hull((*steps, "radius"), body, spec.radius)
         if physics:
             yield from _physical((*steps, "body"), body)
+
+
+def _map(scenario: Scenario) -> Iterator[Finding]:
+    if scenario.map is not None:
+        yield ("map",), "must be a file that can be read: load the scenario from a file, beside its map"
+
+
+def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+    """What does not go together with parts."""
+    if not scenario.parts:
+        return
+    plant = scenario.world.plant
+    if plant != "integrator" and sound("world", "plant"):
+        yield ("parts",), f'are carried with world.plant = "integrator" only, not with "{plant}"'
+    for steps, spec in described(scenario):
+        body = _body(scenario, sound, steps, spec)
+        if body is not None and body.kind != "point":
+            yield (*steps, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
+    if scenario.network.interest == "near":
+        yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
 
 
 def _wheels(steps: Steps, body: Body) -> Iterator[Finding]:
@@ -555,10 +347,10 @@ def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Fi
 def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Finding]:
     """Points in the workspace, and disks and things that fit into it."""
     if order.place is not None:
-        yield from _thing(order.place, (*steps, "place"), sound, room)[1]
+        yield from obstacle(order.place, (*steps, "place"), sound, room)[1]
     if room is not None and order.goal is not None:
         for n, point in enumerate(order.goal.points):
-            yield from _inside(room, point, 0.0, (*steps, "goal", "points", n))
+            yield from inside(room, point, 0.0, (*steps, "goal", "points", n))
     if order.add is not None:
         spec = order.add
-        yield from _fits(room, spec.radius, (*steps, "add"), start=spec.start, goal=spec.goal)
+        yield from fits(room, spec.radius, (*steps, "add"), start=spec.start, goal=spec.goal)

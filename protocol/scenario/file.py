@@ -6,6 +6,7 @@ Positions in paths count from 0, as they stand in the file: `robots[2].start` is
 
 from __future__ import annotations
 
+import copy
 import json
 import tomllib
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ import msgspec
 from protocol.errors import DocumentError, Problem, ScenarioError
 from protocol.scenario.body import PRESETS
 from protocol.scenario.checks import checked
-from protocol.scenario.model import Scenario, Sensing
+from protocol.scenario.model import Scenario
 from protocol.scenario.settings import apply_settings
 from protocol.scenario.tables import Document, Steps, file_order, read_table, written
 
@@ -35,7 +36,7 @@ __all__ = [
     "write_toml",
 ]
 
-_ALWAYS = ("workspace", "time", "control")  # written even where they say what holds anyway
+_ALWAYS = ("name", "seed", "workspace", "time", "control")  # written even where they say what holds anyway
 
 
 def read_scenario(path: Path | str) -> Scenario:
@@ -92,33 +93,26 @@ def validated(scenario: Scenario) -> Scenario:
 
 def _with_radii(document: Document) -> Document:
     """The document, where a robot that has no radius is given that of its body's disk, if this has one."""
-    robots, orders, body = document.get("robots"), document.get("orders"), document.get("body")
-    if isinstance(robots, list):
-        document = document | {"robots": [_with_radius(robot, body) for robot in robots]}
-    if isinstance(orders, list):
-        adding = [isinstance(order, dict) and "add" in order for order in orders]
-        document = document | {
-            "orders": [
-                order | {"add": _with_radius(order["add"], body)} if adds else order
-                for order, adds in zip(orders, adding, strict=True)
-            ]
-        }
+    document = copy.deepcopy(document)
+    robots, orders = (
+        each if isinstance(each := document.get(key), list) else [] for key in ("robots", "orders")
+    )
+    for robot in (*robots, *(order.get("add") for order in orders if isinstance(order, dict))):
+        if isinstance(robot, dict) and "radius" not in robot:
+            radius = _disk_radius(robot.get("body", document.get("body")))
+            if radius is not None:
+                robot["radius"] = radius
     return document
 
 
-def _with_radius(robot: Any, default: Any) -> Any:
-    if not isinstance(robot, dict) or "radius" in robot:
-        return robot
-    body = robot.get("body", default)
+def _disk_radius(body: Any) -> float | None:
     if isinstance(body, str) and body in PRESETS:
-        hull, offset = PRESETS[body].radius, PRESETS[body].offset
-    elif isinstance(body, dict):
+        return PRESETS[body].disk
+    if isinstance(body, dict):
         hull, offset = body.get("radius"), body.get("offset", 0.0)
-    else:
-        return robot
-    if isinstance(hull, int | float) and isinstance(offset, int | float):
-        return robot | {"radius": hull + offset}
-    return robot
+        if isinstance(hull, int | float) and isinstance(offset, int | float):
+            return hull + offset
+    return None
 
 
 def _path(steps: Steps, single_sensing: bool) -> str:
@@ -140,26 +134,17 @@ def _loads(text: str, source: str, failure: type[DocumentError] = ScenarioError)
 
 
 def document_of(scenario: Scenario) -> Document:
-    """The scenario as plain tables, arrays and values, leaving out what holds anyway."""
-    document: Document = {"name": scenario.name}
-    if scenario.description:
-        document["description"] = scenario.description
-    document["seed"] = scenario.seed
-    for key in _ALWAYS if scenario.map is None else _ALWAYS[1:]:  # a map may bring the workspace
-        document[key] = _table(getattr(scenario, key), complete=True)
-    if scenario.map is not None:
-        document["map"] = _table(scenario.map)
-    if scenario.sensing != (Sensing(),):
-        document["sensing"] = [_table(sensing) for sensing in scenario.sensing]
-    for key in ("link", "network", "process", "actuation", "world", "things", "parts", "carrying", "orders"):
-        if value := _plain(getattr(scenario, key)):
-            document[key] = value
-    if scenario.body != "point":
-        document["body"] = _plain(scenario.body)
-    if scenario.base is not None:
-        document["base"] = _plain(scenario.base)
-    document["robots"] = _plain(scenario.robots)
-    return document
+    """The scenario as plain tables, arrays and values, leaving out what holds anyway; robots come last."""
+    document: Document = {}
+    for field in fields(Scenario):
+        value = getattr(scenario, field.name)
+        if field.name in _ALWAYS and (
+            field.name != "workspace" or scenario.map is None
+        ):  # a map may bring it
+            document[field.name] = _table(value, complete=True) if is_dataclass(value) else value
+        elif value != field.default:
+            document[field.name] = _plain(value)
+    return {key: document[key] for key in (*(key for key in document if key != "robots"), "robots")}
 
 
 def write_toml(scenario: Scenario) -> str:

@@ -1,0 +1,188 @@
+"""What must hold of places in a scenario: a room, disks in it that do not overlap, obstacles, and parts.
+
+A check is silent about what is malformed in itself: such a number is NaN. Contact counts as overlap: phi is 1
+there, beta 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from math import isfinite
+
+from protocol.geometry import ConvexPolygon, Disk, Shape, defect
+from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Point, Scenario, Thing
+from protocol.scenario.tables import Finding, Steps
+
+_NAMED = 3  # overlaps of one disk that are spelled out
+_Named = tuple[str, Shape]  # what a message calls it
+
+
+@dataclass(frozen=True)
+class Sound:
+    """Which parts of a scenario can be relied on; `malformed` are the paths that cannot."""
+
+    malformed: Collection[Steps]
+
+    def __call__(self, *steps: str | int) -> bool:
+        """Whether there is nothing malformed at this path, above or below it."""
+        return not any(each[: len(steps)] == steps[: len(each)] for each in self.malformed)
+
+
+def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+    """The workspace, None where it is malformed, and everything that is wrong with places."""
+    room, findings = _room(scenario, sound)
+    robots: dict[str, list[_Named]] = {}
+    for end in ("start", "goal"):
+        found, robots[end] = _robots(scenario, end)
+        findings += found
+    obstacles: list[_Named] = []
+    for index, each in enumerate(scenario.things):
+        steps = ("things", index)
+        shape, found = obstacle(each, steps, sound, room)
+        findings += found
+        if shape is not None:
+            findings += _overlaps(shape, robots["start"] + robots["goal"], (*steps, _where(shape)))
+            obstacles.append((f"things[{index}]", shape))
+    for index, spec in enumerate(scenario.robots):
+        findings += fits(room, spec.radius, ("robots", index), start=spec.start, goal=spec.goal)
+    if scenario.parts:
+        findings += _cells(scenario, room)
+        for end, others in robots.items():
+            findings += _parts(scenario, end, room, [*obstacles, *others])
+    return room, findings
+
+
+def fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> Iterator[Finding]:
+    """Whether a disk of `radius` is inside the workspace at each of these points."""
+    if room is None or not isfinite(radius):
+        return
+    if isinstance(room, Disk) and radius >= room.radius:
+        text = f"a disk of radius {radius:g} m does not fit into the workspace of {room.radius:g} m"
+        yield (*steps, "radius"), text
+        return
+    for key, point in points.items():
+        yield from inside(room, point, radius, (*steps, key))
+
+
+def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[Finding]:
+    """Whether a disk is inside the workspace at a point."""
+    if all(map(isfinite, point)) and (beyond := room.distance(*point) + radius) >= 0.0:
+        yield steps, f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
+
+
+def obstacle(
+    thing: Thing, steps: Steps, sound: Sound, room: Shape | None
+) -> tuple[Shape | None, list[Finding]]:
+    """The shape of an obstacle, None where it has none, and what is wrong with it."""
+    shape: Shape | None = None
+    findings: list[Finding] = []
+    if not sound(*steps):
+        return None, []
+    if thing.points is not None and thing.center is None and thing.radius is None:
+        shape, findings = _polygon(thing.points, (*steps, "points"))
+    elif thing.center is not None and thing.radius is not None and thing.points is None:
+        shape = thing.shape
+    else:
+        findings = [(steps, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
+    if shape is not None and room is not None and _outside(shape, room):
+        findings = [((*steps, _where(shape)), "lies outside of the workspace")]
+    return shape, findings
+
+
+def _room(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+    room = scenario.workspace
+    if not sound("workspace"):
+        return None, []
+    if room.points is None:
+        return room.shape, []
+    if room.radius is not None:
+        return None, [(("workspace",), "is given by `radius` or by `points`, not by both")]
+    return _polygon(room.points, ("workspace", "points"))
+
+
+def _polygon(points: Corners, steps: Steps) -> tuple[Shape | None, list[Finding]]:
+    problem = defect(points)
+    return (None, [(steps, problem)]) if problem else (ConvexPolygon(points), [])
+
+
+def _outside(shape: Shape, room: Shape) -> bool:
+    """Whether no point of a shape is inside the workspace."""
+    if isinstance(room, Disk):
+        return shape.distance(room.x, room.y) >= room.radius
+    return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (
+        isinstance(shape, Disk) and room.distance(shape.x, shape.y) >= shape.radius
+    )
+
+
+def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
+    """Robots where they begin or where they end, each against those before it in the file."""
+    findings: list[Finding] = []
+    before: list[tuple[str, Shape]] = []
+    for index, spec in enumerate(scenario.robots):
+        disk = Disk(*(spec.start if end == "start" else spec.goal), spec.radius)
+        if _is_finite(disk):
+            findings += _overlaps(disk, before, ("robots", index, end))
+            before.append((f"robot {spec.id}" if spec.id else f"robots[{index}]", disk))
+    return findings, [(f"the {end} of {whose}", disk) for whose, disk in before]
+
+
+def _parts(scenario: Scenario, end: str, room: Shape | None, others: list[_Named]) -> Iterator[Finding]:
+    """Parts against the workspace and `others`, to which each of them is added."""
+    for index, part in enumerate(scenario.parts):
+        disk = Disk(*(part.start if end == "start" else part.goal), part.radius)
+        if not _is_finite(disk):
+            continue
+        steps = ("parts", index, end)
+        if room is not None and (beyond := room.distance(disk.x, disk.y) + disk.radius) > 0.0:
+            yield steps, f"reaches {beyond:.3g} m out of the workspace"
+        yield from _overlaps(disk, others, steps)
+        others.append((f"the {end} of part {index + 1}", disk))
+
+
+def _is_finite(disk: Disk) -> bool:
+    return isfinite(disk.x) and isfinite(disk.y) and isfinite(disk.radius)
+
+
+def _where(shape: Shape) -> str:
+    """The key that says where it is."""
+    return "points" if isinstance(shape, ConvexPolygon) else "center"
+
+
+def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[Finding]:
+    """What a shape overlaps or touches, in one text; one of every two is a disk."""
+    around = shape.around
+    depths = [
+        (name, depth)
+        for name, other in others
+        if abs(around.x - (near := other.around).x) <= around.radius + near.radius
+        and (depth := _depth(shape, other)) >= 0.0
+    ]
+    texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
+    if texts:
+        more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
+        yield steps, ", ".join(texts) + more
+
+
+def _depth(one: Shape, other: Shape) -> float:
+    """How deep two shapes overlap, m, one of which is a disk; negative if they do not."""
+    disk, shape = (one, other) if isinstance(one, Disk) else (other, one)
+    assert isinstance(disk, Disk)
+    return disk.radius - shape.distance(disk.x, disk.y)
+
+
+def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
+    """What makes the grid too large on which each robot plans how to carry parts."""
+    radii = [each.radius for each in scenario.parts] + [each.radius for each in scenario.robots]
+    radii = [radius for radius in radii if isfinite(radius)]
+    if room is None or not radii:
+        return
+    (left, low), (right, high) = room.box
+    smallest = min(radii)
+    cells = (right - left) * (high - low) / (smallest / CELLS) ** 2
+    if cells > MOST_CELLS:
+        yield (
+            ("workspace",),
+            f"is too large to carry disks of {smallest:g} m in: to plan on a grid of {CELLS:g} cells to a "
+            f"radius takes {cells:.2g} of them, at most {MOST_CELLS:.0e} fit; use larger disks or less room",
+        )
