@@ -14,7 +14,7 @@ from agents.bodies.body import body_of
 from agents.estimate import Estimate
 from agents.hearing import Hearing
 from agents.law import GuardedLaw, View
-from agents.law.turns import turn_of
+from agents.law.pace import turn_of
 from agents.parts.carrier import PartCarrier
 from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended

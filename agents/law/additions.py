@@ -70,7 +70,7 @@ class AugmentedLaw:
         self._late = 0  # ticks since it was known where far peers are
 
     def velocity(self, view: View) -> Vector:
-        """See `agents.law.api.Law`."""
+        """Desired velocity, m/s."""
         self.look(view)
         strength = self.stuck(view, self._wanted)
         self._wanted = self.flow(view, 0.0)
@@ -137,7 +137,7 @@ class AugmentedLaw:
         return self._attraction is not None and self._attraction.winds
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """See `agents.law.api.Law`; before the first tick the attraction alone."""
+        """|D_i|, m; before the first tick that of the attraction alone."""
         if self._slice is None:
             return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
         self._slice.goal = self.aim if goal == self._goal else goal

@@ -24,10 +24,10 @@ class View:
         position: own, m.
         goal: own, m; it may be another one in the next tick.
         displacement: really executed during the last tick, m.
-        neighbours: peers as last heard, and disks that stand.
-        things: what stands and is no robot.
+        neighbours: peers as last received, and static disks.
+        things: static obstacles.
 
-    Attributes: as given.
+    Attributes: the arguments.
     """
 
     __slots__ = ("displacement", "goal", "neighbours", "position", "things", "tick")

@@ -30,7 +30,7 @@ SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
 WINDOW: Final = (
     0.4  # s, eight periods, time constant over which motion is averaged, so that swinging to and fro is none
 )
-SWING: Final = 3.0  # the window grows by this times the latency: who is repelled late swings slowly
+SWING: Final = 3.0  # the window grows by this times the latency: late repulsion swings slowly
 STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
 PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
 TRIPS: Final = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time

@@ -1,4 +1,4 @@
-"""Jams: who backs off for a while, so that others get through.
+"""Jams: which robots back off for a while, so that others get through.
 
 In passages that leave room for one only, two that want to go through keep each other from their goals, and
 no flow and no line resolves that (`RightOfWay`): one goes first; the others go back the way they came, to
@@ -87,8 +87,8 @@ class GivingWay:
     def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
         """Those of these who go before this robot.
 
-        It follows from ids and the tick, so all of a jam know it without a word. It is somebody else after a
-        while, for whoever goes first may be the one that cannot.
+        It follows from ids and the tick, so all of a jam know it without a word. It is another robot after a
+        while, for the first may be the one that cannot move.
         """
         turn = int(tick // (TURN * self._lap))
         own = _order(self._robot, turn)
@@ -105,10 +105,10 @@ class RightOfWay(GivingWay):
     """One robot's part in jams where things leave little room."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        """See `GivingWay`."""
+        """As `GivingWay`."""
         super().__init__(robot, radius, lap, period)
         self._trail: list[Vector] = []
-        self._awaited: dict[int, float] = {}  # who goes first, and how far it was from its goal then, m
+        self._awaited: dict[int, float] = {}  # peers that go first, and how far from their goals they were, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], things: Sequence[Shape]
@@ -118,8 +118,8 @@ class RightOfWay(GivingWay):
         Args:
             position: own, m.
             left: length of the way to the goal, m.
-            peers: who moves.
-            things: what stands.
+            peers: those that move.
+            things: static obstacles.
         """
         self._leave_trail(position)
         if not self._is_held(tick, left):
@@ -137,7 +137,7 @@ class RightOfWay(GivingWay):
         Args:
             tick: present.
             position: own, m.
-            peers: who moves.
+            peers: those that move.
         """
         if self._back is None:
             return
@@ -180,9 +180,9 @@ class Dispersal(GivingWay):
     """One robot's part in jams where nothing is narrow."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        """See `GivingWay`."""
+        """As `GivingWay`."""
         super().__init__(robot, radius, lap, period)
-        self._beside: dict[int, Vector] = {}  # who wanted to pass, and where it was, when last looked at
+        self._beside: dict[int, Vector] = {}  # peers that wanted to pass, and where, at the last look, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], *, stuck: bool
@@ -192,7 +192,7 @@ class Dispersal(GivingWay):
         Args:
             position: own, m.
             left: length of the way to the goal, m.
-            peers: who moves.
+            peers: those that move.
             stuck: whether the robot escapes from a deadlock.
         """
         if left <= NEAR * self._radius:
@@ -209,7 +209,7 @@ class Dispersal(GivingWay):
             self._back_off(tick, _spread(position, jam), WAIT + QUEUE_WIDE * rank)
 
     def _look_beside(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
-        """At the goal: step aside if somebody on its way has stood beside this robot since the last look."""
+        """At the goal: step aside if a peer on its way has stood beside this robot since the last look."""
         self._nearest = math.inf
         if tick - self._since < JAM * self._lap:
             return

@@ -1,6 +1,6 @@
 """What a robot does differently once States are late: foresight, softer repulsion, more speed near goals.
 
-- A robot that gives way to what it has heard of gives way too late. So a peer that has much farther to go
+- A robot that gives way to States as received gives way too late. So a peer that has much farther to go
   than the robot is taken to have gone on as it wished, and the robot makes room ahead of time (`foreseen`).
   Only one of two does that, for both together would drive each other back; and some of the gap that was
   seen remains.

@@ -4,18 +4,256 @@ Disks enter beta as in a sphere world (Koditschek and Rimon, "Robot navigation f
 boundary", 1990): beta = |x - c|^2 - (rho + r)^2. Of a convex set in general, d(x) the distance from it,
 beta = d^2 - rho^2. The gradient of d^2 is 2 (x - q), q the nearest point: that of a disk of radius 0 at q. So
 is a straight wall of the room.
+
+Attraction straight to the goal has a minimum behind a straight face that is turned away from the goal,
+whatever k: the face curves less than the circle around the goal. So where obstacles are not the disks of a
+sphere world, the distance to the goal is taken along the shortest way: a polygon through points beside
+corners. It is found in the visibility graph of the obstacles, each widened by the own radius (Lozano-Perez and
+Wesley, 1979).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Final
 
-from agents.law.route import Route, way_points
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.law.passages import OUTSIDE, gaps
 from agents.peers.state import Peer
 from protocol.geometry import Disk, Shape, is_sphere_world
 from protocol.messages import Vector
+
+Reals = NDArray[np.float64]
+Plane = NDArray[np.complex128]
+
+MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of things; their corners by twice that
+NARROW: Final = 1e-4  # the same where nothing wider leads to the goal
+_DOOR: Final = 2.5  # radii, the width below which ways lead through the middle of a gap
+_ASIDE: Final = 0.6  # distances of contact before and after a gap, where corners around the two are in sight
+_ARC: Final = math.pi / 3.0  # of a rounded corner that one point stands for, at most
+_DISK: Final = 12  # points around a disk
+_NEARER: Final = 0.98  # of its clearance, that a robot beside a thing may lose on its way
+_CHUNK: Final = 1 << 14  # segments looked at together
+
+
+class WayPoints:
+    """Points beside the corners of all things, and which of them see each other. Immutable.
+
+    Attributes:
+        points: of which shortest ways are made, (n,).
+        lengths: of the straight ways between them, (n, n) m, infinite where something is in between.
+    """
+
+    def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float, narrow: bool = False) -> None:
+        margin = NARROW if narrow else MARGIN
+        self._shapes, self._clear = list(shapes), radius * (1.0 + margin)
+        self._segments = [_segments(shape) for shape in self._shapes]
+        self._centres = np.array([complex(shape.around.x, shape.around.y) for shape in self._shapes])
+        self._sizes = np.array([shape.around.radius for shape in self._shapes])
+        rings = [_ring(each, radius * (1.0 + 2.0 * margin)) for each in self._shapes]
+        if narrow:
+            rings += [[point] for point in _through(room, shapes, radius)]
+        points, before, after = _joined(rings)
+        free = self._free(room, points)
+        self.points = points[free]
+        self.lengths = self._graph(before[free], after[free])
+
+    def visible(self, begin: Plane, end: Plane, *beside: complex) -> NDArray[np.bool_]:
+        """Which straight ways keep clear of everything; less so of things near one of the places `beside`."""
+        clear = np.full(len(self._shapes), self._clear)
+        for place in beside:
+            clear = np.minimum(clear, self._clearances(place))
+        return self._seen(begin, end, clear)
+
+    def _clearances(self, place: complex) -> Reals:
+        """How far a way that ends at a place must keep from each thing, m."""
+        return np.array([_NEARER * shape.distance(place.real, place.imag) for shape in self._shapes])
+
+    def _free(self, room: Shape, points: Plane) -> NDArray[np.bool_]:
+        """Which points are clear of all things and inside."""
+        free = [
+            room.distance(z.real, z.imag) <= -self._clear
+            and all(shape.distance(z.real, z.imag) >= self._clear for shape in self._shapes)
+            for z in points.tolist()
+        ]
+        return np.array(free, dtype=bool)
+
+    def _graph(self, before: Plane, after: Plane) -> Reals:
+        """Only of ways that are tangent at both ends: no shortest way has another."""
+        points, count = self.points, len(self.points)
+        lengths = np.full((count, count), np.inf)
+        one, other = np.triu_indices(count, 1)
+        tangent = _tangent(points, before, after, one, other) & _tangent(points, before, after, other, one)
+        one, other = one[tangent], other[tangent]
+        clear = np.full(len(self._shapes), self._clear)
+        for begin in range(0, len(one), _CHUNK):
+            i, j = one[begin : begin + _CHUNK], other[begin : begin + _CHUNK]
+            seen = self._seen(points[i], points[j], clear)
+            i, j = i[seen], j[seen]
+            lengths[i, j] = lengths[j, i] = np.abs(points[i] - points[j])
+        return lengths
+
+    def _seen(self, begin: Plane, end: Plane, clear: Reals) -> NDArray[np.bool_]:
+        """Which straight ways keep `clear` (m, by thing) of everything."""
+        seen = np.ones(len(begin), dtype=bool)
+        for index, (corner, edge) in enumerate(self._segments):
+            distance = _from_ways(self._centres[index], begin, end)
+            near = np.flatnonzero(seen & (distance < self._sizes[index] + clear[index]))
+            if len(near) and len(corner) > 1:
+                distance = _apart(begin[near], end[near], corner, edge)
+                seen[near] = distance >= clear[index]
+            elif len(near):
+                seen[near] = False
+        return seen
+
+
+@lru_cache(maxsize=16)
+def way_points(room: Shape, shapes: tuple[Shape, ...], radius: float, narrow: bool = False) -> WayPoints:
+    """The way points of disks of `radius` (m); robots of one size in one process share them."""
+    return WayPoints(room, shapes, radius, narrow)
+
+
+class Route:
+    """Shortest ways to one goal after the other."""
+
+    def __init__(self, way_points: WayPoints) -> None:
+        self._ways = way_points
+        self._goal: Vector | None = None
+        self._rest: Reals = np.empty(0)  # from each point to the goal, m
+
+    def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
+        """The first corner of the shortest way to the goal, and the length of all of it, m.
+
+        The goal itself where nothing is in between; None where no way was found.
+        """
+        here = complex(*position)
+        if goal != self._goal:
+            self._goal, self._rest = goal, self._distances(complex(*goal))
+        points = np.append(self._ways.points, complex(*goal))
+        total = np.abs(points - here) + np.append(self._rest, 0.0)
+        for index in np.argsort(total, kind="stable"):
+            if not math.isfinite(total[index]):
+                break
+            if points[index] == here and index < len(self._rest):
+                continue
+            ends = (here, complex(*goal)) if index == len(self._rest) else (here,)
+            if self._ways.visible(np.array([here]), points[index : index + 1], *ends)[0]:
+                return (float(points[index].real), float(points[index].imag)), float(total[index])
+        return None
+
+    def _distances(self, goal: complex) -> Reals:
+        """From each point to the goal, m: Dijkstra's algorithm on the dense graph."""
+        points, lengths = self._ways.points, self._ways.lengths
+        seen = self._ways.visible(np.full(len(points), goal), points, goal)
+        rest: Reals = np.where(seen, np.abs(points - goal), np.inf)
+        open_ = np.ones(len(rest), dtype=bool)
+        while open_.any():
+            index = int(np.where(open_, rest, np.inf).argmin())
+            if not (open_[index] and math.isfinite(rest[index])):
+                break
+            open_[index] = False
+            rest = np.minimum(rest, rest[index] + lengths[index])
+        return rest
+
+
+def _through(room: Shape, shapes: Sequence[Shape], radius: float) -> list[complex]:
+    """Points before and after narrow gaps, on the middle line: that keeps half the width from both sides."""
+    points = []
+    for gap in gaps(room, shapes, _DOOR * radius):
+        if gap.width < 2.0 * radius:
+            continue
+        begin, end = complex(*gap.begin), complex(*gap.end)
+        ahead = 1j * (end - begin) / gap.width
+        sizes = {_radius(shapes, index) for index in (gap.one, gap.other)}
+        for size in sizes:
+            way = _ASIDE * (size + radius) * ahead
+            points += [0.5 * (begin + end) - way, 0.5 * (begin + end) + way]
+    return points
+
+
+def _radius(shapes: Sequence[Shape], index: int) -> float:
+    """Of a round obstacle, m; of others and the outside 0."""
+    shape = shapes[index] if index != OUTSIDE else None
+    return shape.radius if isinstance(shape, Disk) else 0.0
+
+
+def _segments(shape: Shape) -> tuple[Plane, Plane]:
+    """Corners and sides; of a disk its centre alone."""
+    if isinstance(shape, Disk):
+        return np.array([complex(shape.x, shape.y)]), np.zeros(1, dtype=np.complex128)
+    corners = np.array([complex(*point) for point in shape.points])
+    return corners, np.roll(corners, -1) - corners
+
+
+def _ring(shape: Shape, clear: float) -> list[complex]:
+    """Corners of a polygon around all that is within `clear` (m) of a shape, counterclockwise."""
+    if isinstance(shape, Disk):
+        reach = (shape.radius + clear) / math.cos(math.pi / _DISK)
+        turns = [math.tau * (n + 0.5) / _DISK for n in range(_DISK)]
+        return [complex(shape.x + reach * math.cos(turn), shape.y + reach * math.sin(turn)) for turn in turns]
+    ring = []
+    for index, (x, y) in enumerate(shape.points):
+        (ax, ay, _), (bx, by, _) = shape.sides[index - 1], shape.sides[index]
+        first = math.atan2(ay, ax)
+        arc = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+        parts = max(1, math.ceil(arc / _ARC - 1e-9))
+        reach = clear / math.cos(0.5 * arc / parts)
+        for part in range(parts):
+            turn = first + arc * (part + 0.5) / parts
+            ring.append(complex(x + reach * math.cos(turn), y + reach * math.sin(turn)))
+    return ring
+
+
+def _joined(rings: Sequence[Sequence[complex]]) -> tuple[Plane, Plane, Plane]:
+    """All points, and of each the one before and the one after it in its ring."""
+    parts = [np.array(ring, dtype=np.complex128) for ring in rings]
+    empty = [np.empty(0, dtype=np.complex128)]
+    return (
+        np.concatenate(empty + parts),
+        np.concatenate(empty + [np.roll(part, 1) for part in parts]),
+        np.concatenate(empty + [np.roll(part, -1) for part in parts]),
+    )
+
+
+def _tangent(
+    points: Plane, before: Plane, after: Plane, one: NDArray[np.intp], other: NDArray[np.intp]
+) -> NDArray[np.bool_]:
+    """Whether the line from `one` to `other` leaves the ring of `one` on one side."""
+    way = (points[other] - points[one]).conj()
+    left, right = (way * (before[one] - points[one])).imag, (way * (after[one] - points[one])).imag
+    tolerance = 1e-9 * np.abs(way) ** 2
+    tangent: NDArray[np.bool_] = ((left >= -tolerance) & (right >= -tolerance)) | (
+        (left <= tolerance) & (right <= tolerance)
+    )
+    return tangent
+
+
+def _from_ways(point: complex | Plane, begin: Plane, end: Plane) -> Reals:
+    """Distance of points from straight ways, m."""
+    way = end - begin
+    square = np.maximum(np.abs(way) ** 2, np.finfo(np.float64).tiny)
+    part = np.clip(((point - begin) * way.conj()).real / square, 0.0, 1.0)
+    distance: Reals = np.abs(begin + part * way - point)
+    return distance
+
+
+def _apart(begin: Plane, end: Plane, corner: Plane, edge: Plane) -> Reals:
+    """Distance of straight ways, (n,), from one convex polygon, m; 0 where they cross."""
+    one, other = begin[:, None], end[:, None]
+    distance = np.minimum(_from_ways(corner, one, other), _from_ways(one, corner, corner + edge))
+    distance = np.minimum(distance, _from_ways(other, corner, corner + edge)).min(axis=1)
+    sides = (edge.conj() * (one - corner)).imag, (edge.conj() * (other - corner)).imag
+    crossing = (sides[0] * sides[1] < 0.0) & (
+        ((other - one).conj() * (corner - one)).imag * ((other - one).conj() * (corner + edge - one)).imag
+        < 0.0
+    )
+    meet: Reals = np.where(crossing.any(axis=1) | (np.array(sides) > 0.0).all(axis=(0, 2)), 0.0, distance)
+    return meet
+
 
 _TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other
 

@@ -1,7 +1,8 @@
-"""Pace: the positive scale s of the flow y' = -s D(y), 1/s.
+"""Pace: the positive scale s of the flow y' = -s D(y), 1/s, and whose turn it is to move.
 
 Any positive scale descends phi; a scale common to all robots also keeps the paper's path, because the
-whole configuration then moves along -D.
+whole configuration then moves along -D. Along the motion of one robot alone phi descends, too, as each
+follows its own slice of the same gradient: robots that take turns minimize it by coordinate descent.
 
 The maximum rate is the largest scale. Close to its goal a robot obeys y' = -2 s (y - g), so at that rate
 it brakes exponentially from the distance speed / (2 max_rate) on. With
@@ -13,6 +14,9 @@ shortens the distance by a factor of at most e, so robots that know each other l
 from __future__ import annotations
 
 import math
+from typing import final
+
+from protocol.scenario.model import Scenario
 
 
 def max_rate(speed: float, period: float, tolerance: float) -> float:
@@ -41,3 +45,29 @@ def common_pace(slice_norm: float, gamma: float, speed: float, limit: float) -> 
     """
     largest = min(slice_norm, 2.0 * math.sqrt(gamma))
     return min(speed / largest, limit) if largest > 0.0 else limit
+
+
+@final
+class Turn:
+    """When it is the turn of one robot.
+
+    Args:
+        place: of the robot in the order of ids, from 0.
+        robots: how many take turns.
+        ticks: that a turn lasts.
+    """
+
+    def __init__(self, place: int, robots: int, ticks: int) -> None:
+        self._place, self._robots, self._ticks = place, robots, ticks
+
+    def has_come(self, tick: int) -> bool:
+        """Whether the robot may move in a tick."""
+        return tick // self._ticks % self._robots == self._place
+
+
+def turn_of(scenario: Scenario, robot: int) -> Turn | None:
+    """The turn of a robot; None where all move at once, as they do unless `control.turn` is given."""
+    if scenario.control.turn is None:
+        return None
+    ids = scenario.ids
+    return Turn(ids.index(robot), len(ids), scenario.ticks(scenario.control.turn))

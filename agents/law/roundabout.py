@@ -25,7 +25,7 @@ from protocol.messages import Vector
 WIDE: Final = 1.08  # times the circle on which the disks touch each other
 LEAST: Final = 0.05  # rad from one to the next, which is some 120 on one circle
 STEEPEST: Final = 0.5  # rad, by which a robot turns at most
-NEARLY: Final = 2.0  # distances of contact: who passes as near may be met before the next summary
+NEARLY: Final = 2.0  # distances of contact: a peer that passes as near may be met before the next summary
 
 
 class Encounter(NamedTuple):
@@ -51,7 +51,7 @@ class Encounters:
     def __init__(self, robot: int, radius: float, period: float, ahead: float) -> None:
         self._robot, self._radius, self._period, self._ahead = robot, radius, period, ahead
         self._picture: FarPicture | None = None
-        self._far: list[PeerState] = []  # who may be met of those who are not heard
+        self._far: list[PeerState] = []  # those that may be met and send no State
 
     def met(self, view: View, way: Vector) -> list[Encounter]:
         """All of them, if the robot goes `way` (m/s)."""
@@ -80,7 +80,7 @@ class Encounters:
             found.append(Encounter(x, y, state.radius, time))
 
     def _crossing(self, picture: FarPicture, view: View, way: Vector) -> list[PeerState]:
-        """Of all whom a summary has, those who may be met before the next one, as if they had said so."""
+        """Of all in a summary, those that may be met before the next one, as if by their States."""
         x, y, dx, dy, radii = picture.courses()
         age = view.tick - picture.tick
         vx, vy = dx / self._period, dy / self._period
@@ -120,7 +120,7 @@ class Roundabout(NamedTuple):
         return min(max(0.0, math.remainder(turn, 2.0 * math.pi)), STEEPEST)
 
     def is_ahead(self, position: Vector, way: Vector) -> bool:
-        """Whether the centre is ahead of who is at a position and goes this way."""
+        """Whether the centre is ahead of a robot at a position that goes this way."""
         return (self.x - position[0]) * way[0] + (self.y - position[1]) * way[1] > 0.0
 
 
@@ -135,13 +135,13 @@ def together(encounters: Sequence[Encounter], within: float) -> list[Encounter]:
 def roundabout(position: Vector, way: Vector, met: Sequence[Encounter]) -> Roundabout:
     """Where a robot meets others, and how much room all need there.
 
-    Those whom it hears may be few of many: it takes the directions from which others come to be as dense
-    as those that it knows.
+    The peers that it hears may be few of many: the directions from which others come are taken to be as dense
+    as the known ones.
 
     Args:
         position: own, m.
         way: velocity straight on, m/s.
-        met: by whom; at least one.
+        met: with which peers; at least one.
     """
     ahead = math.fsum(each.time for each in met) / len(met)
     x, y = position[0] + ahead * way[0], position[1] + ahead * way[1]

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from agents.law import View
 from agents.law.additions import AugmentedLaw
-from agents.law.half_planes import nearest, reciprocal
-from agents.law.reciprocal import NEAR, ReciprocalLaw
+from agents.law.reciprocal import NEAR, ReciprocalLaw, nearest, reciprocal
 from agents.lines.line import HalfPlane
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState

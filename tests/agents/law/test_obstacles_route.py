@@ -9,8 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from agents.law.obstacles import Attraction
-from agents.law.route import MARGIN, Route, way_points
+from agents.law.obstacles import MARGIN, Attraction, Route, way_points
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from tests.protocol.shapes import points, shapes
 
