@@ -37,7 +37,7 @@ class Simulation:
     ) -> None:
         """Arguments and errors are those of `disknav.run`."""
         self.scenario = ready(scenario, settings, seed)
-        self._fleet = LocalFleet([self.scenario], checked_run(name))
+        self._fleet = LocalFleet(self.scenario, checked_run(name))
         self._truths = [self._truth]
         self.orders = Orders(Operator(self._fleet.network.connect(), name))
 
@@ -85,8 +85,7 @@ class Simulation:
         with STOP.listening():
             while not STOP.requested and self.step():
                 pass
-            (report,) = self._fleet.execute()
-        return report
+            return self._fleet.execute()
 
     @property
     def _truth(self) -> Truth:

@@ -2,9 +2,8 @@
 
 Both are msgpack maps: the request `{"session": text, "health": Health or nil}`, the reply one of four, told
 apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
-file), `oldest` (by robot, the incarnation below which a State is of an earlier run), `away` (s that the world
-may be gone and still come back), `founded` (whether the run has begun) and `run_number` (a Summary with any
-other is of another run) and `epoch` (of the coordinator: Ticks and States of any other do not count);
+file), `away` (s that the world may be gone and still come back), `founded` (whether the run has begun) and
+`epoch` (of the coordinator: Ticks and States of any other do not count);
 `"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
 `verdict`. Which robot asks is said by the key alone, so that a router's rules decide who may. Who only
 watches asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
@@ -52,10 +51,8 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    oldest: dict[Id, Count] = {}  # incarnation of each robot below which a State is of an earlier run
     away: Size = 0.0  # s that the world may be gone and still come back; 0 if it never does
     founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
-    run_number: Count = 0  # a Summary with any other is of another run
     epoch: Epoch = 0  # of the coordinator: what another one says does not count
 
 

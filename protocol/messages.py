@@ -238,7 +238,6 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     active: tuple[Id, ...]  # robots that state and command this tick
     standing: tuple[Standing, ...]  # robots that are fenced, or that no process has joined for
     verdict: str  # empty while the run goes on
-    run_number: Count = 0  # which of the scenarios that this world judges one after another
     clearance: Real = 0.0  # m, smallest gap during the tick before; negative is overlap
     phi: Real = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
@@ -260,7 +259,6 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
     slices: bytes  # m, norms of their slices as last commanded, one 32-bit float each, little-endian
-    run_number: Count = 0  # as in Clock: ticks are counted anew in each run
     epoch: Epoch = 0  # of the coordinator
 
 

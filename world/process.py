@@ -1,10 +1,10 @@
-"""The process of the world: its own session, one node, one scenario after another."""
+"""The process of the world: its own session, one node."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
@@ -31,7 +31,7 @@ _GONE = 4.0  # s after which a token is there for good: that of a world that die
 def main(
     connection: Connection,
     run: str,
-    scenarios: Sequence[Scenario],
+    scenario: Scenario,
     lockstep: bool,
     gathering: float = GATHERING,
     speed: float = 0.0,
@@ -41,13 +41,13 @@ def main(
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
     beat: Heartbeat | None = None,
 ) -> int:
-    """Judge `scenarios` one after another in `run`; returns the exit status.
+    """Judge `scenario` in `run`; returns the exit status.
 
     `gathering` is how long robots may take to join, s; `speed` and `restarts` as in `WorldNode`; `tell`
-    is told every report. With a `journal` (see `Journal.create`) this process goes on where another one
+    is told the report. With a `journal` (see `Journal.create`) this process goes on where another one
     died, and a report may be told again; the file is removed once all is over.
 
-    0: all ran to some verdict, or this process was asked to stop (the result says interrupted).
+    0: there is a verdict, or this process was asked to stop (the result says interrupted).
     2: there is another world of this run.
     3: the network is gone, or the journal is not what it should be.
 
@@ -58,8 +58,8 @@ def main(
     try:
         if journal is not None:
             past = resume(
-                Journal(journal, checked_run(run), scenarios, LOG.warning),
-                scenarios,
+                Journal(journal, checked_run(run), scenario, LOG.warning),
+                scenario,
                 returning(gathering, restarts, lockstep=lockstep),
             )
             _say_where(past)
@@ -68,7 +68,7 @@ def main(
             node = WorldNode(
                 bus,
                 checked_run(run),
-                scenarios,
+                scenario,
                 lockstep,
                 gathering=gathering,
                 speed=speed,
@@ -116,7 +116,7 @@ def _taken(run: str) -> RunTakenError:
 
 
 def supervised(*arguments: Any) -> int:
-    """As `main`; the last argument takes every report as JSON text, whatever becomes of the network."""
+    """As `main`; the last argument takes the report as JSON text, whatever becomes of the network."""
     *others, say = arguments
 
     def tell(report: dict[str, Any]) -> None:
@@ -126,5 +126,5 @@ def supervised(*arguments: Any) -> int:
 
 
 def _say_where(past: Resumed) -> None:
-    if past.journal.past or past.run.number:
+    if past.journal.past:
         LOG.warning(f"goes on at tick {past.run.world.tick} of {past.run.scenario.name!r}")

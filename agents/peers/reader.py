@@ -31,21 +31,14 @@ class PeerReader:
     Args:
         robot: own id.
         peer: the speaker's.
-        oldest: its first incarnation in this run.
         epoch: of the own coordinator.
         limits: what a State can truly say.
-
-    Attributes:
-        oldest: as given; earlier incarnations are no concern of this run.
     """
 
-    __slots__ = ("_begin", "_epoch", "_limits", "_peer", "_reader", "_robot", "oldest")
+    __slots__ = ("_begin", "_epoch", "_limits", "_peer", "_reader", "_robot")
 
-    def __init__(
-        self, robot: int, peer: int, oldest: int = 0, epoch: int = 0, limits: Plausible = _ANY
-    ) -> None:
+    def __init__(self, robot: int, peer: int, epoch: int = 0, limits: Plausible = _ANY) -> None:
         self._robot, self._peer, self._epoch = robot, peer, epoch
-        self.oldest = oldest
         self._reader = Reader("state", peer)
         self._limits = limits
         whole = msgspec.msgpack.encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])

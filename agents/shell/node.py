@@ -77,7 +77,6 @@ class RobotNode:
         self._base: AttachedBase | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
-        self._run_number = 0  # of the run that it was admitted to
         self._declared = self._announced = False
         self._noted = 0  # troubles of the robot that were said
         self._ended = self._over = False  # this life; the run
@@ -132,7 +131,6 @@ class RobotNode:
             epoch=admission.epoch,
         )
         self._lockstep, self._founded = admission.lockstep, admission.founded
-        self._run_number = admission.run_number
         self._published = self._received = 0
         self._rejected.clear()
         self._commanded = True
@@ -204,9 +202,9 @@ class RobotNode:
         core = self.core
         if core is None or self._ended:
             return
-        if heard is None or peer is None:
+        if heard is None:
             self._on_message(core, message)
-        elif heard.incarnation >= peer.oldest:  # else it is of an earlier run
+        else:
             core.hearing.on_state(heard)
             self._command_if_complete(core)
 
@@ -220,8 +218,7 @@ class RobotNode:
         elif isinstance(message, Tick):
             self._on_tick(core, message)
         elif isinstance(message, Summary):
-            if message.run_number == self._run_number:  # else it is of an earlier run, and late
-                self._on_summary(core, message)
+            self._on_summary(core, message)
         elif isinstance(message, State) and core.hearing.everybody:
             self._rejected["identity"] += 1  # of nobody who takes part
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final, final
 
 from agents.peers.fleet import fleet_of
@@ -34,7 +34,6 @@ class Subscriptions:
         self._bus, self._run, self._robot = bus, run, robot
         self._fleet: frozenset[int] = frozenset()  # everybody
         self._epoch = 0  # of the coordinator
-        self._oldest: Mapping[int, int] = {}  # first incarnations in this run
         self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
         self._before = self._near  # who was named before them
         self._named = False  # whether `attend` named somebody since the last `tend`
@@ -46,7 +45,7 @@ class Subscriptions:
         scenario = admission.scenario
         self._limits = plausible(scenario)
         self._fleet = fleet_of(scenario.robots).ids
-        self._oldest, self._epoch, self._near = admission.oldest, admission.epoch, frozenset()
+        self._epoch, self._near = admission.epoch, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}
         for peer in () if scenario.hears_near else sorted(self._fleet - {self._robot}):
@@ -100,9 +99,7 @@ class Subscriptions:
     def _know(self, peer: int) -> str:
         """Be ready to read the States of a peer; their key."""
         key = self._key(peer)
-        self.readers[key] = PeerReader(
-            self._robot, peer, self._oldest.get(peer, 0), self._epoch, self._limits
-        )
+        self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:

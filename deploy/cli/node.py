@@ -104,7 +104,7 @@ def world(
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.library.load import load
-    from deploy.run.outcome.result import exit_status
+    from deploy.run.result import exit_status
     from protocol.bus.loop import heartbeat
     from world.process import main
     from world.shell.persistence.journal import Journal
@@ -119,7 +119,7 @@ def world(
     set_process_title("world", run_name)
     begin("world", run_name, log)
     if journal is not None and not journal.exists():
-        Journal.create(journal, run_name, [loaded])
+        Journal.create(journal, run_name, loaded)
     lockstep = mode == "lockstep"
     verdicts: list[int] = []
 
@@ -130,7 +130,7 @@ def world(
     status = main(
         connection,
         run_name,
-        [loaded],
+        loaded,
         lockstep,
         gathering=wait,
         journal=journal,

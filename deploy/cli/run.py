@@ -11,7 +11,7 @@ import typer
 from deploy.cli import options
 from deploy.output import json_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
-from deploy.run.outcome.result import exit_status, kept_status, show
+from deploy.run.result import exit_status, kept_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin

@@ -291,8 +291,8 @@ def _trial() -> Finding:
     from protocol.errors import DisknavError
 
     try:
-        with Fleet([load("head-on", ["time.limit=1.0"])], RunOptions()) as fleet:
-            (report,) = fleet.execute()
+        with Fleet(load("head-on", ["time.limit=1.0"]), RunOptions()) as fleet:
+            report = fleet.execute()
     except DisknavError as error:
         return Finding("fleet", "bad", f"two robots did not run: {error}", "see what stands above")
     if report["verdict"] == "timeout" and report["collisions"] == 0:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -67,7 +66,7 @@ def linked_router(
 def world(
     connection: Connection,
     run: str,
-    scenarios: Sequence[Scenario],
+    scenario: Scenario,
     lockstep: bool,
     gathering: float = GATHERING,
     speed: float = 0.0,
@@ -75,11 +74,11 @@ def world(
     journal: Path | None = None,
     scheduling: Scheduling = ORDINARY,
 ) -> Process:
-    """The world of a run, which tells every report as JSON; `restarts` as its robots' rows have it.
+    """The world of a run, which tells its report as JSON; `restarts` as its robots' rows have it.
 
     With a `journal` it can be started again as often, too.
     """
-    arguments = (connection, run, scenarios, lockstep, gathering, speed, restarts, journal)
+    arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, journal)
     again = 0 if journal is None else restarts
     entry = "world.process:supervised"
     return Process(WORLD, entry, arguments, True, again, reports=True, scheduling=scheduling)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -36,7 +35,7 @@ class Assembly:
     """Starts what a fleet consists of, from the router to the robots.
 
     Args:
-        scenarios: k already numbers; all with the same robot ids.
+        scenario: k already a number.
         options: transport, clock, names.
         record: file to record to.
         stack: whatever has to be undone at the end is put there, also if something does not start.
@@ -52,12 +51,12 @@ class Assembly:
 
     def __init__(
         self,
-        scenarios: Sequence[Scenario],
+        scenario: Scenario,
         options: RunOptions,
         record: Path | None,
         stack: ExitStack,
     ) -> None:
-        self._scenarios, self._options = scenarios, options
+        self._scenario, self._options = scenario, options
         self._scheduling = Scheduling(realtime=options.realtime_priority)  # of world, routers and robots
         if options.realtime_priority and (options.hosts is None or options.hosts.has_this_machine):
             require_realtime()
@@ -80,7 +79,7 @@ class Assembly:
 
     def robots(self) -> list[table.Process]:
         """The rows of all robots, which are not started yet."""
-        ids = self._scenarios[0].ids
+        ids = self._scenario.ids
         together = len(ids) if self._options.lockstep and self._hosts is None else 0
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
 
@@ -128,7 +127,7 @@ class Assembly:
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
         if options.transport == "mesh":
-            return Mesh(self._folder, self._scenarios[0].ids)
+            return Mesh(self._folder, self._scenario.ids)
         membership = Membership(options.secure)
         membership.run(options.run)  # or the router would turn everybody away
         self._ends = membership.end()
@@ -183,7 +182,7 @@ class Assembly:
         if not self._options.restarts:
             return None
         journal = self._folder / "journal"
-        Journal.create(journal, self._options.run, self._scenarios)
+        Journal.create(journal, self._options.run, self._scenario)
         hosts, spawners = self._options.hosts, self._hosts
         folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
         if hosts is None or spawners is None or folder is None:
@@ -194,11 +193,11 @@ class Assembly:
     def _start_world(self, journal: Path | None) -> None:
         """The world, and before anything can happen the recorder, unless the router is it."""
         run, topology = self._options.run, self.topology
-        options, scenarios = self._options, self._scenarios
+        options = self._options
         world = table.world(
             topology.world(),
             run,
-            scenarios,
+            self._scenario,
             options.lockstep,
             speed=options.speed,
             restarts=options.restarts,

@@ -17,8 +17,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.live_page import linger, live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.outcome.result import Result, complete
-from deploy.run.outcome.unjudged import interrupted, unjudged
+from deploy.run.result import INTERRUPTED, Result, complete, unjudged
 from deploy.telemetry.plot.draw import check, draw
 from deploy.telemetry.recording.parts import ONE_FILE
 from protocol.errors import UsageError
@@ -70,14 +69,15 @@ def execute(
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
                 page = stack.enter_context(live_page(fleet, options)) if extras.web else None
             except Stopped:
-                report = interrupted(unjudged(scenario, None, time.monotonic() - began))
+                report = unjudged(scenario, None, time.monotonic() - began)
+                report.update(verdict="interrupted", reason=INTERRUPTED)
                 result = complete(report, options, [])
                 json_output.write_json(result, extras.json)
                 tell(result)
                 return result
-            reports = fleet.execute()
+            report = fleet.execute()
             processes, recordings = fleet.processes(), fleet.recordings()
-            result = complete(reports[0], options, processes, recordings if extras.record else [])
+            result = complete(report, options, processes, recordings if extras.record else [])
             LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
             try:
                 json_output.write_json(result, extras.json)  # before anything that may still wait
@@ -120,11 +120,11 @@ def _fleet(
         raise UsageError("bases outside are reached by the network: leave out --transport local")
     if options.transport == "local":
         return LocalFleet(
-            [scenario],
+            scenario,
             options.run,
             lockstep=options.lockstep,
             speed=options.speed,
             watch=bar.watch,
             record=recording,
         )
-    return Fleet([scenario], options, watch=bar.watch, record=recording)
+    return Fleet(scenario, options, watch=bar.watch, record=recording)

@@ -17,8 +17,7 @@ from deploy.processes.row import Exit, Usage
 from deploy.run.assembly import Assembly
 from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
-from deploy.run.outcome.reports import Report, Reports
-from deploy.run.outcome.unjudged import INTERRUPTED, unjudged
+from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
 from deploy.run.topology import Topology
 from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.bus import Event, Sample
@@ -33,7 +32,7 @@ from protocol.scenario.model import Scenario
 
 Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the world to report when it is cut short
-_LEAVING = 2.0  # s for processes to end by themselves after the last run
+_LEAVING = 2.0  # s for processes to end by themselves after the run
 _POLL = 0.02  # s
 _IMPATIENT = 2  # signals
 ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
@@ -44,15 +43,13 @@ class FleetLostError(Exception):
 
 
 class Fleet:
-    """The processes of one or more runs (same robots, one after another); a context manager.
+    """The processes of a run; a context manager.
 
     Args:
-        scenarios: k already numbers; all with the same robot ids.
+        scenario: k already a number.
         options: transport, clock, names.
         watch: is told every Clock that is heard.
         record: file to record to.
-        on_report: is told every report as soon as its run has ended.
-        digest: what is kept of each report; all of it unless given.
 
     Attributes:
         rejected: messages that were no world's, by reason.
@@ -63,27 +60,25 @@ class Fleet:
 
     def __init__(
         self,
-        scenarios: Sequence[Scenario],
+        scenario: Scenario,
         options: RunOptions,
         *,
         watch: Watcher | None = None,
         record: Path | None = None,
-        on_report: Callable[[Report], None] | None = None,
-        digest: Callable[[Report], Report] = lambda report: report,
     ) -> None:
-        self._scenarios, self._options = scenarios, options
+        self._scenario, self._options = scenario, options
         self._watch, self._record = watch, record
-        self._launcher = Launcher(scenarios, self)
+        self._launcher = Launcher(scenario, self)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._reports = Reports(len(scenarios), on_report, digest, lambda: self._assembly.expired)
+        self._report: Report | None = None
         self._leaving = _LEAVING
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
-            self._assembly = Assembly(self._scenarios, self._options, self._record, stack)
+            self._assembly = Assembly(self._scenario, self._options, self._record, stack)
             self._supervisor = self._assembly.supervisor
             self._listen(stack)  # before there are robots: a short run must not be over before it is watched
             self._supervisor.start(self._robots())
@@ -106,29 +101,32 @@ class Fleet:
         stack.callback(self._bus.close)
         self._bus.subscribe(world_key(self._options.run, "clock"))
 
-    def execute(self, enough: Callable[[], bool] = lambda: False) -> list[Report]:
-        """Watch until every scenario has its report, or it is `enough`.
+    def execute(self, enough: Callable[[], bool] = lambda: False) -> Report:
+        """Watch until there is a report, or it is `enough`.
 
-        Signals and lost processes end the run too, and the last report says so; a second signal has nothing
-        wait for it.
+        Signals and lost processes end the run too, and its report says so, with what the world said that it
+        saw so far; a second signal has nothing wait for it.
         """
         verdict, reason = self._ending(enough)
         if verdict:
             LOG.info(f"{verdict}: {reason}")
             self._await_last_words()
-            self._cut(verdict, reason)
-        return self._reports.all
+        report = self._report
+        if report is None:
+            report = unjudged(self._scenario, self._clock, time.monotonic() - self._began)
+        if self._report is None or (verdict and report["verdict"] == "interrupted"):
+            report.update(verdict=verdict, reason=reason)
+        return report
 
     def _ending(self, enough: Callable[[], bool]) -> tuple[str, str]:
-        """Watch until every scenario has its report, or for what reason, and with what verdict, they are cut
-        short; none if they are not."""
+        """Watch until there is a report; verdict and reason with which the run is cut short, else ""."""
         try:
-            while not (self._complete or STOP.requested or enough()):
+            while not (self._report or STOP.requested or enough()):
                 self._take(self._bus.receive(_POLL))
                 self._check(self._poll())
         except FleetLostError as loss:
             return "aborted", str(loss)
-        if self._complete:
+        if self._report:
             return "", ""
         return "interrupted", INTERRUPTED if STOP.requested else ENOUGH
 
@@ -174,14 +172,19 @@ class Fleet:
             self._follow(message)
 
     def _poll(self) -> list[Exit]:
-        """Who has ended. The world tells its reports here: what it publishes may be lost, or come later
-        than its end."""
+        """What has ended. The world tells its report here: what it publishes may be lost, or come later
+        than its end. A later life of the world may tell it again."""
         exits = self._supervisor.poll()
         for text in self._supervisor.heard(table.WORLD):
             try:
-                self._reports.add(text)
+                report = read_report(text)
             except MessageError as error:  # of a host that was taken over
                 self.rejected[error.reason] += 1
+                continue
+            if self._report is None:
+                if report["verdict"] != "arrived":
+                    report["reason"] = f"{report['reason']}{self._assembly.expired}".removeprefix("; ")
+                self._report = report
         return exits
 
     def _follow(self, clock: Clock) -> None:
@@ -229,25 +232,12 @@ class Fleet:
             if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
-            if (exit_.process.vital and not self._complete) or not tolerable:
+            if (exit_.process.vital and not self._report) or not tolerable:
                 raise FleetLostError(f"{exit_}{self._assembly.expired}")
 
     @property
     def _has_begun(self) -> bool:
-        return self._clock is not None and (self._clock.tick > 0 or self._clock.run_number > 0)
-
-    @property
-    def _complete(self) -> bool:
-        return len(self._reports.all) == len(self._scenarios)
-
-    def _cut(self, verdict: str, reason: str) -> None:
-        """End the run before its time: with what the world said that it saw so far; if it said nothing, the
-        launcher does."""
-        reports = self._reports.all
-        if reports and reports[-1]["verdict"] == "interrupted":
-            reports[-1].update(verdict=verdict, reason=reason)
-        elif not self._complete:
-            reports.append({**self._unjudged(), "verdict": verdict, "reason": reason})
+        return self._clock is not None and self._clock.tick > 0
 
     def _await_last_words(self) -> None:
         """Have the world report, unless a second signal asks not to wait for it."""
@@ -264,13 +254,6 @@ class Fleet:
             ):
                 self._take(self._bus.receive(_POLL))
                 self._poll()
-
-    def _unjudged(self) -> Report:
-        """Of the first run that has no report."""
-        number, clock = len(self._reports.all), self._clock
-        last = clock if clock is not None and clock.run_number == number else None
-        report = unjudged(self._scenarios[number], last, time.monotonic() - self._began)
-        return {**report, "run_number": number}
 
 
 def _row(usage: Usage, host: str | None) -> dict[str, Any]:

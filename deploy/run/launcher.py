@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from protocol.messages import Clock
@@ -35,23 +36,18 @@ class Processes(Protocol):
 
 
 class Launcher:
-    """Process faults and newcomers of one or more runs that follow each other on the same processes.
-
-    A robot that a run leaves killed, paused or removed is restarted for the next one that has it.
+    """Process faults and newcomers of a run.
 
     Args:
-        scenarios: of the runs.
+        scenario: of the run.
         processes: what carries it out.
         turn: of several robots at once, which comes first; the least.
     """
 
-    def __init__(
-        self, scenarios: Sequence[Scenario], processes: Processes, turn: Callable[[int], Any] = int
-    ) -> None:
-        self._scenarios, self._processes, self._turn = scenarios, processes, turn
-        self._run = -1
-        self._due: list[tuple[int, ProcessFault]] = []
-        self._ended: set[int] = set()  # robots that are killed or removed
+    def __init__(self, scenario: Scenario, processes: Processes, turn: Callable[[int], Any] = int) -> None:
+        self._processes, self._turn = processes, turn
+        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
+        self._due = deque((scenario.ticks(fault.at), fault) for fault in faults)
         self._paused: set[int] = set()
         self._started: set[int] = set()  # newcomers whose processes were started
 
@@ -70,6 +66,7 @@ class Launcher:
             return
         if fault.event in ("kill", "pause"):
             self._started.discard(robot)  # a robot that is added under its id has a process of its own
+        (self._paused.add if fault.event == "pause" else self._paused.discard)(robot)
         actions = {
             "kill": processes.kill,
             "pause": processes.pause,
@@ -80,7 +77,6 @@ class Launcher:
 
     def removed(self, robot: int) -> None:
         """The process of a robot that was removed has ended."""
-        self._ended.add(robot)
         self._started.discard(robot)
 
     def _welcome(self, robot: int) -> None:
@@ -88,50 +84,20 @@ class Launcher:
         leaves = not self._processes.runs(robot) or robot in self._paused
         if robot not in self._started and leaves and self._processes.welcome(robot):
             self._started.add(robot)
-            self._ended.discard(robot)
             self._paused.discard(robot)
 
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their times; each is returned once.
 
-        None before the run has begun: everybody begins it, whatever happens to them in the first tick.
-        None for a run that there is not: the clock is a stranger's. Nothing happens to a process whose robot
-        is not there, in the world as here: the process of the next one may have come before this is due.
-        A clock that is lost is made up for by any later one of its run, the last included.
+        None before the run has begun: all robots begin it, whatever happens to them in the first tick.
+        Nothing happens to a process whose robot is not there, in the world as here: the process of the next
+        one may have come before this is due. A clock that is lost is made up for by any later one, the last
+        included.
         """
-        if not self._run <= clock.run_number < len(self._scenarios):
-            return []
-        begins = clock.run_number > self._run
-        if begins:
-            self._begin(clock.run_number)
-        gathers = not clock.verdict and (begins or (self._run > 0 and not clock.founded))
-        faults = self._returns() if gathers else []
+        faults = []
         until = clock.tick - 1 if clock.verdict else clock.tick  # the last tick that was open
         while clock.founded and self._due and self._due[0][0] <= until:
-            tick, fault = self._due.pop(0)
+            tick, fault = self._due.popleft()
             if (tick, fault.robot) not in clock.passed_over:
                 faults.append(fault)
-        for fault in faults:
-            self._note(fault)
         return faults
-
-    def _note(self, fault: ProcessFault) -> None:
-        """A process that has ended is not there again by being resumed."""
-        (self._paused.add if fault.event == "pause" else self._paused.discard)(fault.robot)
-        if fault.event in ("kill", "restart"):
-            (self._ended.add if fault.event == "kill" else self._ended.discard)(fault.robot)
-
-    def _begin(self, run: int) -> None:
-        scenario = self._scenarios[run]
-        self._run = run
-        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
-        self._due = [(scenario.ticks(fault.at), fault) for fault in faults]
-
-    def _returns(self) -> list[ProcessFault]:
-        """Whom the present run has, and an earlier one left out: perhaps its process ended only now."""
-        ids = self._scenarios[self._run].ids
-        return [
-            ProcessFault(robot, 0.0, "restart")
-            for robot in sorted(self._ended | self._paused)
-            if robot in ids
-        ]

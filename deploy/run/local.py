@@ -18,7 +18,7 @@ from typing import Any
 from agents.shell.node import RobotNode
 from deploy.run.collector import seldom_collecting
 from deploy.run.launcher import Launcher
-from deploy.run.outcome.unjudged import INTERRUPTED
+from deploy.run.result import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer_process import WriterProcess
 from protocol.bus.bus import Bus, Event, Node, Sample
@@ -38,27 +38,27 @@ Watcher = Callable[[Clock], None]
 
 
 class LocalFleet:
-    """World and robots of one or more runs (same robots) in one thread: `deploy.run.fleet.Fleet` in small.
+    """World and robots of a run in one thread: `deploy.run.fleet.Fleet` in small.
 
     Args:
-        scenarios: k already numbers; all with the same robot ids.
+        scenario: k already a number.
         run: name of the run.
         lockstep: whether the world waits for every robot.
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
         joining: robot ids in the order in which they join, at the start and whenever several join again;
-            increasing unless given. Then whoever is not named comes last, and those in decreasing order.
+            increasing unless given. Then robots that are not named come last, and those in decreasing order.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
         order: in which messages are heard, see `LocalNetwork`.
 
     Attributes:
-        reports: of the scenarios that have ended.
+        report: of the world, once the run has ended.
     """
 
     def __init__(
         self,
-        scenarios: Sequence[Scenario],
+        scenario: Scenario,
         run: str = "local",
         *,
         lockstep: bool = True,
@@ -73,25 +73,27 @@ class LocalFleet:
         self.run = run
         # To read a scenario of 1000 robots takes 2 ms, and half a megabyte: 2 s and 0.5 GB if each did.
         self._read = lru_cache(maxsize=1)(decode_reply)
-        self._scenarios, self._lockstep, self._speed = scenarios, lockstep, speed
-        self._path = journal
-        self.reports: list[dict[str, Any]] = []
+        self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
+        self._path, self._watch = journal, watch
+        self.report: dict[str, Any] = {}
         self.start_world()
         self._writer = None if record is None else WriterProcess(record, run)
         self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
+        self._paused: dict[int, Node] = {}
         self._joining = joining
-        for robot in joining or scenarios[0].ids:
+        for robot in joining or scenario.ids:
             self.start(robot)
-        faults = self.network.connect()
-        faults.subscribe(world_key(run, "clock"))
-        faults.node = FaultInjector(self, scenarios, watch)
+        self.launcher = Launcher(scenario, self, self.turn)
+        clock = self.network.connect()
+        clock.subscribe(world_key(run, "clock"))
+        clock.node = _Follower(self._follow)
 
     def start_world(self) -> None:
         """Start the world's node, where the journal says that it was."""
         self._past: Resumed | None = None
         if self._path is not None:
-            self._past = resume(Journal(self._path, self.run, self._scenarios), self._scenarios)
+            self._past = resume(Journal(self._path, self.run, self._scenario), self._scenario)
         self.world_bus = self.network.connect()
         self.world = self.world_bus.node = self._world(self.world_bus)
 
@@ -99,14 +101,14 @@ class LocalFleet:
         return WorldNode(
             bus,
             self.run,
-            self._scenarios,
+            self._scenario,
             self._lockstep,
             speed=self._speed,
             say=LOG.info,
             note=LOG.info,
             past=self._past,
-            clock=time.monotonic,  # the one that is in force: whoever skips waits replaces it
-            tell=self.reports.append,
+            clock=time.monotonic,  # the one in force: tests that skip waits replace it
+            tell=self.report.update,
         )
 
     def kill_world(self) -> None:
@@ -129,9 +131,57 @@ class LocalFleet:
         bus.node = node
         return node
 
+    # -- what the launcher asks for
+
+    def _follow(self, clock: Clock) -> None:
+        self.launcher.follow(clock)
+        for robot, bus in self.robots.items():  # a process ends once it knows that its robot was removed
+            if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
+                self.kill(robot)
+                self.launcher.removed(robot)
+        if self._watch is not None:
+            self._watch(clock)
+
+    def knows(self, robot: int) -> bool:
+        """As `Processes`."""
+        return robot in self.robots
+
+    def runs(self, robot: int) -> bool:
+        """As `Processes`."""
+        bus = self.robots.get(robot)
+        return bus is not None and bus.node is not None
+
     def kill(self, robot: int) -> None:
         """End a robot's node at once; its token goes."""
+        self._paused.pop(robot, None)
         self.robots[robot].close()
+
+    def pause(self, robot: int) -> None:
+        """Have a robot's node take nothing in."""
+        bus = self.robots[robot]
+        if isinstance(bus.node, RobotNode):
+            self._paused[robot] = bus.node
+            bus.node = None
+
+    def resume(self, robot: int) -> None:
+        """Let a robot's node go on, if it is paused."""
+        if robot in self._paused:
+            bus = self.robots[robot]
+            bus.node = self._paused.pop(robot)
+            self.network.notify(bus)
+
+    def restart(self, robot: int) -> None:
+        """End a robot's node, and start another."""
+        self.kill(robot)
+        self.start(robot)
+
+    def welcome(self, robot: int) -> bool:
+        """As `Processes`."""
+        if robot in self._paused:
+            self.kill(robot)  # its token goes; when that is known, the next one can come
+            return False
+        self.start(robot).wake(time.monotonic())
+        return True
 
     def __enter__(self) -> LocalFleet:
         return self
@@ -166,8 +216,8 @@ class LocalFleet:
         recorder = bus.node = Recorder(bus, self.run, writer)
         return recorder
 
-    def execute(self) -> list[dict[str, Any]]:
-        """Run to the end; one report a scenario. A signal ends the run as interrupted, with its report."""
+    def execute(self) -> dict[str, Any]:
+        """Run to the end; the report. A signal ends the run as interrupted, with its report."""
         self.network.run(lambda: self._is_over or self.world.world.tick > 0)  # all are there
         with seldom_collecting():
             self.network.run(lambda: self._is_over)
@@ -175,7 +225,7 @@ class LocalFleet:
             self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
             self._recorder.close()
-        return self.reports
+        return self.report
 
     @property
     def _is_over(self) -> bool:
@@ -189,71 +239,20 @@ class LocalFleet:
         return not world.verdict
 
 
-class FaultInjector:
-    """Follows the world's Clock with nodes in place of processes."""
+class _Follower:
+    """A node that hears the world's Clock."""
 
-    def __init__(self, fleet: LocalFleet, scenarios: Sequence[Scenario], watch: Watcher | None) -> None:
-        self.finished = False
-        self.deadline = float("inf")
-        self.launcher = Launcher(scenarios, self, fleet.turn)
-        self._fleet, self._watch = fleet, watch
-        self._paused: dict[int, RobotNode] = {}
+    finished, deadline = False, float("inf")
+
+    def __init__(self, follow: Callable[[Clock], None]) -> None:
+        self._follow = follow
 
     def handle(self, event: Event) -> None:
-        if not isinstance(event, Sample):
-            return
-        message = decode(event.key, event.payload)
-        if isinstance(message, Clock):
-            self.launcher.follow(message)
-            self._let_go()
-            if self._watch is not None:
-                self._watch(message)
+        if isinstance(event, Sample) and isinstance(message := decode(event.key, event.payload), Clock):
+            self._follow(message)
 
     def wake(self, now: float) -> None:
         """Nothing is due by the wall clock."""
-
-    def _let_go(self) -> None:
-        """A process ends once it knows that its robot was removed; so does a node."""
-        for robot, bus in self._fleet.robots.items():
-            if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
-                self._fleet.kill(robot)
-                self.launcher.removed(robot)
-
-    # -- what the launcher asks for
-
-    def knows(self, robot: int) -> bool:
-        return robot in self._fleet.robots
-
-    def runs(self, robot: int) -> bool:
-        bus = self._fleet.robots.get(robot)
-        return bus is not None and bus.node is not None
-
-    def kill(self, robot: int) -> None:
-        self._paused.pop(robot, None)  # it is not the one that is paused any more
-        self._fleet.kill(robot)
-
-    def pause(self, robot: int) -> None:
-        bus = self._fleet.robots[robot]
-        if isinstance(bus.node, RobotNode):
-            self._paused[robot] = bus.node
-            bus.node = None
-
-    def resume(self, robot: int) -> None:
-        if robot in self._paused:
-            bus = self._fleet.robots[robot]
-            bus.node = self._paused.pop(robot)
-            self._fleet.network.notify(bus)
-
-    def restart(self, robot: int) -> None:
-        self.kill(robot)
-        self._fleet.start(robot)
-
-    def welcome(self, robot: int) -> bool:
-        if self._paused.pop(robot, None) is not None:
-            self._fleet.kill(robot)  # its token goes; when that is known, the next one can come
-            return False
-        self._fleet.start(robot).wake(time.monotonic())
-        return True
 
 
 def _warn(robot: int, text: str) -> None:

@@ -16,7 +16,7 @@ from deploy.processes.forked import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
-from deploy.run.outcome.result import complete
+from deploy.run.result import complete
 from deploy.studies.study import Build, Result
 from protocol.bus.bus import Event
 from protocol.process.log import set_process_title
@@ -53,8 +53,8 @@ def execute(build: Build, seed: int, transport: Transport) -> Result:
 def _in_process(build: Build, seed: int) -> Result:
     began = time.thread_time()
     try:
-        fleet = MeteredFleet([build(seed)])
-        (report,) = fleet.execute()
+        fleet = MeteredFleet(build(seed))
+        report = fleet.execute()
     except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
         return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
     result = complete(report, RunOptions("local"), [])
@@ -66,8 +66,8 @@ def _in_process(build: Build, seed: int) -> Result:
 
 def _on_processes(build: Build, seed: int, transport: Transport) -> Result:
     options = RunOptions(transport)
-    with Fleet([build(seed)], options) as fleet:
-        (report,) = fleet.execute()
+    with Fleet(build(seed), options) as fleet:
+        report = fleet.execute()
         return complete(report, options, fleet.processes())
 
 

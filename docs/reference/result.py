@@ -6,7 +6,6 @@ FIELDS = {
     "scenario": "its name",
     "seed": "of everything random in the run",
     "run": "name of the run",
-    "run_number": "which of several runs that follow each other on the same processes, from 0",
     "mode": "`lockstep` or `realtime`",
     "transport": "`routed`, `mesh` or `local`",
     "robots": "ids, ascending",

@@ -41,7 +41,7 @@ BIASED = Sensing(delay=(0.0, 0.5), noise=0.01, noise_bound=0.02, bias=(-0.014, -
 )
 def test_no_robot_is_pushed_through_the_wall(seed: int, sensing: Sensing, noise: float) -> None:
     """Shrinking the wall by the error bound lets 7 of the first 20 of the first kind out, by 5 mm."""
-    (report,) = LocalFleet([along_the_wall(seed, sensing, noise)]).execute()
+    report = LocalFleet(along_the_wall(seed, sensing, noise)).execute()
     assert report["min_clearance"] >= 0.0
     assert report["collisions"] == 0
 
@@ -75,11 +75,11 @@ def lied_to(policy: str) -> tuple[dict, str, list[str]]:
         robots=(RobotSpec(1, RADIUS, (-0.2, 0.0), (0.2, 0.0)),),
         time=Time(limit=15.0, deadlock=2.0),
     )
-    fleet, said = LocalFleet([scenario]), []
+    fleet, said = LocalFleet(scenario), []
     bus = fleet.robots[1]
     node = RobotNode(bus, fleet.run, 1, say=said.append)
     bus.node = Liar(node)
-    (report,) = fleet.execute()
+    report = fleet.execute()
     assert node.core is not None
     return report, node.core.health(0, 0, {}).note, said
 

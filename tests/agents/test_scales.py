@@ -45,7 +45,7 @@ def circle(count: int, radius: float, k: float, pace: Literal["common", "own"]) 
 
 
 def assert_arrives(scenario: Scenario) -> None:
-    report = LocalFleet([scenario]).execute()[0]
+    report = LocalFleet(scenario).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0), report["reason"]
 
 

@@ -22,5 +22,5 @@ def test_who_missed_when_others_came_near_waits_for_nobody_who_is_gone() -> None
         ),
         time=replace(base.time, limit=4.0),
     )
-    with skipped_waits(), LocalFleet([scenario]) as fleet:
-        assert fleet.execute()[0]["faults"]["given_up"] == []
+    with skipped_waits(), LocalFleet(scenario) as fleet:
+        assert fleet.execute()["faults"]["given_up"] == []

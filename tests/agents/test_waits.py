@@ -42,7 +42,7 @@ def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
         bus.node = RobotNode(bus, "yard", robot)
     network.run(lambda: time.monotonic() > began + 0.3)
     bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", [SCENARIO])
+    world = bus.node = WorldNode(bus, "yard", SCENARIO)
     network.run(lambda: world.finished)
     assert world.report is not None
     assert world.report["verdict"] == "arrived"
@@ -53,8 +53,8 @@ def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
 def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: bool, tmp_path: Path) -> None:
     path = tmp_path / "journal" if journalled else None
     if path is not None:
-        Journal.create(path, "local", [SCENARIO])
-    fleet = LocalFleet([SCENARIO], journal=path)
+        Journal.create(path, "local", SCENARIO)
+    fleet = LocalFleet(SCENARIO, journal=path)
     robots = [bus.node for bus in fleet.robots.values()]
     fleet.network.run(lambda: fleet.world.report is not None)  # not all know it yet
     fleet.kill_world()
@@ -88,7 +88,7 @@ def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
     """A question keeps a robot from hearing anything: at the end of a run it is short."""
     network = LocalNetwork()
     bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", [SCENARIO])
+    world = bus.node = WorldNode(bus, "yard", SCENARIO)
     buses = {robot: network.connect() for robot in SCENARIO.ids}
     links = {robot: Unanswered(bus) for robot, bus in buses.items()}
     nodes = {robot: RobotNode(link, "yard", robot) for robot, link in links.items()}
@@ -114,7 +114,7 @@ def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
 def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:
     network = LocalNetwork()
     bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", [SCENARIO], gathering=5.0)
+    world = bus.node = WorldNode(bus, "yard", SCENARIO, gathering=5.0)
     bus = network.connect()
     first = bus.node = RobotNode(bus, "yard", 1)
     network.run(lambda: world.world.coordinator.lives.awaited == {2})
@@ -132,7 +132,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
 def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
     network = LocalNetwork()
     bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", [SCENARIO])
+    world = bus.node = WorldNode(bus, "yard", SCENARIO)
     robots = []
     for robot in SCENARIO.ids:
         bus = network.connect()
@@ -144,5 +144,5 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
             robot.handle(Presence(token(network), there))
     network.run(lambda: world.finished)
     assert world.report is not None
-    assert world.report["trajectory_sha256"] == LocalFleet([SCENARIO]).execute()[0]["trajectory_sha256"]
+    assert world.report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
     assert set(world.world.coordinator.lives.incarnations.values()) == {1}

@@ -89,11 +89,11 @@ def measure(scenario: Scenario, options: RunOptions) -> Row:
     """One run."""
     meter = _Meter(scenario)
     if options.transport == "local":
-        with LocalFleet([scenario], lockstep=options.mode == "lockstep", watch=meter) as local:
-            report: dict[str, Any] = local.execute()[0]
+        with LocalFleet(scenario, lockstep=options.mode == "lockstep", watch=meter) as local:
+            report: dict[str, Any] = local.execute()
     else:
-        with Fleet([scenario], options, watch=meter) as fleet:
-            report = fleet.execute()[0]
+        with Fleet(scenario, options, watch=meter) as fleet:
+            report = fleet.execute()
     robots, ticks = len(scenario.robots), report["ticks"]
     return Row(
         robots,

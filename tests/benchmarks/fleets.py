@@ -14,11 +14,10 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.messages import Clock
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Journey, Order, Scenario
 
 Filter = Literal["separating-lines", "none"]
 Interest = Literal["near", "all"]
-_TURNS = 1000  # runs one after another with the same processes: nobody counts ticks beyond the time asked for
 
 
 class Measured(NamedTuple):
@@ -35,11 +34,18 @@ class Measured(NamedTuple):
 
 
 def scenario(robots: int, safety: Filter = "separating-lines", interest: Interest | None = None) -> Scenario:
-    """A swap up to 8 robots, which is over in about 250 ticks, else a random instance; who hears whom is as
-    by default unless `interest` says so."""
+    """Robots that go to and fro without end: those of a swap up to 8, else of a random instance; who hears
+    whom is as by default unless `interest` says so."""
     loaded = load(f"swap-{robots}" if robots <= 8 else f"random-{robots}")
     network = replace(loaded.network, interest=interest)
-    return replace(loaded, control=replace(loaded.control, filter=safety), network=network)
+    journeys = (Journey(each.id, (each.goal, each.start), patrol=True) for each in loaded.robots)
+    return replace(
+        loaded,
+        control=replace(loaded.control, filter=safety),
+        network=network,
+        time=replace(loaded.time, endless=True),
+        orders=tuple(Order(0.0, goal=journey) for journey in journeys),
+    )
 
 
 def measure(
@@ -50,15 +56,14 @@ def measure(
     interest: Interest | None = None,
 ) -> Measured:
     """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a journal."""
-    repeated = [scenario(robots, safety, interest)] * _TURNS
-    watch = _Watch(seconds)
-    with Fleet(repeated, RunOptions("routed", "lockstep", restarts=restarts), watch=watch) as fleet:
-        fleet.execute()
+    options, watch = RunOptions("routed", "lockstep", restarts=restarts), _Watch(seconds)
+    with Fleet(scenario(robots, safety, interest), options, watch=watch) as fleet:
+        fleet.execute(lambda: watch.over)
     return watch.measured()
 
 
 class _Watch:
-    """Follows the clock; ends the run, as Ctrl-C would, when there is enough."""
+    """Follows the clock, until there is enough."""
 
     def __init__(self, seconds: float) -> None:
         self._processes: list[psutil.Process] = []
@@ -66,12 +71,12 @@ class _Watch:
         self._began = time.perf_counter()
         self._start = self._cpu = self._elapsed = self._private = 0.0
         self._ticks = 0
-        self._over = False
+        self.over = False
         self._last: tuple[float, Clock] | None = None
 
     def __call__(self, clock: Clock) -> None:
         now = time.perf_counter()
-        if self._over or clock.tick == 0:
+        if self.over or clock.tick == 0:
             self._last = None
             return
         if not self._start:
@@ -79,15 +84,14 @@ class _Watch:
             self._processes = psutil.Process(os.getpid()).children(recursive=True)
             self._cpu = self._used()
             now = time.perf_counter()
-        elif self._last is not None and self._last[1].run_number == clock.run_number:
+        elif self._last is not None:
             self._elapsed += now - self._last[0]
             self._ticks += clock.tick - self._last[1].tick
         self._last = now, clock
         if self._elapsed >= self._seconds:
-            self._over = True
+            self.over = True
             self._cpu = self._used() - self._cpu
             self._private = median(map(_private, self._processes))
-            raise KeyboardInterrupt
 
     def measured(self) -> Measured:
         """The figures, once the run is over."""

@@ -27,8 +27,8 @@ def step(scenario: Scenario, runs: int) -> float:
     """Of a robot, µs."""
     least = float("inf")
     for _ in range(runs):
-        fleet = MeteredFleet([scenario])
-        (report,) = fleet.execute()
+        fleet = MeteredFleet(scenario)
+        report = fleet.execute()
         least = min(least, 1e6 * fleet.robots_cpu() / (report["ticks"] * len(scenario.robots)))
     return least
 

@@ -56,7 +56,7 @@ def page(scenario: Scenario, seconds: float) -> Page:
     from playwright.sync_api import sync_playwright
 
     chromium = next(path for path in map(shutil.which, _CHROMIUM) if path)
-    fleet, frames = LocalFleet([scenario], "watched"), list[float]()
+    fleet, frames = LocalFleet(scenario, "watched"), list[float]()
     watcher = watch_local(fleet.network, "watched", speed=1.0)
     with sync_playwright() as driver, served(watcher) as server:
         browser = driver.chromium.launch(executable_path=chromium, args=list(_FLAGS))
@@ -80,7 +80,7 @@ def page(scenario: Scenario, seconds: float) -> Page:
 
 def terminal(scenario: Scenario) -> float:
     """Time that the terminal takes for one look, s."""
-    fleet = LocalFleet([scenario], "watched")
+    fleet = LocalFleet(scenario, "watched")
     watcher = watch_local(fleet.network, "watched", speed=1.0)
     console = Console(file=io.StringIO(), force_terminal=True, width=120, height=60)
     with running(fleet):
@@ -94,8 +94,8 @@ def terminal(scenario: Scenario) -> float:
 def run(scenario: Scenario, record: Path | None = None) -> float:
     """Wall time of the whole run as fast as can be, s."""
     began = time.perf_counter()
-    with LocalFleet([scenario], "watched", record=record) as fleet:
-        (report,) = fleet.execute()
+    with LocalFleet(scenario, "watched", record=record) as fleet:
+        report = fleet.execute()
         if record is not None:
             fleet.record(report)
     return time.perf_counter() - began

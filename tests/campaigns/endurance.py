@@ -63,7 +63,7 @@ def run(
     kills = dice.seed % 2 == 1
     lives: defaultdict[tuple[str, int], list[Sample]] = defaultdict(list)
     killed: list[str] = []
-    with Fleet([patrol(robots)], RunOptions(mode="realtime", restarts=9999)) as fleet:
+    with Fleet(patrol(robots), RunOptions(mode="realtime", restarts=9999)) as fleet:
         began, random = time.monotonic(), Random(dice.seed)
 
         def enough() -> bool:
@@ -77,7 +77,7 @@ def run(
                 fleet.signal(killed[-1], signal.SIGKILL)
             return now >= seconds
 
-        (report,) = fleet.execute(enough)
+        report = fleet.execute(enough)
         restarts = sum(usage["restarts"] for usage in fleet.processes())
     faults = (
         (report["collisions"] > 0, f"{report['collisions']} collisions"),

@@ -58,8 +58,8 @@ def on_processes(scenario: Scenario, transport: Transport, trajectory: str) -> I
         trajectory: digest of the trajectory within one process.
     """
     deadline = time.monotonic() + PATIENCE
-    with Fleet([scenario], RunOptions(transport)) as fleet:
-        (report,) = fleet.execute(lambda: time.monotonic() > deadline)
+    with Fleet(scenario, RunOptions(transport)) as fleet:
+        report = fleet.execute(lambda: time.monotonic() > deadline)
     yield from violations(report)
     if report["trajectory_sha256"] != trajectory:
         yield Violation("bus", f"another trajectory on {transport}: {report['verdict']}, {report['reason']}")

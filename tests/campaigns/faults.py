@@ -87,7 +87,7 @@ def run(dice: Dice) -> Outcome:
     was killed leaves no room; or not arrived. "all up" counts the runs at whose end no robot was down.
     """
     scenario = fault_scenario(dice.seed)
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     missing = set(scenario.ids) - set(report["arrived"]) - set(report["down"])
     if report["collisions"]:
         said = "collision"

@@ -43,7 +43,7 @@ def arrives(scenario: Scenario, law: str) -> bool:
         AssertionError: something touched.
     """
     control = Control(law=law)
-    (report,) = LocalFleet([resolved(replace(scenario, control=control))]).execute()
+    report = LocalFleet(resolved(replace(scenario, control=control))).execute()
     assert report["collisions"] == 0, f"{law} touches in {scenario.name} of seed {scenario.seed}"
     return bool(report["verdict"] == "arrived")
 

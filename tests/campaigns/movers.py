@@ -47,7 +47,7 @@ class Ended:
 
 def run(scenario: Scenario, kill: bool = False) -> Ended:
     """One instance; `kill`: a robot dies as soon as it carries a part."""
-    fleet = LocalFleet([scenario])
+    fleet = LocalFleet(scenario)
     world, apart = fleet.world.world, ""
     before = _standing(world)
     while fleet.step() and _left(world):

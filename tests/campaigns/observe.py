@@ -69,13 +69,12 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
     """
     watch = Watch(busy)
     with skipped_waits():
-        fleet = LocalFleet([scenario], joining=joining, order=Random(busy) if busy else None)
+        fleet = LocalFleet(scenario, joining=joining, order=Random(busy) if busy else None)
         watch.begin(fleet)
         fleet.network.run(lambda: fleet.world.finished or watch.enough())
         fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
         watch.drain()
-    (report,) = fleet.reports
-    return Observation(report, watch.notes)
+    return Observation(fleet.report, watch.notes)
 
 
 def violations(report: Mapping[str, Any]) -> list[Violation]:

@@ -115,7 +115,7 @@ def _paused() -> Scenario:
 def test_however_much_a_busy_machine_has_to_catch_up_nobody_is_given_up() -> None:
     with skipped_waits():
         watch = Watch(busy=1)
-        with LocalFleet([load("swap-4", ["time.limit=1"], 1)]) as fleet:
+        with LocalFleet(load("swap-4", ["time.limit=1"], 1)) as fleet:
             watch.begin(fleet)
             fleet.network.run(lambda: fleet.world.world.tick == 3)
             began = time.monotonic()

@@ -147,7 +147,7 @@ def test_scenarios_and_names_of_runs(value: Any) -> None:
 
 @given(st.integers())
 def test_ids_in_keys(robot: int) -> None:
-    said = refused(robot_key, "yard", robot, "goal")
+    said = refused(robot_key, "yard", robot, "join")
     assert bool(said) == (not 1 <= robot <= 999_999_999)
     assert not said or str(robot) in said
 

@@ -92,7 +92,7 @@ def test_a_simulation_takes_what_a_run_takes() -> None:
 def test_a_run_is_the_worlds_truth() -> None:
     scenario = disknav.build({"robots": ROBOTS})
     run = disknav.run(scenario)
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     trajectory = run.trajectory
     assert run.arrived
     assert run.result["trajectory_sha256"] == report["trajectory_sha256"]
@@ -148,7 +148,7 @@ def test_faults_happen_while_stepping() -> None:
     scenario = disknav.load("crash")
     simulation = disknav.Simulation(scenario)
     report = simulation.finish()
-    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
+    assert report["trajectory_sha256"] == LocalFleet(scenario).execute()["trajectory_sha256"]
 
 
 def test_a_finished_scenario_takes_no_settings() -> None:
@@ -177,7 +177,7 @@ def test_a_robot_of_a_fleet_is_sent_elsewhere() -> None:
     scenario = disknav.build({"robots": ROBOTS, "time": {"endless": True}})
     options = RunOptions(run=fresh_run_name())
     with (
-        Fleet([scenario], options) as fleet,
+        Fleet(scenario, options) as fleet,
         disknav.operate(options.run, router=fleet.topology.endpoint) as orders,
     ):
         number = orders.send(2, (0.05, 0.1))

@@ -15,7 +15,7 @@ README = (ROOT / "README.md").read_text()
 
 def test_the_scenario() -> None:
     (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
-    (report,) = LocalFleet([resolved(parse_toml(text, "README"))]).execute()
+    report = LocalFleet(resolved(parse_toml(text, "README"))).execute()
     assert report["verdict"] == "arrived"
 
 

@@ -13,7 +13,7 @@ import pytest
 import disknav
 from deploy.cli.application import GROUPS
 from deploy.run.options import RunOptions
-from deploy.run.outcome.result import complete
+from deploy.run.result import complete
 from docs.concepts.diagrams import render
 from docs.reference import commands, python, result, scenario
 from protocol.scenario.file import json_schema

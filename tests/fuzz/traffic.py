@@ -38,7 +38,7 @@ def traffic() -> dict[str, list[tuple[str, bytes]]]:
 
     for scenario in (fault_scenario(1), crash(0), replace(crash(0), network=Network("near"))):
         with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
-            fleet = LocalFleet([scenario], speed=0.0)
+            fleet = LocalFleet(scenario, speed=0.0)
         bus = fleet.network.connect()
         bus.subscribe(everything(fleet.run))
         bus.node = Ear()

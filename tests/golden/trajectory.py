@@ -34,11 +34,11 @@ class Trajectory:
 
 def run(scenario: Scenario) -> Trajectory:
     """Run it to its end."""
-    fleet = LocalFleet([scenario])
+    fleet = LocalFleet(scenario)
     bus = fleet.network.connect()
     bus.subscribe(world_key(fleet.run, "truth"))
     listener = bus.node = _Listener()
-    (report,) = fleet.execute()
+    report = fleet.execute()
     ticks = range(0, report["ticks"] + 1, EVERY)
     return Trajectory(
         report["trajectory_sha256"], report["ticks"], tuple(listener.positions[tick] for tick in ticks)

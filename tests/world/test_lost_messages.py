@@ -49,12 +49,12 @@ class Deaf:
 @pytest.mark.parametrize(("listener", "kind"), [(2, State), (2, Tick), (None, Command)])
 @pytest.mark.slow
 def test_what_is_lost_is_said_again(listener: int | None, kind: type[Tick | State | Command]) -> None:
-    whole = LocalFleet([SCENARIO]).execute()[0]
-    fleet = LocalFleet([SCENARIO])
+    whole = LocalFleet(SCENARIO).execute()
+    fleet = LocalFleet(SCENARIO)
     bus = fleet.network._buses[0] if listener is None else fleet.robots[listener]
     assert bus.node is not None
     remaining = bus.node = Deaf(bus.node, kind)
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert remaining.missed == len(LOST_AT)
     assert report["verdict"] == "arrived"
     assert report["trajectory_sha256"] == whole["trajectory_sha256"]

@@ -36,6 +36,7 @@ from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
 from world.judge.contacts import Contact
 from world.shell.run import Run
+from world.world import World
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often
@@ -145,7 +146,8 @@ def tell(listener: SeparatingLines, own: int, state: State) -> None:
 
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
-    run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
+    run = Run(crowd())
+    run.world = World(crowd(), dict.fromkeys(IDS, LIFE))
     world = run.world
     for robot in IDS:
         world.coordinator.join(robot)
@@ -171,7 +173,8 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
 
 @pytest.mark.slow
 def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
-    run = Run(LIFE, crowd(), dict.fromkeys(IDS, LIFE))
+    run = Run(crowd())
+    run.world = World(crowd(), dict.fromkeys(IDS, LIFE))
     lives = run.world.coordinator.lives
     for robot in IDS:
         run.world.coordinator.join(robot)
@@ -193,7 +196,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
 @pytest.mark.slow
 def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
-    run = Run(0, validated(replace(crowd(), link=Link(partition=apart))), {})
+    run = Run(validated(replace(crowd(), link=Link(partition=apart))))
     random, world = Random(1), run.world
     world.referee.record.totals.contacts.all.extend(
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())

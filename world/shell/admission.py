@@ -76,13 +76,6 @@ class Admissions:
         self._journal = journal
         self.processes = Processes() if processes is None else processes
 
-    def begin(self, ids: Iterable[int]) -> None:
-        """A run of these robots begins; whose process was there in the one before has its slot."""
-        before = self.slots
-        self.slots = {robot: before.pop(robot, Slot()) for robot in ids}
-        for slot in self.slots.values():
-            slot.health = None
-
     def expect(self, robot: int) -> None:
         """The disk of a robot that was added is there; a process may join."""
         self.slots.setdefault(robot, Slot())
@@ -128,7 +121,7 @@ class Admissions:
         if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
             return self._wait(robot, f"robot {robot} has not been added yet")
         gone = run.world.coordinator.lives.status_of(robot) == "gone"
-        if gone or robot in self._former or robot in run.oldest:
+        if gone or robot in self._former or robot in run.starters:
             return joining.Finished("removed")
         name, scenario = self._name, run.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
@@ -187,9 +180,7 @@ class Admissions:
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
         away = AWAY if self._journal is not None and self._journal.kept else 0.0
         founded = run.world.coordinator.lives.founded
-        return joining.Admission(
-            slot.granted, self._lockstep, run.scenario, run.oldest, away, founded, run.number, self._epoch
-        )
+        return joining.Admission(slot.granted, self._lockstep, run.scenario, away, founded, self._epoch)
 
     # -- who is there
 
@@ -229,16 +220,6 @@ class Admissions:
         """The robot's process is taken to be gone."""
         slot = self.slots[robot]
         slot.session, slot.missing = "", inf
-
-    def end(self, ended: Iterable[int], following: Iterable[int]) -> None:
-        """A run is over that has ended the processes of some robots, or stopped them, or will once their
-        launcher gets to it; those of others are none of the `following` run's."""
-        for robot in ended:
-            self.processes.retire(robot, "ended")
-            if robot in self.slots:  # else its disk came with the last tick
-                self.slots[robot].session = ""
-        for robot in self.processes.newest.keys() - set(following):
-            self.processes.retire(robot, "removed")
 
     def missing(self, at_least: float = 0.0) -> list[int]:
         """Robots whose token is gone for so long, s, and whose process may yet be alive."""

@@ -10,7 +10,7 @@ With a journal the node goes on where another one died: the tick that was open t
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from protocol import joining
@@ -46,12 +46,12 @@ from world.world import World
 
 
 class WorldNode:
-    """One world, one scenario after another with the same robots, on one bus.
+    """The world of one run, on one bus.
 
     Args:
         bus: a connection of its own.
         run: name of the run.
-        scenarios: all with the same robot ids; k already numbers.
+        scenario: k already a number.
         lockstep: whether ticks wait for the robots; for those that are not simulated they never do.
         gathering: s that robots have to join.
         patience: s that a lock-step tick waits for a command.
@@ -62,10 +62,10 @@ class WorldNode:
         note: takes what is worth a line in a log.
         past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
             may come back within GRACE, unless another process takes its seat.
-        tell: is told every report.
+        tell: is told the report.
 
     Attributes:
-        report: of the scenario that ended last, as far as this process saw it.
+        report: of the run once it has ended.
         refused: whether it has left the run to another world.
     """
 
@@ -73,7 +73,7 @@ class WorldNode:
         self,
         bus: Bus,
         run: str,
-        scenarios: Sequence[Scenario],
+        scenario: Scenario,
         lockstep: bool = True,
         *,
         gathering: float = GATHERING,
@@ -88,25 +88,24 @@ class WorldNode:
     ) -> None:
         self.report: dict[str, Any] | None = None
         self.finished = self.refused = False
-        lockstep = lockstep and not any(scenario.is_external for scenario in scenarios)
+        lockstep = lockstep and not scenario.is_external
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._journal = None if past is None else past.journal
         self._tell, self._note = tell, note
-        self._returning = returning(gathering, restarts, lockstep=lockstep)
-        current = Run(0, scenarios[0], {}, returning=self._returning) if past is None else past.run
-        lives = current.world.coordinator.lives
+        waits = returning(gathering, restarts, lockstep=lockstep)
+        self._run = Run(scenario, returning=waits) if past is None else past.run
+        lives = self._run.world.coordinator.lives
         processes = Processes() if past is None else past.processes
         epoch = drawn_epoch() if past is None else past.journal.head.epoch
         self._epoch, self._session = epoch, session_of(epoch)
         self._admissions = Admissions(run, lives.of, lockstep, clock, epoch, self._journal, processes)
-        ids = {*scenarios[0].ids, *lives.of, *(each.robot for each in lives.roster.members)}
-        ids.update(spec.id for scenario in scenarios for spec in scenario.newcomers)
+        ids = {*scenario.ids, *lives.of, *(each.robot for each in lives.roster.members)}
+        ids.update(spec.id for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids, epoch)
         self._operations = Operations(
             bus,
             run,
-            len(scenarios) > 1,
             self._admissions,
             self._publishers,
             self._pacing,
@@ -124,8 +123,8 @@ class WorldNode:
             say=say,
         )
         self._shutdown = Shutdown(self._admissions, self._pacing)
-        self._scenarios = iter(scenarios[current.number + 1 :])
-        self._begin(current)
+        self._operations.begin(self._run)
+        self._pacing.wait()
         if past is not None:
             self._remember(past)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
@@ -135,7 +134,7 @@ class WorldNode:
         bus.serve(every_robot(run, "join"))
         bus.announce(world_token(run, self._session))
         bus.watch(world_tokens(run))
-        if current.world.verdict:
+        if self._run.world.verdict:
             self._end()
         elif past is not None:
             self._advance()  # what the scenario does as a tick opens comes before anybody is admitted
@@ -146,16 +145,9 @@ class WorldNode:
         for robot, life in past.run.world.coordinator.lives.of.items():
             self._admissions.resume(robot, life)
 
-    def _begin(self, run: Run) -> None:
-        self._run = run
-        self._admissions.begin(run.world.coordinator.lives.of)
-        self._publishers.published = 0
-        self._operations.begin(run)
-        self._pacing.wait()
-
     @property
     def world(self) -> World:
-        """The world of the present run."""
+        """The world of the run."""
         return self._run.world
 
     @property
@@ -211,7 +203,7 @@ class WorldNode:
         time, one leaves."""
         self._operations.on_world(session, alive, self._run)
         founded = self._run.world.coordinator.lives.founded
-        if alive and not founded and self._run.number == 0 and session < self._session:
+        if alive and not founded and session < self._session:
             self.refused = self.finished = True
 
     def _reply(self, request: Request) -> bytes:
@@ -242,7 +234,7 @@ class WorldNode:
         self._failures.supersede(join, self._run)
         self._shutdown.take_report(join, self._run)
         self._conclude_in_time()
-        run, admissions = self._run, self._admissions  # perhaps the next one, of other robots
+        run, admissions = self._run, self._admissions
         return (
             self._shutdown.reply(join, run) or admissions.refusal(join, run) or admissions.enlist(join, run)
         )
@@ -301,7 +293,7 @@ class WorldNode:
         self._pacing.begin(run.world.tick, run.scenario.time.step)
         summary = run.world.coordinator.summary
         if summary is not None and summary.tick == run.world.tick:
-            self._publishers.summary(summary, run.number)
+            self._publishers.summary(summary)
         self._publishers.ticks(ticks)  # first: the robots compute while this process judges
         self._inform(due=run.world.tick == 0 or run.is_marked() or not self._lockstep)
         return True
@@ -310,7 +302,7 @@ class WorldNode:
         """What was told may have been lost, the summary too."""
         summary = self._run.world.coordinator.summary
         if summary is not None:
-            self._publishers.summary(summary, self._run.number)
+            self._publishers.summary(summary)
         self._publishers.ticks(ticks)
 
     def _inform(self, *, due: bool) -> None:
@@ -333,7 +325,6 @@ class WorldNode:
 
     def interrupt(self, verdict: str, reason: str) -> None:
         """End everything from outside, for example on Ctrl-C; the report stays readable."""
-        self._scenarios = iter(())
         if self._run.phase is Phase.RUNNING:
             self._run.world.finish(verdict, reason)
             self._end()
@@ -354,7 +345,7 @@ class WorldNode:
             self._conclude()
 
     def _conclude(self) -> None:
-        """Publish the result and go on to the next run, if there is one."""
+        """Publish the result, and have the robots leave."""
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._run, self._publishers.published)
@@ -362,25 +353,4 @@ class WorldNode:
         self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
-        following = next(self._scenarios, None)
-        if following is None:
-            self._shutdown.close(self._run)
-        else:
-            self._begin(self._next(following))
-
-    def _next(self, scenario: Scenario) -> Run:
-        """The run after this one."""
-        number, world = self._run.number + 1, self._run.world
-        self._admissions.end(world.coordinator.ended, scenario.ids)
-        lives = world.coordinator.lives
-        run = Run(number, scenario, lives.incarnations, lives.version, returning=self._returning)
-        if self._journal is not None:
-            self._journal.begin(
-                number,
-                lives.incarnations,
-                lives.version,
-                self._failures.expected,
-                self._admissions.processes,
-            )
-            run.world.coordinator.note = self._journal.note
-        return run
+        self._shutdown.close(self._run)

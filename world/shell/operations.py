@@ -26,7 +26,6 @@ class Operations:
     Args:
         bus: where another robot is heard.
         run: its name.
-        several: whether this world judges several scenarios, each of which says who is in it.
         admissions, publishers, pacing: of the world.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
@@ -36,7 +35,6 @@ class Operations:
         self,
         bus: Bus,
         run: str,
-        several: bool,
         admissions: Admissions,
         publishers: Publishers,
         pacing: Pacing,
@@ -44,7 +42,7 @@ class Operations:
         say: Callable[[str], None],
         note: Callable[[str], None],
     ) -> None:
-        self._bus, self._name, self._several = bus, run, several
+        self._bus, self._name = bus, run
         self._admissions, self._publishers, self._pacing = admissions, publishers, pacing
         self._say, self._note = say, note
         self._rivals: set[str] = set()  # sessions of other worlds of this run
@@ -92,9 +90,6 @@ class Operations:
             return Outcome(False, text=OTHER_WORLD) if contested else outcome
         if run.phase is not Phase.RUNNING:
             outcome = Outcome(False, text="the run is over")
-        elif self._several and (operation.add is not None or operation.remove is not None):
-            text = "this world judges several scenarios one after another: each says who is in it"
-            outcome = Outcome(False, text=text)
         else:
             outcome = world.operate(operation)
         if outcome.accepted and operation.add is not None:

@@ -18,9 +18,9 @@ _KEPT = 16  # earlier processes of a robot that are told what became of them
 
 
 class Processes(msgspec.Struct):
-    """Of one world, over all its runs."""
+    """Of one world."""
 
-    newest: dict[Id, str] = {}  # of each robot that had one in this run, or in the one before
+    newest: dict[Id, str] = {}  # of each robot that had one
     over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in the order in which they were
 
     def admit(self, robot: int, session: str, before: Fate) -> None:
@@ -29,10 +29,6 @@ class Processes(msgspec.Struct):
         if earlier != session:
             self._keep(robot, earlier, before)
         self.newest[robot] = session
-
-    def retire(self, robot: int, fate: Fate) -> None:
-        """A run is over; the next one is for another process of this robot."""
-        self._keep(robot, self.newest.pop(robot, ""), fate)
 
     def fate(self, robot: int, session: str, lives: Mapping[int, Life]) -> Fate:
         """What became of a process; "" if it may be the robot's next life."""

@@ -22,7 +22,7 @@ class Publishers:
     """The world's publishers.
 
     Attributes:
-        published: Ticks sent in this run.
+        published: Ticks sent.
     """
 
     def __init__(self, bus: Bus, run: str, robots: Iterable[int], epoch: int) -> None:
@@ -54,9 +54,9 @@ class Publishers:
         for status in news:
             self._goal[status.robot](encode(status))
 
-    def summary(self, summary: Summary, run_number: int) -> None:
-        """Tell all robots of a run where everybody is."""
-        self._summary(encode(msgspec.structs.replace(summary, run_number=run_number, epoch=self._epoch)))
+    def summary(self, summary: Summary) -> None:
+        """Tell all robots where every robot is."""
+        self._summary(encode(msgspec.structs.replace(summary, epoch=self._epoch)))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
         """Tell each robot its own."""

@@ -1,11 +1,11 @@
-"""One scenario of the several that a world judges one after another with the same robots."""
+"""The run of one world."""
 
 from __future__ import annotations
 
 import secrets
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from enum import Enum
 from typing import Any
 
@@ -49,28 +49,17 @@ class Run:
     """A run with its judge.
 
     Attributes:
-        number: counts the runs of one world.
         phase: how far the run is.
-        oldest: incarnation of each robot below which a State is of an earlier run.
+        starters: robots with which it begins.
         opened: whether the present tick has begun.
         began: s, monotonic: when its first tick began, or when it was prepared.
         received, rejected: commands accepted, and payloads refused by reason.
     """
 
-    def __init__(
-        self,
-        number: int,
-        scenario: Scenario,
-        incarnations: Mapping[int, int],
-        version: int = 0,
-        *,
-        returning: float = 0.0,
-    ) -> None:
-        self.number = number
+    def __init__(self, scenario: Scenario, *, returning: float = 0.0) -> None:
         self.phase = Phase.RUNNING
-        self.world = World(scenario, incarnations, version, returning=returning)
-        before = dict.fromkeys(scenario.ids, 0) | dict(incarnations)  # also of who is to come
-        self.oldest = {robot: incarnation + 1 for robot, incarnation in before.items()}
+        self.world = World(scenario, returning=returning)
+        self.starters = frozenset(scenario.ids)
         self.opened = False
         self.began = time.monotonic()
         self.received = 0
@@ -92,7 +81,6 @@ class Run:
             world.coordinator.active,
             world.coordinator.lives.standing,
             world.verdict,
-            self.number,
             truth.clearance,
             truth.phi,
             world.reason,
@@ -120,5 +108,4 @@ class Run:
         report = self.world.report()
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
-        report["run_number"] = self.number
         return report

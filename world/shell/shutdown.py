@@ -1,8 +1,8 @@
 """The end of a run: robots report, then hear that there is nothing more to do.
 
-A robot learns from a Tick that the run is over, and asks to join the next one with its report in
-hand. It is told to ask again until all have reported; after the last run it is told the verdict. Both
-waits are bounded, for a robot that does not come is no reason to keep the others.
+A robot learns from a Tick that the run is over, and asks to join again with its report in hand. It is told
+to ask again until all have reported, then the verdict. Both waits are bounded, for a robot that does not come
+is no reason to keep the others.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
 class Shutdown:
-    """Who has reported and who has been notified in the run at hand, and whether that is enough.
+    """Who has reported and who has been notified and whether that is enough.
 
     Args:
         admissions: where reports and notifications are kept, by robot.
@@ -36,7 +36,7 @@ class Shutdown:
         self._pacing.wait()
 
     def close(self, run: Run) -> None:
-        """The last result is published: robots are to leave."""
+        """The result is published: robots are to leave."""
         run.phase = Phase.CLOSING
         self._pacing.wait()
 

@@ -57,7 +57,7 @@ class Stage:
         self.network = LocalNetwork()
         scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
         self.said: dict[int, list[str]] = {robot: [] for robot in scenario.ids}
-        self.world = self._seat(lambda bus: WorldNode(bus, "yard", [scenario]))
+        self.world = self._seat(lambda bus: WorldNode(bus, "yard", scenario))
         self.floor = self._seat(lambda bus: Floor(bus, scenario))
         self.robots = {
             robot: self._seat(

@@ -58,7 +58,7 @@ def test_any_addition_can_be_left_out(law: str, left_out: str) -> None:
     for name in ("random-6", "boxes-4"):
         scenario = load(name, [f"control.law={law}", "link.delay=0.1"])
         scenario = replace(scenario, control=scenario.control.without(left_out))  # type: ignore[arg-type]
-        report = LocalFleet([scenario]).execute()[0]
+        report = LocalFleet(scenario).execute()
         assert (report["verdict"], report["collisions"]) in (("arrived", 0), ("deadlock", 0), ("timeout", 0))
 
 
@@ -67,6 +67,6 @@ def test_on_a_saddle_only_the_escape_gets_away(filter_: str) -> None:
     def verdict(*additions: str) -> str:
         scenario = with_additions("head-on", *additions)
         control = replace(scenario.control, filter=filter_)  # type: ignore[arg-type]
-        return str(LocalFleet([replace(scenario, control=control)]).execute()[0]["verdict"])
+        return str(LocalFleet(replace(scenario, control=control)).execute()["verdict"])
 
     assert [verdict("pace", "escape"), verdict("pace"), verdict()] == ["arrived", "deadlock", "deadlock"]

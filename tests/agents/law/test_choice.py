@@ -63,7 +63,7 @@ def a_view() -> View:
 @pytest.mark.parametrize("delay", [0.0, 0.2])
 def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path, delay: float) -> None:
     scenario = under(example(tmp_path), "swap-8", link=Link(delay=delay))
-    one, again = (LocalFleet([scenario]).execute()[0] for _ in range(2))
+    one, again = (LocalFleet(scenario).execute() for _ in range(2))
     assert (one["verdict"], one["collisions"]) == ("arrived", 0), one["reason"]
     assert one["trajectory_sha256"] == again["trajectory_sha256"]
 
@@ -73,9 +73,9 @@ def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_pr
     faults = (ProcessFault(2, 1.0, "kill"),)
     scenario = under(law, "swap-8", link=Link(delay=(0.0, 0.3), loss=0.3), process=faults)
     scenario = replace(scenario, time=replace(scenario.time, limit=8.0))
-    (behind,) = LocalFleet([scenario]).execute()
+    behind = LocalFleet(scenario).execute()
     assert behind["collisions"] == 0
-    (bare,) = LocalFleet([replace(scenario, control=replace(scenario.control, filter="none"))]).execute()
+    bare = LocalFleet(replace(scenario, control=replace(scenario.control, filter="none"))).execute()
     assert bare["collisions"] > 0
 
 
@@ -146,10 +146,10 @@ def test_a_robot_whose_law_fails_stands_and_the_others_go_on(
 @pytest.mark.process
 def test_equal_runs_with_a_law_that_fails_are_equal_as_fleets(failing: Scenario) -> None:
     """Twenty in real processes, and one in this one."""
-    hashes = {LocalFleet([failing]).execute()[0]["trajectory_sha256"]}
+    hashes = {LocalFleet(failing).execute()["trajectory_sha256"]}
     for number in range(20):
-        with Fleet([failing], RunOptions(run=f"law-fails-{os.getpid()}-{number}")) as fleet:
-            (report,) = fleet.execute()
+        with Fleet(failing, RunOptions(run=f"law-fails-{os.getpid()}-{number}")) as fleet:
+            report = fleet.execute()
             assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
             rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
         assert set(rows.values()) == {0}, rows

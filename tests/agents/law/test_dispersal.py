@@ -132,11 +132,11 @@ def crowd(law: str) -> Scenario:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["gradient", "reciprocal"])
 def test_a_crowd_that_presses_itself_together_comes_apart(law: str) -> None:
-    (report,) = LocalFleet([crowd(law)]).execute()
+    report = LocalFleet(crowd(law)).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
 
 @pytest.mark.slow
 def test_one_gets_through_between_two_at_their_goals() -> None:
-    (report,) = LocalFleet([gate()]).execute()
+    report = LocalFleet(gate()).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)

@@ -129,7 +129,7 @@ def test_a_peer_with_absurd_numbers_costs_no_honest_robot(
 
     monkeypatch.setattr(Robot, "begin", begin)
     scenario = load("swap-6", [f"control.law={law}", "time.limit=8"])
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     assert report["collisions"] == 0
     assert {each["robot"] for each in report["faults"].get("given_up", ())} <= {2}
     assert report["verdict"] in ("arrived", "timeout", "deadlock", "aborted"), report["reason"]

@@ -126,7 +126,7 @@ def test_late_robots_get_to_tight_goals_sooner() -> None:
     control = {"law": "gradient", "filter": "separating-lines"}
     took = 0.0
     for seed in range(8):
-        report = LocalFleet([contest(place, control, seed)]).execute()[0]
+        report = LocalFleet(contest(place, control, seed)).execute()
         assert report["verdict"] == "arrived"
         took += report["sim_time"]
     assert took < 51.5  # s; with the same k as for fresh States 53.4

@@ -104,7 +104,7 @@ def test_hard_half_planes_are_kept_where_all_are_too_many() -> None:
 
 
 def run(scenario: Scenario) -> tuple[str, int, float, float]:
-    report = LocalFleet([scenario]).execute()[0]
+    report = LocalFleet(scenario).execute()
     return report["verdict"], report["collisions"], report["nrl"], report["sim_time"]
 
 
@@ -212,7 +212,7 @@ def test_two_that_change_places_side_by_side_in_a_pack_do_not_wait_for_ever() ->
     robots = zip(range(1, 5), starts, goals, strict=True)
     specs = tuple(RobotSpec(number, RADIUS, start, goal) for number, start, goal in robots)
     pack = Scenario(specs, workspace=Workspace(0.148), control=Control(law="reciprocal"))
-    assert LocalFleet([resolved(pack)]).execute()[0]["verdict"] == "arrived"
+    assert LocalFleet(resolved(pack)).execute()["verdict"] == "arrived"
 
 
 def test_without_the_escape_which_ends_a_wait_nobody_waits() -> None:

@@ -107,7 +107,7 @@ def test_a_crowd_that_hears_those_near_goes_round_in_time() -> None:
     """Without summaries some go through the middle, and are stopped there: 210 to 250 s."""
     scenario = circle(40, 0.5, seed=200)
     control = replace(scenario.control, law="reciprocal")
-    report = LocalFleet([resolved(replace(scenario, control=control))]).execute()[0]
+    report = LocalFleet(resolved(replace(scenario, control=control))).execute()
     assert report["verdict"] == "arrived"
     assert not report["collisions"]
     assert report["sim_time"] < 1.1 * 400.0 / scenario.control.speed

@@ -50,8 +50,8 @@ def swap(robots: int, kind: str, limit: float | None = None) -> Swap:
     """
     ends = () if limit is None else (f"time.limit={limit}",)
     scenario = load(f"turtlebots-{robots}", (*KINDS[kind], *ends))
-    with Fleet([scenario], RunOptions()) as fleet:
-        (report,) = fleet.execute()
+    with Fleet(scenario, RunOptions()) as fleet:
+        report = fleet.execute()
         cpu = sum(process["cpu_s"] for process in fleet.processes())
     if report["verdict"] == "collision":
         raise RuntimeError(f"{scenario.name}, {kind}: {report['reason']}")

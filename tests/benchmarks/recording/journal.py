@@ -62,10 +62,10 @@ def added(robots: int, repeat: int = 60) -> float:
     with TemporaryDirectory(prefix="disknav-") as folder:
         for number in range(repeat):
             path = Path(folder) / str(number)
-            Journal.create(path, "local", [setting])
-            journal = Journal(path, "local", [setting])
+            Journal.create(path, "local", setting)
+            journal = Journal(path, "local", setting)
             without = min(without, _drive(World(setting), setting.ids))
-            kept = min(kept, _drive(resume(journal, [setting]).run.world, setting.ids))
+            kept = min(kept, _drive(resume(journal, setting).run.world, setting.ids))
             journal.remove()
     return 1e6 * (kept - without)
 
@@ -98,12 +98,12 @@ def replay(robots: int) -> Replay:
     setting = replace(setting, time=replace(setting.time, limit=_LIMIT))
     with TemporaryDirectory(prefix="disknav-") as folder:
         path = Path(folder) / "journal"
-        Journal.create(path, "local", [setting])
-        fleet = LocalFleet([setting], journal=path)
+        Journal.create(path, "local", setting)
+        fleet = LocalFleet(setting, journal=path)
         fleet.execute()
         fleet.kill_world()
         began = time.perf_counter()
-        world = resume(Journal(path, "local", [setting]), [setting]).run.world
+        world = resume(Journal(path, "local", setting), setting).run.world
         speed = world.tick / (time.perf_counter() - began)
         size = path.stat().st_size / world.tick
     return Replay(size, speed, speed * setting.time.step, trajectory.LINK / speed)
@@ -120,7 +120,7 @@ class Written(NamedTuple):
 def written(robots: int) -> Written:
     """Of a run that is under way."""
     with patch.object(trajectory, "LINK", _TICKS):
-        fleet = LocalFleet([scenario(robots)])
+        fleet = LocalFleet(scenario(robots))
         while fleet.world.world.tick < _TICKS:
             fleet.step()
         began = time.perf_counter()

@@ -45,7 +45,7 @@ def scenario(robots: int) -> Scenario:
 def make(path: Path, seconds: float, robots: int) -> int:
     """Write a recording of so many simulated seconds; returns the number of its messages."""
     short = path.with_stem("short")
-    with LocalFleet([scenario(robots)], "long", record=short) as fleet:
+    with LocalFleet(scenario(robots), "long", record=short) as fleet:
         fleet.execute()
     said = [(entry.key, entry.message) for entry in read(short).entries]
     file, last = RecordingFile(path), round(seconds / 0.05)

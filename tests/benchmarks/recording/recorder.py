@@ -54,8 +54,8 @@ def cost(scenario: Scenario, variant: str) -> Cost:
         return _watched(scenario, _WATCHERS[variant])
     with TemporaryDirectory(prefix="disknav-") as folder:
         record = Path(folder) / "run.mcap" if variant == "recorded" else None
-        with Fleet([scenario], RunOptions(run=fresh_run_name()), record=record) as fleet:
-            (report,) = fleet.execute()
+        with Fleet(scenario, RunOptions(run=fresh_run_name()), record=record) as fleet:
+            report = fleet.execute()
             return _cost(report, (process["cpu_s"] for process in fleet.processes()))
 
 
@@ -66,8 +66,8 @@ def _watched(scenario: Scenario, watcher: Watcher) -> Cost:
         router.start([table.router(Connection("router"))])
         endpoint = router.report("router", _PATIENCE)
         with watcher(endpoint, run) as used:
-            with Fleet([scenario], RunOptions(router=endpoint, run=run)) as fleet:
-                (report,) = fleet.execute()
+            with Fleet(scenario, RunOptions(router=endpoint, run=run)) as fleet:
+                report = fleet.execute()
                 watching, processes = used(), fleet.processes()
             router.stop()
             cpu = [process["cpu_s"] for process in processes]

@@ -41,7 +41,7 @@ class Pair:
 
 def pair(scenario: Scenario) -> Pair:
     """Run the fleet in this process, and integrate the flow from the same start."""
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     flow = integrate(
         Problem(
             np.array([robot.goal for robot in scenario.robots]),

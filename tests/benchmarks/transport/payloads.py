@@ -40,7 +40,7 @@ class Scale:
 @cache
 def payloads(robots: int) -> Payloads:
     """Of the run that `fleets.measure` measures, in this process."""
-    fleet, scale = LocalFleet([scenario(robots)]), Scale()
+    fleet, scale = LocalFleet(scenario(robots)), Scale()
     bus = fleet.network.connect()
     bus.subscribe(everything(fleet.run))
     bus.node = scale

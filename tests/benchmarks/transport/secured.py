@@ -42,8 +42,8 @@ def rate(scenario: Scenario, variant: str, keys: Path) -> Rate:
     """One lock-step run of `scenario`."""
     secure = None if variant == "plain" else keys
     with _router(variant, secure) as (router, endpoint):
-        with Fleet([scenario], RunOptions(router=endpoint, run=RUN, secure=secure)) as fleet:
-            (report,) = fleet.execute()
+        with Fleet(scenario, RunOptions(router=endpoint, run=RUN, secure=secure)) as fleet:
+            report = fleet.execute()
             processes = fleet.processes()
         router.stop()
         cpu = sum(process["cpu_s"] for process in processes) + sum(u.cpu_s for u in router.usage())

@@ -32,7 +32,7 @@ def test_in_a_sphere_world_one_robot_arrives_from_everywhere(angle: int) -> None
     assert theorem_for(scenario)[0] == "Koditschek-Rimon"
     start = (0.27 * math.cos(math.radians(angle)), 0.27 * math.sin(math.radians(angle)))
     moved = validated(replace(scenario, robots=(replace(scenario.robots[0], start=start),)))
-    (report,) = LocalFleet([moved]).execute()
+    report = LocalFleet(moved).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert report["phi"]["increases"] == 0
 
@@ -43,7 +43,7 @@ def test_beads_keep_their_order(seed: int) -> None:
     scenario = load("beads-5", seed=seed)
     (_, low), (_, high) = scenario.workspace.shape.box
     assert high - low < 4.0 * scenario.robots[0].radius
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     places = [report["positions"][str(robot)][0] for robot in scenario.ids]
     assert places == sorted(places)
@@ -54,7 +54,7 @@ def test_behind_a_box_a_robot_arrives_where_attraction_alone_would_rest() -> Non
     alone = replace(base, robots=(RobotSpec(1, 0.15, (-2.0, 0.0), (2.0, 0.0)),), things=base.things[:1])
     box = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
     alone = validated(replace(alone, things=(replace(base.things[0], points=box),)))
-    (report,) = LocalFleet([alone]).execute()
+    report = LocalFleet(alone).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert report["nrl"] < 1.2
 
@@ -102,5 +102,5 @@ def test_check_says_of_a_door_what_a_run_shows() -> None:
     assert (held.unreachable, len(held.doors)) == ((), 1)
     assert held.automatic_k > held.doors[0].gain > 50.0
     assert (open_.unreachable, open_.no_way, open_.doors) == ((), (), ())
-    reports = LocalFleet([doorway(0.001, 50.0)]).execute() + LocalFleet([doorway(0.02)]).execute()
+    reports = LocalFleet(doorway(0.001, 50.0)).execute() + LocalFleet(doorway(0.02)).execute()
     assert [each["verdict"] for each in reports] == ["deadlock", "arrived"]

@@ -21,7 +21,7 @@ def run(disturbed: tuple[int, ...] = ()) -> tuple[LocalFleet, list[set[int]], li
         disturbed: turns at whose end somebody who stands is put 3 mm nearer to the middle.
     """
     sensing = (Sensing(contradiction="newest"),)  # who is carried elsewhere believes its measurement
-    fleet = LocalFleet([replace(SCENARIO, sensing=sensing)])
+    fleet = LocalFleet(replace(SCENARIO, sensing=sensing))
     world, moved, heights = fleet.world.world, list[set[int]](), list[float]()
     while True:
         before = world.truth

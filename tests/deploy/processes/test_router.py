@@ -83,8 +83,8 @@ def test_the_admin_space_shows_the_streams_as_they_are_declared() -> None:
                     replies = asking._session.get(f"@/*{head}disknav/shown/**", timeout=5.0)
                     kinds[kind] = {str(each.ok.key_expr).partition(head)[2] for each in replies if each.ok}
 
-    with closing(bus), Fleet([scenario], RunOptions(router=endpoint, run="shown"), watch=look) as fleet:
-        (report,) = fleet.execute()
+    with closing(bus), Fleet(scenario, RunOptions(router=endpoint, run="shown"), watch=look) as fleet:
+        report = fleet.execute()
     assert report["verdict"] == "arrived"
     streams = {parse(key.replace("*", "1")).stream for key in kinds["publisher"]}
     assert (

@@ -63,7 +63,7 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
                 is_robot = " ".join(process.cmdline()).startswith("disknav robot")
                 seen[is_robot].append(set(process.cpu_affinity()))
 
-    with Fleet([load("swap-2")], RunOptions(mode=mode), watch=look) as fleet:
+    with Fleet(load("swap-2"), RunOptions(mode=mode), watch=look) as fleet:
         fleet.execute(enough=lambda: bool(seen[True]))
     assert seen[True] == [{core} if mode == "lockstep" else everywhere] * 2
     assert seen[False]
@@ -75,7 +75,7 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
 @pytest.mark.timeout(60)
 def test_a_core_that_is_not_there_costs_nothing_but_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("deploy.run.assembly.core_of", lambda *_: 1023)
-    with Fleet([load("swap-2")], RunOptions()) as fleet:
+    with Fleet(load("swap-2"), RunOptions()) as fleet:
         assert [result["verdict"] for result in fleet.execute()] == ["arrived"]
 
 
@@ -100,7 +100,7 @@ def test_where_it_is_not_allowed_nothing_starts_and_the_error_says_what_to_do(
     with pytest.raises(
         UsageError, match=r"not permitted.*ulimit -r.*LimitRTPRIO.*SYS_NICE.*leave the option"
     ):
-        Fleet([load("swap-2")], options, record=tmp_path / "run.mcap").__enter__()
+        Fleet(load("swap-2"), options, record=tmp_path / "run.mcap").__enter__()
     assert psutil.Process().children() == before
     assert list(tmp_path.iterdir()) == []
 
@@ -156,7 +156,7 @@ def test_world_router_and_robots_go_first_in_every_life_and_nobody_else(
             seen.update(server=policies(server), launcher=policies(os.getpid()))
 
     options = RunOptions(transport, "realtime", restarts=1, realtime_priority=True)  # type: ignore[arg-type]
-    with Fleet([scenario], options, watch=look, record=tmp_path / "run.mcap") as fleet:
+    with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
         fleet.execute(enough=lambda: bool(seen))
     first = {"world", "robot-1", "robot-2", "robot-3", *(["router"] if transport == "routed" else [])}
     assert {name for name, these in seen.items() if these == {(os.SCHED_RR, 1)}} == first
@@ -169,6 +169,6 @@ def test_world_router_and_robots_go_first_in_every_life_and_nobody_else(
 @pytest.mark.timeout(60)
 def test_no_recording_is_made_by_who_goes_first(tmp_path: Path) -> None:
     options = RunOptions(mode="realtime", realtime_priority=True)
-    with Fleet([load("swap-2")], options, record=tmp_path / "run.mcap") as fleet:
+    with Fleet(load("swap-2"), options, record=tmp_path / "run.mcap") as fleet:
         assert {WRITER, RECORDER} <= fleet.pids().keys()
         fleet.execute(enough=lambda: True)

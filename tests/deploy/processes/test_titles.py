@@ -86,7 +86,7 @@ def test_a_fleet_is_told_apart_and_the_one_that_is_meant_is_killed(tmp_path: Pat
         os.kill(hit[0], signal.SIGKILL)
 
     options = RunOptions(mode="realtime", run=run)
-    with Fleet([scenario], options, watch=look, record=tmp_path / "run.mcap") as fleet:
+    with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
         fleet.execute(enough=lambda: bool(seen) and "robot-1" not in fleet.pids())
         ends = {each["name"]: each["exit_code"] for each in fleet.processes()}
     assert ends.pop("writer") is None, "it waits for the result"

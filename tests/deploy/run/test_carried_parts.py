@@ -26,7 +26,7 @@ def carriers(fleet: LocalFleet) -> list[int]:
 
 def carrying() -> tuple[LocalFleet, int]:
     """A fleet in which somebody has just taken up a part, and who."""
-    fleet = LocalFleet([SCENARIO])
+    fleet = LocalFleet(SCENARIO)
     while not carriers(fleet):
         assert fleet.step()
     return fleet, carriers(fleet)[0]
@@ -37,7 +37,7 @@ def in_place(fleet: LocalFleet) -> bool:
 
 
 def finished(fleet: LocalFleet) -> dict[str, Any]:
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert in_place(fleet)
     return report
@@ -45,7 +45,7 @@ def finished(fleet: LocalFleet) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_parts_get_to_their_goals_the_same_way_each_time() -> None:
-    reports = [finished(LocalFleet([SCENARIO])) for _ in range(2)]
+    reports = [finished(LocalFleet(SCENARIO)) for _ in range(2)]
     assert reports[0]["trajectory_sha256"] == reports[1]["trajectory_sha256"]
     assert reports[0]["min_clearance"] > 0.0
 
@@ -68,15 +68,15 @@ def test_a_carrier_that_is_restarted_goes_on() -> None:
 
 @pytest.mark.slow
 def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", [SCENARIO])
-    fleet = LocalFleet([SCENARIO], journal=tmp_path / "journal")
+    Journal.create(tmp_path / "journal", "local", SCENARIO)
+    fleet = LocalFleet(SCENARIO, journal=tmp_path / "journal")
     while not carriers(fleet):
         assert fleet.step()
     before = fleet.world.world.coordinator.lives.roster
     fleet.kill_world()
     fleet.start_world()
     assert fleet.world.world.coordinator.lives.roster == before
-    assert finished(fleet)["trajectory_sha256"] == finished(LocalFleet([SCENARIO]))["trajectory_sha256"]
+    assert finished(fleet)["trajectory_sha256"] == finished(LocalFleet(SCENARIO))["trajectory_sha256"]
 
 
 @pytest.mark.parametrize(
@@ -110,9 +110,9 @@ def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str)
 @pytest.mark.timeout(120)
 def test_processes_carry_parts_the_same_way() -> None:
     def run(scenario: Scenario) -> str:
-        with Fleet([scenario], RunOptions("routed")) as fleet:
-            report = fleet.execute()[0]
+        with Fleet(scenario, RunOptions("routed")) as fleet:
+            report = fleet.execute()
         assert (report["verdict"], report["collisions"]) == ("arrived", 0)
         return str(report["trajectory_sha256"])
 
-    assert run(SCENARIO) == finished(LocalFleet([SCENARIO]))["trajectory_sha256"]
+    assert run(SCENARIO) == finished(LocalFleet(SCENARIO))["trajectory_sha256"]

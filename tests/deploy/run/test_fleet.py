@@ -36,8 +36,8 @@ DISKNAV = [sys.executable, "-m", "disknav"]
 
 def run_fleet(scenario: Scenario, options: RunOptions) -> dict[str, Any]:
     """The report of one run, and its processes."""
-    with Fleet([scenario], options) as fleet:
-        return fleet.execute()[0] | {"processes": fleet.processes()}
+    with Fleet(scenario, options) as fleet:
+        return fleet.execute() | {"processes": fleet.processes()}
 
 
 @contextmanager
@@ -70,7 +70,7 @@ def result_of(
 
 def test_the_same_run_on_every_transport_and_again() -> None:
     scenario = load("figure-3c", [], 11)
-    local = LocalFleet([scenario]).execute()[0]
+    local = LocalFleet(scenario).execute()
     routed = run_fleet(scenario, RunOptions("routed"))
     mesh = run_fleet(scenario, RunOptions("mesh"))
     again = run_fleet(scenario, RunOptions("routed"))
@@ -89,48 +89,27 @@ def test_scheduled_faults_are_the_same_on_real_processes() -> None:
         (5, 0.6, "resume"),
     )
     scenario = replace(scenario, process=tuple(ProcessFault(*event) for event in events))  # type: ignore[arg-type]
-    local = LocalFleet([scenario]).execute()[0]
+    local = LocalFleet(scenario).execute()
     routed = run_fleet(scenario, RunOptions("routed"))
     assert local["verdict"] == routed["verdict"] == "arrived"
     assert local["trajectory_sha256"] == routed["trajectory_sha256"]
     assert [p["restarts"] for p in routed["processes"] if p["name"] == "robot-4"] == [1]
 
 
-def test_one_fleet_runs_many_scenarios_on_the_same_processes() -> None:
-    scenarios = [load("figure-3a", [], seed) for seed in range(4)]
-    with Fleet(scenarios, RunOptions()) as fleet:
-        reports = fleet.execute()
-        processes = fleet.processes()
-    alone = [LocalFleet([scenario]).execute()[0] for scenario in scenarios]
-    assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in alone]
-    assert all(process["restarts"] == 0 for process in processes)
-
-
-def test_whoever_a_run_leaves_dead_or_frozen_is_back_for_the_next() -> None:
-    faults = (ProcessFault(2, 0.3, "kill"), ProcessFault(3, 0.3, "pause"))
-    quick = ["time.fence=0.2", "time.limit=2.0"]
-    scenarios = [replace(load("figure-3a", quick, 1), process=faults), load("figure-3a", [], 2)]
-    with Fleet(scenarios, RunOptions()) as fleet:
-        reports = fleet.execute()
-    local = LocalFleet(scenarios).execute()
-    assert reports[1]["verdict"] == "arrived"
-    assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in local]
-
-
 def test_two_fleets_share_a_router() -> None:
     scenarios = [load("figure-3a", [], seed) for seed in (1, 2)]
     with Supervisor() as supervisor, router(supervisor) as connection:
         options = [RunOptions(router=connection.connect[0]) for _ in scenarios]
-        with Fleet([scenarios[0]], options[0]) as one, Fleet([scenarios[1]], options[1]) as two:
-            reports = [one.execute()[0], two.execute()[0]]
-    alone = [LocalFleet([scenario]).execute()[0] for scenario in scenarios]
+        with Fleet(scenarios[0], options[0]) as one, Fleet(scenarios[1], options[1]) as two:
+            reports = [one.execute(), two.execute()]
+    alone = [LocalFleet(scenario).execute() for scenario in scenarios]
     assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in alone]
 
 
 def test_a_robot_that_never_starts_is_named() -> None:
     scenario, run = load("figure-2"), fresh_run_name()
     with Supervisor() as supervisor, router(supervisor) as connection:
-        rows = [table.world(connection, run, [scenario], True, 5.0)]
+        rows = [table.world(connection, run, scenario, True, 5.0)]
         rows += [table.robot(connection, run, robot) for robot in (1, 3)]
         report = result_of(connection, run, supervisor, rows)
     assert report["verdict"] == "aborted"
@@ -140,7 +119,7 @@ def test_a_robot_that_never_starts_is_named() -> None:
 def test_a_second_robot_with_the_same_id_is_refused() -> None:
     scenario, run = load("figure-2"), fresh_run_name()
     with Supervisor() as supervisor, router(supervisor) as connection:
-        supervisor.start([table.world(connection, run, [scenario], True), table.robot(connection, run, 1)])
+        supervisor.start([table.world(connection, run, scenario, True), table.robot(connection, run, 1)])
         twin = table.Process("twin", "agents.process:main", (connection, run, 1))
         deadline = time.monotonic() + 30.0
         bus = ZenohBus(connection)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -16,7 +15,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode
-from protocol.messages import Summary, Tick
+from protocol.messages import Tick
 from protocol.scenario.model import (
     Control,
     Link,
@@ -39,8 +38,8 @@ def crowd(interest: Network, **settings: Any) -> Scenario:
 
 
 def in_process(scenario: Scenario, joining: tuple[int, ...] | None = None) -> dict[str, Any]:
-    with LocalFleet([scenario], joining=joining) as fleet:
-        return fleet.execute()[0]
+    with LocalFleet(scenario, joining=joining) as fleet:
+        return fleet.execute()
 
 
 def test_near_robots_arrive_on_ways_as_short_as_if_all_heard_all() -> None:
@@ -73,7 +72,7 @@ def test_robots_that_share_a_process_share_what_they_were_told_and_drive_as_if_t
     scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
 
     def run() -> tuple[str, dict[int, Scenario]]:
-        fleet = LocalFleet([scenario])
+        fleet = LocalFleet(scenario)
         fleet.step()
         nodes = {robot: bus.node for robot, bus in fleet.robots.items()}
         told = {
@@ -81,7 +80,7 @@ def test_robots_that_share_a_process_share_what_they_were_told_and_drive_as_if_t
             for robot, node in nodes.items()
             if isinstance(node, RobotNode) and node.core is not None
         }
-        return str(fleet.execute()[0]["trajectory_sha256"]), told
+        return str(fleet.execute()["trajectory_sha256"]), told
 
     together, shared = run()
     assert len(shared) == 14
@@ -144,8 +143,8 @@ def test_whom_a_summary_has_elsewhere_by_rounding_is_near() -> None:
 def test_processes_make_the_same_trajectory(transport: Transport) -> None:
     scenario = crowd(Network("near", 0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
-    with Fleet([scenario], RunOptions(transport, run=fresh_run_name())) as fleet:
-        found = fleet.execute()[0]
+    with Fleet(scenario, RunOptions(transport, run=fresh_run_name())) as fleet:
+        found = fleet.execute()
     assert found["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]
 
 
@@ -179,40 +178,6 @@ def lend_ears(fleet: LocalFleet, passes: Callable[[RobotNode, Event, Hear], obje
         bus.node = Ear(bus.node, passes)
 
 
-def test_a_summary_that_was_under_way_as_its_run_ended_is_none_of_the_next() -> None:
-    first, second = (
-        replace(crowd(Network("near", 0.02)), time=replace(load("random-14").time, limit=limit))
-        for limit in (1.05, 3.0)
-    )
-    alone = in_process(second)["trajectory_sha256"]
-    late = defaultdict[RobotNode, list[Event]](list)
-
-    def delay(node: RobotNode, event: Event, hear: Hear) -> None:
-        """A robot hears the last Summary of one run and the first of the next at the fifth tick of this."""
-        core = node.core
-        if core is None or not isinstance(event, Sample):
-            hear(event)
-            return
-        following, held = core.scenario.time.limit == second.time.limit, late[node]
-        if event.key.endswith("/summary"):
-            message = decode(event.key, event.payload)
-            assert isinstance(message, Summary)
-            if message.tick == (0 if following else 20) and len(held) == following:
-                held.append(event)
-                if following:
-                    hear(held[0])
-                return
-        if following and len(held) == 2 and (core.tick >= 5 or event.key.endswith("/summary")):
-            hear(held[1])
-            held.append(held[1])
-        hear(event)
-
-    with skipped_waits(), LocalFleet([first, second]) as fleet:
-        lend_ears(fleet, delay)
-        assert fleet.execute()[1]["trajectory_sha256"] == alone
-    assert any(len(held) > 2 for held in late.values())
-
-
 def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits() -> None:
     lost = []
 
@@ -227,7 +192,7 @@ def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits()
                 return
         hear(event)
 
-    with skipped_waits(), LocalFleet([load("swap-2")], lockstep=False) as fleet:
+    with skipped_waits(), LocalFleet(load("swap-2"), lockstep=False) as fleet:
         lend_ears(fleet, lose)
-        assert fleet.execute()[0]["verdict"] == "arrived"
+        assert fleet.execute()["verdict"] == "arrived"
     assert lost

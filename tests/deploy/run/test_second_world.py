@@ -27,7 +27,7 @@ RELEASE = Operation(halt=False)
 
 def rows(connection: Connection, run: str) -> list[table.Process]:
     robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
-    return [table.world(connection, run, [SCENARIO], True), *robots]
+    return [table.world(connection, run, SCENARIO, True), *robots]
 
 
 def router(supervisor: Supervisor, *others: str) -> Connection:

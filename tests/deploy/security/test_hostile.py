@@ -18,7 +18,7 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.outcome.unjudged import unjudged
+from deploy.run.result import unjudged
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR, Roster
@@ -51,7 +51,7 @@ def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
     """What each receiver would take for a message, in everybody's name but one's own."""
     ids = scenario.ids
     nobody = Presences(1000 + tick, tuple(Member(i, 9, "gone", 0.03) for i in ids))
-    report = {**unjudged(scenario, None, 1.0), "verdict": "arrived", "run_number": 0}
+    report = {**unjudged(scenario, None, 1.0), "verdict": "arrived"}
     world: dict[str, Message] = {
         "result": Result(json.dumps(report)),
         "clock": Clock(tick, 0.05 * tick, (), tuple(Standing(i, 1, AWAY) for i in ids), "collision"),
@@ -111,7 +111,7 @@ class LiedTo(Fleet):
     """A fleet among liars, who speak in every tick."""
 
     def __init__(self, options: RunOptions, roles: dict[str, int | None]) -> None:
-        super().__init__([SCENARIO], options, watch=self._lie)
+        super().__init__(SCENARIO, options, watch=self._lie)
         self._roles, self.liars = roles, list[Liar]()
 
     def _lie(self, clock: Clock) -> None:
@@ -135,9 +135,9 @@ class LiedTo(Fleet):
 
 
 def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
-    alone = LocalFleet([SCENARIO]).execute()[0]
+    alone = LocalFleet(SCENARIO).execute()
     with LiedTo(RunOptions(run=RUN, secure=keys, speed=8.0), {"robot-2": 2, "monitor": None}) as fleet:
-        report = fleet.execute()[0]
+        report = fleet.execute()
     assert all(liar.told > 100 and not liar.answers for liar in fleet.liars)
     assert report["verdict"] == "arrived"
     assert report["trajectory_sha256"] == alone["trajectory_sha256"]
@@ -171,9 +171,9 @@ def test_an_operator_gives_orders_and_says_nothing_in_anothers_name(keys: Path) 
 def test_without_keys_the_same_lies_are_believed() -> None:
     """What the test above forbids is possible where there are no rules: it could fail."""
     with LiedTo(RunOptions(run=RUN, speed=8.0), {"anybody": None}) as fleet:
-        report = fleet.execute()[0]
+        report = fleet.execute()
     (liar,) = fleet.liars
-    alone = LocalFleet([SCENARIO]).execute()[0]
+    alone = LocalFleet(SCENARIO).execute()
     assert liar.answers
     assert report["trajectory_sha256"] != alone["trajectory_sha256"]
 
@@ -200,9 +200,9 @@ def test_certificates_that_expire_during_the_run_end_it_standing(
     slow = load("swap-4", ["control.speed=0.002"])
     create(tmp_path / "keys", Roster(RUN, slow.ids), days=5.0 / 86400.0)
     options = RunOptions(mode="realtime", run=RUN, secure=tmp_path / "keys")
-    with Fleet([slow], options) as fleet:
+    with Fleet(slow, options) as fleet:
         began = time.monotonic()
-        report = fleet.execute(lambda: time.monotonic() > began + 40.0)[0]
+        report = fleet.execute(lambda: time.monotonic() > began + 40.0)
         assert time.monotonic() < began + 30.0
     assert report["verdict"] == "aborted"
     assert f"the certificates in {tmp_path / 'keys'} ended at" in report["reason"]

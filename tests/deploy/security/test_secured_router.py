@@ -190,7 +190,7 @@ def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
 def test_a_run_under_attack_is_the_run_without(keys: Path) -> None:
     """Rogues write into everything, over and over; the trajectory does not differ in a bit."""
     scenario = load("figure-1", ["control.speed=0.02"], 3)
-    alone = LocalFleet([scenario]).execute()[0]
+    alone = LocalFleet(scenario).execute()
     rogues: list[ZenohBus] = []
     attacks = 0
 
@@ -205,8 +205,8 @@ def test_a_run_under_attack_is_the_run_without(keys: Path) -> None:
             attacks += 1
 
     fleet: Any
-    with Fleet([scenario], RunOptions(run="guarded", secure=keys), watch=watch) as fleet:
-        report = fleet.execute()[0]
+    with Fleet(scenario, RunOptions(run="guarded", secure=keys), watch=watch) as fleet:
+        report = fleet.execute()
         for rogue in rogues:
             rogue.close()
     assert attacks > 10

@@ -51,7 +51,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         )
     script = (
         "import json, sys; from deploy.library.load import load; from deploy.run.local import LocalFleet\n"
-        "print(json.dumps([LocalFleet([load(name)]).execute()[0] for name in sys.argv[1:]]))"
+        "print(json.dumps([LocalFleet(load(name)).execute() for name in sys.argv[1:]]))"
     )
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     said = subprocess.run(
@@ -63,7 +63,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         check=True,
     ).stdout
     for name, source in zip(_SCENARIOS, json.loads(said), strict=True):
-        (twin,) = LocalFleet([load(name)]).execute()
+        twin = LocalFleet(load(name)).execute()
         same = ("trajectory_sha256", "min_clearance", "nrl", "phi", "ticks")
         assert {key: source[key] for key in same} == {key: twin[key] for key in same}
 

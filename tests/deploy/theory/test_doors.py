@@ -44,7 +44,7 @@ def hall(slack: float, robots: int = 1, scale: float = 1.0, law: str = "gradient
 
 
 def verdict(scenario: Scenario) -> str:
-    (report,) = LocalFleet([scenario]).execute()
+    report = LocalFleet(scenario).execute()
     assert report["collisions"] == 0
     return str(report["verdict"])
 

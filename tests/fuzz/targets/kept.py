@@ -29,7 +29,7 @@ from world.shell.persistence import records
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import resume
 
-_SCENARIOS = [two()]
+_SCENARIO = two()
 _TICKS = 12
 
 
@@ -48,9 +48,9 @@ def folder() -> Path:
 def _journal() -> bytes:
     """That of a run in its first ticks, which begins with a snapshot."""
     path = folder() / "valid"
-    Journal.create(path, "local", _SCENARIOS)
+    Journal.create(path, "local", _SCENARIO)
     with patch.object(trajectory, "LINK", _TICKS // 2):
-        fleet = LocalFleet(_SCENARIOS, journal=path)
+        fleet = LocalFleet(_SCENARIO, journal=path)
         fleet.network.run(lambda: fleet.world.world.tick >= _TICKS)
     fleet.kill_world()
     return path.read_bytes()
@@ -96,9 +96,9 @@ def _lied(payload: bytes, rng: Random) -> bytes:
 def _read_journal(drawn: bytes) -> bool:
     path = folder() / "journal"
     path.write_bytes(drawn)
-    journal = Journal(path, "local", _SCENARIOS)
+    journal = Journal(path, "local", _SCENARIO)
     try:
-        resume(journal, _SCENARIOS)
+        resume(journal, _SCENARIO)
     finally:
         journal.remove()
     return True

@@ -69,13 +69,13 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     network = LocalNetwork()
     bus = network.connect()
     with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
-        world = bus.node = WorldNode(bus, _RUN, [_participants_of()])
+        world = bus.node = WorldNode(bus, _RUN, _participants_of())
     robots = network.connect()
     robot = robots.node = RobotNode(robots, _RUN, 1)
     robot.wake(0.0)
     watcher = watch_local(network, _RUN)
     watcher.wake(0.0)
-    launcher = Fleet([_participants_of()], RunOptions())
+    launcher = Fleet(_participants_of(), RunOptions())
     handlers: list[Callable[[Event], object]] = [
         robot.handle,
         watcher.handle,

@@ -28,7 +28,7 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True, width=64) | st.sampled_
 @cache
 def fleet() -> LocalFleet:
     """Robots that have driven for some ticks."""
-    found = LocalFleet([load("swap-2")])
+    found = LocalFleet(load("swap-2"))
     for _ in range(5):
         found.step()
     return found
@@ -111,7 +111,7 @@ def test_a_member_that_stands_nowhere_is_refused() -> None:
 
 
 def test_a_tick_of_an_earlier_life_does_not_shorten_whom_a_robot_awaits() -> None:
-    here = LocalFleet([load("swap-4")])
+    here = LocalFleet(load("swap-4"))
     here.step()
     node = here.robots[1].node
     assert isinstance(node, RobotNode)

@@ -25,7 +25,7 @@ class Watch:
         self.clock, self.told, self.said = Stopwatch(), list[dict[int, Tick]](), list[str]()
         self.pacing = Pacing(lockstep, 0.0, self.clock)
         self.admissions = Admissions("r", (1, 2), lockstep, self.clock)
-        self.turn = Run(0, two(), {})
+        self.turn = Run(two())
         self.failures = FailureDetector(
             self.admissions,
             self.pacing,

@@ -82,13 +82,13 @@ def told(fleet: LocalFleet, turn: Callable[[Any], Any]) -> dict[str, Any]:
         return say
 
     bus.publisher = lying  # type: ignore[method-assign]
-    return fleet.execute()[0]
+    return fleet.execute()
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_whatever_a_state_may_say_stops_nobody_else(law: str) -> None:
     scenario = replace(load("swap-4", [f"control.law={law}"]), orders=(Order(3.0, remove=LIAR),))
-    fleet, lie = LocalFleet([scenario]), itertools.cycle(lies())
+    fleet, lie = LocalFleet(scenario), itertools.cycle(lies())
 
     def turn(message: Any) -> Any:
         return msgspec.structs.replace(message, **next(lie)) if isinstance(message, State) else message
@@ -112,7 +112,7 @@ def test_whatever_a_command_may_say_stops_nobody_else(field: dict[str, Any]) -> 
     def turn(message: Any) -> Any:
         return msgspec.structs.replace(message, **field) if isinstance(message, Command) else message
 
-    report = told(LocalFleet([SWAP]), turn)
+    report = told(LocalFleet(SWAP), turn)
     assert {each["robot"] for each in report["faults"]["given_up"]} <= {LIAR}
     assert set(report["arrived"]) >= {1, 3, 4}, (report["verdict"], report["reason"])
 

@@ -29,7 +29,7 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     said: list[str] = []
     noted: list[str] = []
     bus = LocalNetwork().connect()
-    world = WorldNode(bus, "r", [load("swap-2")], say=said.append, note=noted.append)
+    world = WorldNode(bus, "r", load("swap-2"), say=said.append, note=noted.append)
     replies: list[bytes] = []
     for request in ASKED:
         payload = json.dumps(request).encode() if request else b""
@@ -47,7 +47,7 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     "payload", [b'{"tak": 99}', b'{"halt": 1}', b"{", b"\xc1", b'{"take": 1, "remove": 1}']
 )
 def test_a_malformed_operation_is_refused_in_its_form(payload: bytes) -> None:
-    world = WorldNode(LocalNetwork().connect(), "r", [load("swap-2")])
+    world = WorldNode(LocalNetwork().connect(), "r", load("swap-2"))
     replies: list[bytes] = []
     world.handle(Request("disknav/r/world/operation", payload, replies.append))
     reply = json.loads(replies[0]) if is_json(payload) else msgspec.msgpack.decode(replies[0])
@@ -55,7 +55,7 @@ def test_a_malformed_operation_is_refused_in_its_form(payload: bytes) -> None:
 
 
 def test_what_nothing_can_be_asked_for_under_is_refused() -> None:
-    world = WorldNode(LocalNetwork().connect(), "r", [load("swap-2")])
+    world = WorldNode(LocalNetwork().connect(), "r", load("swap-2"))
     replies: list[bytes] = []
     world.handle(Request("disknav/r/world/things", b"{}", replies.append))
     assert json.loads(replies[0])["reply"] == "refused"

@@ -45,11 +45,11 @@ def go(fleet: LocalFleet, ticks: int) -> None:
 
 
 def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() -> None:
-    fleet, said = LocalFleet([SWAP]), list[str]()
+    fleet, said = LocalFleet(SWAP), list[str]()
     fleet.world._operations._say = said.append
     go(fleet, 10)
     bus = fleet.network.connect()
-    other = bus.node = WorldNode(bus, "local", [SWAP])
+    other = bus.node = WorldNode(bus, "local", SWAP)
     go(fleet, 3)
     assert other.refused, "it has not begun, and came later"
     assert fleet.world.world.coordinator.halted
@@ -67,7 +67,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
 
 
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet(SWAP)
     go(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
@@ -82,7 +82,7 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
 def test_of_two_that_are_started_at_once_one_remains() -> None:
     network = LocalNetwork()
     buses = [network.connect(), network.connect()]
-    worlds = [WorldNode(bus, "local", [SWAP]) for bus in buses]
+    worlds = [WorldNode(bus, "local", SWAP) for bus in buses]
     for bus, world in zip(buses, worlds, strict=True):
         bus.node = world
         while (event := bus.receive(0.0)) is not None:
@@ -101,7 +101,7 @@ def test_a_robot_does_not_choose_between_two_worlds() -> None:
     network, said = LocalNetwork(), list[str]()
     for _ in range(2):
         bus = network.connect()
-        bus.node = WorldNode(bus, "local", [SWAP])
+        bus.node = WorldNode(bus, "local", SWAP)
     bus = network.connect()
     robot = RobotNode(bus, "local", 1, say=said.append)
     robot.wake(robot.deadline)
@@ -109,7 +109,7 @@ def test_a_robot_does_not_choose_between_two_worlds() -> None:
 
 
 def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet(SWAP)
     go(fleet, 10)
     robot, tick = fleet.robots[2].node, fleet.world.world.tick
     assert isinstance(robot, RobotNode)
@@ -131,14 +131,14 @@ def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
         Sample(robot_key("local", 2, "command"), encode(Command(2, 1, tick + 1, (9.0, 0.0), 77)))
     )
     assert fleet.world._run.rejected["epoch"] == 1
-    assert fleet.execute()[0]["collisions"] == 0
+    assert fleet.execute()["collisions"] == 0
 
 
 def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
     """A world that was frozen may come back when another one has taken its place."""
     network = LocalNetwork()
     older = network.connect()
-    older.node = WorldNode(older, "local", [SWAP])
+    older.node = WorldNode(older, "local", SWAP)
     bus = network.connect()
     robot = RobotNode(bus, "local", 1)
     bus.node = robot
@@ -148,7 +148,7 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
     older.served, served = [], older.served  # it freezes
     network.tell_presence("disknav/local/world/alive/00000001", False, older)
     newer = network.connect()
-    newer.node = WorldNode(newer, "local", [SWAP])
+    newer.node = WorldNode(newer, "local", SWAP)
     bus.drain()
     robot.wake(robot.deadline)
     assert robot.core.epoch == 2
@@ -192,7 +192,7 @@ def test_a_stop_that_has_no_effect_names_who_moves() -> None:
 
 
 def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
-    world = WorldNode(LocalNetwork().connect(), "local", [SWAP])
+    world = WorldNode(LocalNetwork().connect(), "local", SWAP)
     replies: list[bytes] = []
     request = joining.encode_request(joining.Join(1, "a/b"))
     world.handle(Request(robot_key("local", 1, "join"), request, replies.append))

@@ -19,7 +19,7 @@ class Ending:
         self.clock = Stopwatch()
         self.admissions = Admissions("r", (1, 2), True, self.clock)
         self.shutdown = Shutdown(self.admissions, Pacing(True, 0.0, self.clock))
-        self.turn = Run(0, two(), {})
+        self.turn = Run(two())
         self.turn.began = 0.0
         for robot in (1, 2):
             self.admissions.enlist(Join(robot, f"session {robot}"), self.turn)

@@ -104,7 +104,7 @@ class Ward:
         bus = network.connect()
         self.said: list[str] = []
         self.world = bus.node = WorldNode(
-            bus, "w", [SCENARIO], patience=LONG, speed=speed, say=self.said.append
+            bus, "w", SCENARIO, patience=LONG, speed=speed, say=self.said.append
         )
         self.patient: Patient | None = None
         for robot in SCENARIO.ids:
@@ -282,7 +282,7 @@ def test_a_complaint_is_no_command() -> None:
 @pytest.mark.timeout(60)
 def test_a_world_in_which_all_have_died_hears_who_comes() -> None:
     """In lock-step nobody is waited for then, and a run that is endless does not end."""
-    fleet = LocalFleet([load("swap-4", ["time.endless=true"])])
+    fleet = LocalFleet(load("swap-4", ["time.endless=true"]))
     for _ in range(10):
         assert fleet.step()
     for robot in fleet.robots:

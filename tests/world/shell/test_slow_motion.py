@@ -21,7 +21,7 @@ class Theatre:
         scenario = two()
         bus = self.network.connect()
         self.world = bus.node = WorldNode(
-            bus, "slow", [scenario], speed=speed, restarts=restarts, clock=self.clock
+            bus, "slow", scenario, speed=speed, restarts=restarts, clock=self.clock
         )
         self.robots = {robot: self.network.connect() for robot in scenario.ids}
         for robot, robots_bus in self.robots.items():

@@ -6,15 +6,14 @@ the system, which keeps it when this process is killed. It is not forced to the 
 the machine was last started is refused.
 
 The first record (`world.shell.persistence.records`) is a `Head`, all others are lists of entries; msgpack.
-A torn last one is cut off. A new run begins a new file, in the place of the old one, and so does a snapshot
-of a run that goes on: its first entry.
+A torn last one is cut off. A snapshot begins a new file in the place of the old one: it is its first entry.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -22,12 +21,11 @@ import msgspec
 
 from protocol.codec import DAMAGED
 from protocol.errors import JournalError
-from protocol.messages import Command, Count, Epoch, Id
+from protocol.messages import Command, Epoch, Id
 from protocol.scenario.model import Scenario
 from world.coordinator.inputs import Input, Opened
 from world.shell.persistence import records
 from world.shell.persistence.snapshot import Snapshot
-from world.shell.processes import Processes
 from world.shell.run import drawn_epoch
 
 _BOOT = Path("/proc/sys/kernel/random/boot_id")
@@ -37,14 +35,9 @@ class Head(msgspec.Struct, frozen=True):
     """What the file is a journal of."""
 
     run: str
-    scenarios: str  # digest of all of them
+    scenario: str  # digest of it
     boot: str  # names the time since the machine was started; empty where the system has no such name
     epoch: Epoch  # of the coordinator; a world that goes on from the journal is the same one
-    number: Count = 0  # which of the scenarios
-    incarnations: dict[Id, Count] = {}  # newest of every robot when the run began
-    version: Count = 0  # newest of the roster then
-    expected: dict[Id, Count] = {}  # for how many next lives of each robot earlier runs waited
-    processes: Processes = msgspec.field(default_factory=Processes)  # of earlier runs
 
 
 class Seated(msgspec.Struct, frozen=True, array_like=True, gc=False, tag="seat"):
@@ -73,12 +66,12 @@ class Journal:
 
     Args:
         path: the file; `create` makes it.
-        run, scenarios: what it must be a journal of.
+        run, scenario: what it must be a journal of.
         say: is told if the journal cannot be kept any longer.
 
     Attributes:
-        head: of the present run.
-        past: what was noted in the present run before this process opened the file.
+        head: of the run.
+        past: what was noted before this process opened the file.
         kept: whether it can be written; once it cannot the file is removed, so that nobody goes on from it.
 
     Raises:
@@ -87,7 +80,7 @@ class Journal:
     """
 
     def __init__(
-        self, path: Path, run: str, scenarios: Sequence[Scenario], say: Callable[[str], None] = lambda _: None
+        self, path: Path, run: str, scenario: Scenario, say: Callable[[str], None] = lambda _: None
     ) -> None:
         self.path, self.kept = path, True
         self._say = say
@@ -96,7 +89,7 @@ class Journal:
         self._file = records.opened(path)
         try:
             (start, payload, _), *others = found = list(records.records(path))
-            self.head = _checked(path, start, payload, Head(run, digest(scenarios), _boot(), 0))
+            self.head = _checked(path, start, payload, Head(run, digest(scenario), _boot(), 0))
             self.past = [entry for start, payload, _ in others for entry in _decoded(path, start, payload)]
             os.ftruncate(self._file, found[-1][-1])
         except BaseException:
@@ -104,7 +97,7 @@ class Journal:
             raise
 
     @staticmethod
-    def create(path: Path, run: str, scenarios: Sequence[Scenario]) -> None:
+    def create(path: Path, run: str, scenario: Scenario) -> None:
         """Make the file for a run that has not begun.
 
         Raises:
@@ -112,7 +105,7 @@ class Journal:
         """
         try:
             with path.open("xb") as file:
-                file.write(_beginning(Head(run, digest(scenarios), _boot(), drawn_epoch())))
+                file.write(_beginning(Head(run, digest(scenario), _boot(), drawn_epoch())))
         except OSError as error:
             raise JournalError(f"cannot keep a journal in {path}: {error.strerror}") from error
 
@@ -134,48 +127,20 @@ class Journal:
             except OSError as error:
                 self._abandon(error)
 
-    def begin(
-        self,
-        number: int,
-        incarnations: Mapping[int, int],
-        version: int,
-        expected: Mapping[int, int],
-        processes: Processes,
-    ) -> None:
-        """Begin the next run: what was noted so far has come to its end.
-
-        Raises:
-            JournalError: as `note`.
-        """
-        if not self.kept:
-            return
-        head = msgspec.structs.replace(
-            self.head,
-            number=number,
-            incarnations=dict(incarnations),
-            version=version,
-            expected=dict(expected),
-            processes=processes.copy(),
-        )
-        try:
-            self._renew(head)
-        except OSError as error:
-            self._abandon(error)
-
     def compact(self, snapshot: Snapshot) -> None:
         """Begin anew with a snapshot of the run, in place of all that led to it; where that cannot be
         written, the journal goes on as it was."""
         if self.kept:
             try:
-                self._renew(self.head, snapshot)
+                self._renew(snapshot)
             except OSError as error:
                 self._say(f"no snapshot in the journal {self.path}: {error.strerror}; it goes on, and grows")
 
-    def _renew(self, head: Head, *entries: Entry) -> None:
+    def _renew(self, snapshot: Snapshot) -> None:
         """Raises OSError if that cannot be; nothing has changed then."""
         following = self._following
         try:
-            following.write_bytes(_beginning(head, *entries))
+            following.write_bytes(_beginning(self.head, snapshot))
             file = records.locked(following)
             try:
                 following.replace(self.path)
@@ -187,7 +152,7 @@ class Journal:
                 following.unlink()
             raise
         os.close(self._file)
-        self._file, self.head, self.past = file, head, []
+        self._file, self.past = file, []
         self._aside, self._newest = [], None
 
     @property
@@ -221,9 +186,9 @@ class Journal:
         )
 
 
-def digest(scenarios: Sequence[Scenario]) -> str:
-    """Of everything that the scenarios say."""
-    return hashlib.sha256(_encoder.encode(list(scenarios))).hexdigest()
+def digest(scenario: Scenario) -> str:
+    """Of everything that the scenario says."""
+    return hashlib.sha256(_encoder.encode(scenario)).hexdigest()
 
 
 def _boot() -> str:
@@ -250,8 +215,8 @@ def _checked(path: Path, place: int, payload: bytes, wanted: Head) -> Head:
     other = ""
     if head.run != wanted.run:
         other = f"of run {head.run!r}, not of {wanted.run!r}"
-    elif head.scenarios != wanted.scenarios:
-        other = "of other scenarios than those that are to be run"
+    elif head.scenario != wanted.scenario:
+        other = "of another scenario than the one that is to be run"
     elif head.boot != wanted.boot:
         other = "from before this machine was last started, and may lack the newest ticks"
     if other:

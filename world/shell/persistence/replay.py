@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from protocol.errors import JoinError, JournalError
@@ -41,18 +41,14 @@ class Resumed(NamedTuple):
     expected: Mapping[int, int]
 
 
-def resume(journal: Journal, scenarios: Sequence[Scenario], returning: float = 0.0) -> Resumed:
+def resume(journal: Journal, scenario: Scenario, returning: float = 0.0) -> Resumed:
     """Do again what `journal` says, and have the world note all that follows there; `returning` as before.
 
     Raises:
         JournalError: the journal does not lead where it says it led.
     """
-    head = journal.head
-    if head.number >= len(scenarios):
-        raise JournalError(f"the journal {journal.path} is of scenario {head.number} of {len(scenarios)}")
-    run = Run(head.number, scenarios[head.number], head.incarnations, head.version, returning=returning)
-    seated: dict[int, str] = {}
-    processes, expected = head.processes.copy(), Counter(head.expected)
+    run, seated = Run(scenario, returning=returning), dict[int, str]()
+    processes, expected = Processes(), Counter[int]()
     for number, entry in enumerate(journal.past):
         if isinstance(entry, Joined) and (life := run.world.coordinator.lives.of.get(entry.robot)):
             processes.admit(entry.robot, seated.get(entry.robot, ""), life.fate)

@@ -142,7 +142,7 @@ def test_the_trajectory_is_that_of_one_host_and_keys_go_where_they_belong(
     assert done.returncode == 0, done.stderr
     assert_logged(tmp_path / "logs")
     found = json.loads(done.stdout)
-    (alone,) = LocalFleet([SCENARIO]).execute()
+    alone = LocalFleet(SCENARIO).execute()
     assert found["trajectory_sha256"] == alone["trajectory_sha256"]
     where = {row["name"]: row.get("host") for row in found["processes"]}
     assert where.pop("recorder") is where.pop("writer") is None

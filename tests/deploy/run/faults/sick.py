@@ -37,7 +37,7 @@ class FleetWithOne(Fleet):
     def __init__(
         self, scenario: Scenario, options: RunOptions, sick: int, entry: str, *arguments: object
     ) -> None:
-        super().__init__([scenario], options)
+        super().__init__(scenario, options)
         self._sick, self._entry, self._arguments = table.robot_name(sick), entry, arguments
 
     def _robots(self) -> list[table.Process]:

@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from agents.shell.node import RobotNode
-from deploy.run.local import FaultInjector, LocalFleet
+from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Request
 from protocol.bus.local import LocalBus
 from protocol.joining import Join, Reply, decode_reply, encode_request
 from protocol.keys import robot_key
-from protocol.scenario.model import ProcessFault, RobotSpec
+from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from tests.deploy.run.orders.guests import SWAP
 from world.coordinator.life import Life
 from world.shell.persistence.journal import Journal
@@ -51,15 +51,15 @@ class Overheard:
             self.then()
 
 
-def kept(folder: Path, scenario: object = RESTARTED) -> LocalFleet:
+def kept(folder: Path, scenario: Scenario = RESTARTED) -> LocalFleet:
     """A fleet whose world keeps a journal."""
-    Journal.create(folder / "journal", "local", [scenario])  # type: ignore[list-item]
-    return LocalFleet([scenario], journal=folder / "journal")  # type: ignore[list-item]
+    Journal.create(folder / "journal", "local", scenario)
+    return LocalFleet(scenario, journal=folder / "journal")
 
 
-def injector(fleet: LocalFleet) -> LocalBus:
-    """The bus of the launcher."""
-    return next(bus for bus in fleet.network._buses if isinstance(bus.node, FaultInjector))
+def deafen_launcher(fleet: LocalFleet) -> None:
+    """The launcher of a fleet hears nothing any more."""
+    fleet.launcher.follow = lambda _: None  # type: ignore[method-assign]
 
 
 def go(fleet: LocalFleet, ticks: int, seconds: float = 5.0) -> None:

@@ -32,24 +32,23 @@ from tests.deploy.processes.ports import free_ports
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
 QUICK = load("swap-6")
-SEVERAL = tuple(load("figure-3a", [], seed) for seed in range(3))
 Rows = dict[str, dict[str, Any]]
 
 
 @cache
-def undisturbed(scenarios: Sequence[Scenario]) -> list[str]:
-    return [report["trajectory_sha256"] for report in LocalFleet(scenarios).execute()]
+def undisturbed() -> str:
+    return str(LocalFleet(QUICK).execute()["trajectory_sha256"])
 
 
 class Killer:
-    """Kills processes at ticks of the first turn, or as soon after them as can be."""
+    """Kills processes at ticks, or as soon after them as can be."""
 
-    def __init__(self, deaths: Sequence[tuple[int, str]], turn: int = 0) -> None:
-        self.due, self.turn = sorted(deaths), turn
+    def __init__(self, deaths: Sequence[tuple[int, str]]) -> None:
+        self.due = sorted(deaths)
         self._killed: set[int] = set()
 
     def __call__(self, fleet: Fleet, clock: Clock) -> None:
-        while self.due and (clock.run_number, clock.tick) >= (self.turn, self.due[0][0]):
+        while self.due and clock.tick >= self.due[0][0]:
             pid = fleet.pids().get(self.due[0][1])
             if pid is None or pid in self._killed:
                 return  # its next life has not begun
@@ -58,20 +57,20 @@ class Killer:
 
 
 def run(
-    scenarios: Sequence[Scenario],
+    scenario: Scenario,
     options: RunOptions,
     kill: Callable[[Fleet, Clock], None],
     record: Path | None = None,
-) -> tuple[list[dict[str, Any]], Rows]:
+) -> tuple[dict[str, Any], Rows]:
     fleet: Fleet
-    with Fleet(scenarios, options, watch=lambda clock: kill(fleet, clock), record=record) as fleet:
-        reports = fleet.execute()
+    with Fleet(scenario, options, watch=lambda clock: kill(fleet, clock), record=record) as fleet:
+        report = fleet.execute()
         rows = {row["name"]: row for row in fleet.processes()}
-    return reports, rows
+    return report, rows
 
 
-def unhurt(reports: Sequence[dict[str, Any]]) -> bool:
-    return all(report["verdict"] == "arrived" and report["collisions"] == 0 for report in reports)
+def unhurt(report: dict[str, Any]) -> bool:
+    return report["verdict"] == "arrived" and report["collisions"] == 0
 
 
 @pytest.mark.parametrize(
@@ -82,21 +81,12 @@ def unhurt(reports: Sequence[dict[str, Any]]) -> bool:
 def test_lock_step_goes_on_bit_for_bit(transport: Transport, names: list[str]) -> None:
     killer = Killer([(random.randrange(1, 200), name) for name in names])
     deaths = list(killer.due)
-    reports, rows = run([QUICK], RunOptions(transport, restarts=3, speed=10.0), killer)
+    report, rows = run(QUICK, RunOptions(transport, restarts=3, speed=10.0), killer)
     assert killer.due == []
-    assert unhurt(reports), (deaths, reports)
-    assert [report["trajectory_sha256"] for report in reports] == undisturbed((QUICK,)), deaths
+    assert unhurt(report), (deaths, report)
+    assert report["trajectory_sha256"] == undisturbed(), deaths
     assert all(rows[name]["restarts"] == names.count(name) for name in names)
     assert all(row["exit_code"] == 0 for row in rows.values())
-
-
-@pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
-def test_one_scenario_after_another(name: str) -> None:
-    killer = Killer([(0, name), (60, name)], turn=1)
-    reports, rows = run(SEVERAL, RunOptions(restarts=3, speed=10.0), killer)
-    assert unhurt(reports)
-    assert [report["trajectory_sha256"] for report in reports] == undisturbed(SEVERAL)
-    assert rows[name]["restarts"] == 2
 
 
 def test_a_robot_and_the_world_at_once() -> None:
@@ -104,9 +94,9 @@ def test_a_robot_and_the_world_at_once() -> None:
     killer = Killer(
         [(tick, "robot-2"), (tick, table.WORLD), (tick + 30, "robot-5"), (tick + 31, table.ROUTER)]
     )
-    reports, rows = run([QUICK], RunOptions(restarts=3, speed=10.0), killer)
+    report, rows = run(QUICK, RunOptions(restarts=3, speed=10.0), killer)
     assert killer.due == []
-    assert unhurt(reports), (tick, reports)
+    assert unhurt(report), (tick, report)
     assert {name: row["restarts"] for name, row in rows.items() if row["restarts"]} == {
         "robot-2": 1, "robot-5": 1, "world": 1, "router": 1,
     }  # fmt: skip
@@ -115,8 +105,8 @@ def test_a_robot_and_the_world_at_once() -> None:
 def test_real_time_goes_on_too() -> None:
     deaths = [(8, "robot-2"), (14, table.WORLD), (22, table.ROUTER), (30, "robot-1")]
     options = RunOptions(mode="realtime", restarts=3)
-    reports, rows = run([load("figure-3b", ["control.speed=0.3"], 2)], options, Killer(deaths))
-    assert unhurt(reports)
+    report, rows = run(load("figure-3b", ["control.speed=0.3"], 2), options, Killer(deaths))
+    assert unhurt(report)
     assert all(rows[name]["restarts"] == 1 for _, name in deaths)
 
 
@@ -128,25 +118,25 @@ def test_on_two_hosts(name: str) -> None:
         {"name": "right", "address": "127.0.0.1", "port": right, "robots": [4, 5, 6]},
     ]
     options = RunOptions(hosts=parse_hosts({"hosts": hosts}, QUICK.ids), restarts=3, speed=10.0)
-    reports, rows = run([QUICK], options, Killer([(60, name)]))
-    assert unhurt(reports)
-    assert [report["trajectory_sha256"] for report in reports] == undisturbed((QUICK,))
+    report, rows = run(QUICK, options, Killer([(60, name)]))
+    assert unhurt(report)
+    assert report["trajectory_sha256"] == undisturbed()
     assert rows[name]["restarts"] == 1
 
 
 @pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
 def test_a_recording_goes_on(name: str, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    reports, _ = run([QUICK], RunOptions(restarts=3, speed=10.0), Killer([(60, name)]), path)
+    report, _ = run(QUICK, RunOptions(restarts=3, speed=10.0), Killer([(60, name)]), path)
     recording = read(path)
     assert recording.result is not None
-    assert trajectory(recording).sha256 == reports[0]["trajectory_sha256"] == undisturbed((QUICK,))[0]
+    assert trajectory(recording).sha256 == report["trajectory_sha256"] == undisturbed()
 
 
 @pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
 def test_more_deaths_than_the_policy_allows_end_the_run(name: str) -> None:
     killer = Killer([(10, name), (20, name)])
-    (report,), rows = run([QUICK], RunOptions(restarts=1, speed=1.0), killer)
+    report, rows = run(QUICK, RunOptions(restarts=1, speed=1.0), killer)
     assert report["verdict"] == "aborted"
     assert name in report["reason"]
     assert rows[name]["restarts"] == 1
@@ -164,7 +154,7 @@ def test_a_world_without_its_journal_begins_nothing_anew(
             journals[0].unlink()
             fleet.signal(table.WORLD, signal.SIGKILL)
 
-    (report,), _ = run([QUICK], RunOptions(restarts=1, speed=1.0), act)
+    report, _ = run(QUICK, RunOptions(restarts=1, speed=1.0), act)
     assert report["verdict"] == "aborted"
     assert f"the journal {journals[0]} is not there" in capfd.readouterr().err
 
@@ -182,7 +172,7 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
             first.kill()
         again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     assert "world: goes on at tick" in again.stderr
-    assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed((QUICK,))[0]
+    assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed()
     assert not journal.exists()
 
 

@@ -21,8 +21,8 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 def run_fleet(scenario: Scenario, options: RunOptions, act: Callable[[Fleet, Clock], None]) -> dict[str, Any]:
     """The report of one run, and its processes; `act` interferes as the world's clock goes on."""
     fleet: Fleet
-    with Fleet([scenario], options, watch=lambda clock: act(fleet, clock)) as fleet:
-        return fleet.execute()[0] | {"processes": fleet.processes()}
+    with Fleet(scenario, options, watch=lambda clock: act(fleet, clock)) as fleet:
+        return fleet.execute() | {"processes": fleet.processes()}
 
 
 def kill_twice(killed: list[int]) -> Callable[[Fleet, Clock], None]:

@@ -42,7 +42,7 @@ def trajectory(report: dict) -> str:
 @pytest.mark.parametrize("scenario", LATE)
 @pytest.mark.slow
 def test_a_late_life_touches_nobody(scenario: Scenario) -> None:
-    assert trajectory(LocalFleet([scenario]).execute()[0]) == trajectory(LocalFleet([scenario]).execute()[0])
+    assert trajectory(LocalFleet(scenario).execute()) == trajectory(LocalFleet(scenario).execute())
 
 
 @pytest.mark.process
@@ -51,6 +51,6 @@ def test_a_late_life_touches_nobody(scenario: Scenario) -> None:
 @pytest.mark.parametrize("scenario", LATE)
 @pytest.mark.long(8)
 def test_a_late_life_takes_the_same_way_on_every_bus(scenario: Scenario, transport: str) -> None:
-    with Fleet([scenario], RunOptions(transport)) as fleet:
-        report = fleet.execute()[0]
-    assert trajectory(report) == trajectory(LocalFleet([scenario]).execute()[0])
+    with Fleet(scenario, RunOptions(transport)) as fleet:
+        report = fleet.execute()
+    assert trajectory(report) == trajectory(LocalFleet(scenario).execute())

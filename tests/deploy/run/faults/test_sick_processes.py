@@ -17,7 +17,7 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
 def report_of(fleet: FleetWithOne) -> dict[str, Any]:
     with fleet:
-        report = fleet.execute()[0]
+        report = fleet.execute()
         report["processes"] = {process["name"]: process for process in fleet.processes()}
     return report
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Presence
 from protocol.joining import Admission, Finished, Reply, Wait
@@ -19,14 +18,14 @@ from tests.deploy.run.faults.stale import (
     ENDLESS,
     Overheard,
     answer,
+    deafen_launcher,
     deafened,
     go,
-    injector,
     kept,
     life,
     status,
 )
-from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP
+from tests.deploy.run.orders.guests import GUEST, SWAP
 from tests.deploy.run.orders.turnover import asked
 from tests.skipped_waits import skipped_waits
 from tests.world.driving import token
@@ -40,7 +39,7 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(
     """Whether or not the world dies, when the next disk is to appear, or is there, or from a snapshot."""
     monkeypatch.setattr(trajectory, "LINK", 20)
     fleet = kept(tmp_path, ENDLESS)
-    injector(fleet).node = None
+    deafen_launcher(fleet)
     go(fleet, 12)
     _, node = deafened(fleet, lambda: asked(fleet, {"remove": 2}))
     session = node._world.session
@@ -63,8 +62,8 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(
 
 
 def test_the_next_one_does_not_wait_for_the_token_of_the_one_before() -> None:
-    fleet = LocalFleet([ENDLESS])
-    injector(fleet).node = None
+    fleet = LocalFleet(ENDLESS)
+    deafen_launcher(fleet)
     go(fleet, 10)
     bus, _ = deafened(fleet, lambda: asked(fleet, {"remove": 2}))
     go(fleet, 1)
@@ -81,8 +80,8 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before() -> None:
 
 
 def test_a_late_farewell_makes_nobody_wait_for_the_next() -> None:
-    fleet = LocalFleet([ENDLESS])
-    injector(fleet).node = None
+    fleet = LocalFleet(ENDLESS)
+    deafen_launcher(fleet)
     fleet.world._failures._restarts = 1
     go(fleet, 10)
     bus, _ = deafened(fleet, lambda: asked(fleet, {"remove": 2}))
@@ -102,7 +101,7 @@ def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing
     scenario, found = replace(SWAP, orders=orders, process=faults), []
     for stranger in (False, True):
         with skipped_waits():
-            fleet, told = LocalFleet([scenario]), list[Reply]()
+            fleet, told = LocalFleet(scenario), list[Reply]()
             ears, world = Overheard(fleet), fleet.world.world
             ears.when = lambda world=world, fleet=fleet: (  # type: ignore[misc]
                 status(fleet) == "gone" and not world.is_open
@@ -111,7 +110,7 @@ def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing
                 ears.then = lambda fleet=fleet, told=told: told.append(  # type: ignore[misc]
                     answer(fleet, "stranger")
                 )
-            report = fleet.execute()[0]
+            report = fleet.execute()
         assert len(told) == stranger
         found.append((report["verdict"], report["faults"]["given_up"], report["trajectory_sha256"]))
     assert found[0] == found[1]
@@ -119,7 +118,7 @@ def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing
 
 def test_who_comes_while_its_robot_is_gone_waits_if_that_is_to_come_again() -> None:
     comings = Order(0.2, add=GUEST), Order(1.0, remove=7), Order(1.3, add=GUEST)
-    fleet = LocalFleet([replace(SWAP, orders=comings)])
+    fleet = LocalFleet(replace(SWAP, orders=comings))
     fleet.network.run(lambda: fleet.world.world.tick >= 22 or fleet.world.finished)
     assert status(fleet, 7) == "gone"
     assert isinstance(answer(fleet, "next", 7), Wait)
@@ -127,44 +126,3 @@ def test_who_comes_while_its_robot_is_gone_waits_if_that_is_to_come_again() -> N
     assert answer(fleet, before, 7) == Finished("removed")
     fleet.network.run(lambda: fleet.world.world.tick >= 27 or fleet.world.finished)
     assert status(fleet, 7) != "gone"
-
-
-def test_a_deaf_process_of_one_run_takes_no_part_in_the_next() -> None:
-    """Its robot has the same id there; it comes later than this process is woken."""
-    runs = [replace(SWAP, orders=(Order(at, add=GUEST),)) for at in (0.2, 0.5)]
-    fleet = LocalFleet(runs)
-    fleet.network.run(lambda: fleet.world.finished or fleet.world.world.tick >= 13)
-    bus = fleet.robots[7]
-    node = bus.node
-    assert isinstance(node, RobotNode)
-    bus.node = None
-    fleet.world.handle(Presence(token(fleet.network, 7), False))
-    fleet.network.run(lambda: fleet.world.finished or 7 in fleet.world.world.coordinator.newcomers)
-    assert fleet.world._run.number == 1
-    assert answer(fleet, node._world.session, 7) == Finished("removed")
-    bus.close()
-    assert fleet.execute()[-1]["verdict"] == "arrived"
-
-
-def test_the_guest_of_the_next_run_does_not_wait_for_the_token_of_the_one_before() -> None:
-    with skipped_waits():
-        fleet = LocalFleet([GUESTED, GUESTED])
-        fleet.network.run(lambda: fleet.world.finished or fleet.world.world.tick >= 13)
-        bus = fleet.robots[7]
-        bus.node = None
-        fleet.network.run(
-            lambda: fleet.world._run.number == 1 and bool(fleet.world.world.coordinator.newcomers)
-        )
-        assert isinstance(answer(fleet, "next", 7), Admission)
-        bus.close()
-        fleet.world_bus.drain()
-        assert 7 in fleet.world.world.coordinator.lives.up
-
-
-def test_who_comes_late_for_a_guest_of_the_run_before_is_told_that_it_is_removed() -> None:
-    """Its disk appeared as that run ended, and nobody had asked."""
-    short = replace(GUESTED, time=replace(SWAP.time, limit=0.25))
-    fleet = LocalFleet([short, SWAP])
-    injector(fleet).node = None
-    fleet.network.run(lambda: fleet.world._run.number == 1)
-    assert answer(fleet, "late", 7) == Finished("removed")

@@ -5,17 +5,15 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import msgspec
 import pytest
 
 from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
-from deploy.run.launcher import Launcher
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.outcome.unjudged import unjudged
+from deploy.run.result import unjudged
 from protocol.bus.bus import Presence, Request, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -35,7 +33,7 @@ SWAP = load("swap-2")
 
 
 def test_tokens_and_requests_are_counted_by_reason() -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet(SWAP)
     rejected, handle = fleet.world._run.rejected, fleet.world.handle
     for token in TOKENS:
         for alive in (True, False):
@@ -48,14 +46,14 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
         handle(Request(key, HUGE, replies.append))
     assert rejected == {"key": 10, "identity": 4, "oversize": 2}
     assert all(isinstance(decode_reply(reply), Refusal) for reply in replies)
-    report = fleet.execute()[0]
-    assert report["trajectory_sha256"] == LocalFleet([SWAP]).execute()[0]["trajectory_sha256"]
+    report = fleet.execute()
+    assert report["trajectory_sha256"] == LocalFleet(SWAP).execute()["trajectory_sha256"]
     assert report["messages"]["rejected"] == {"key": 10, "identity": 4, "oversize": 2}
 
 
 @pytest.mark.slow
 def test_a_watcher_counts_strangers() -> None:
-    fleet = LocalFleet([SWAP], speed=8.0)  # slow enough for the watcher to ask for the scenario
+    fleet = LocalFleet(SWAP, speed=8.0)  # slow enough for the watcher to ask for the scenario
     watcher = watch_local(fleet.network, "local")
     for token in TOKENS:
         watcher.handle(Presence(f"disknav/local/{token}", True))
@@ -65,18 +63,11 @@ def test_a_watcher_counts_strangers() -> None:
     assert {row["id"] for row in watcher.snapshot()["robots"]} == {1, 2}
 
 
-def test_a_launcher_carries_out_nothing_at_the_time_of_a_turn_that_there_is_not() -> None:
-    launcher = Launcher([SWAP], Fleet([SWAP], RunOptions()))
-    clock = Clock(3, 0.15, (1, 2), (), "")
-    launcher.follow(msgspec.structs.replace(clock, run_number=2**53))
-    assert launcher.due(clock) == []
-
-
 class Disturbed(Fleet):
     """A fleet that a stranger on the same network talks to before and while it runs."""
 
     def __init__(self, scenario: Scenario, options: RunOptions) -> None:
-        super().__init__([scenario], options, watch=self._disturb)
+        super().__init__(scenario, options, watch=self._disturb)
         self.replies: list[object] = []
 
     def _robots(self) -> list[Any]:
@@ -100,7 +91,7 @@ class Disturbed(Fleet):
     def _disturb(self, clock: Clock) -> None:
         for say in self._say:
             say(b"\x91\xa7state/2")
-        report = unjudged(self._scenarios[0], clock, 0.0) | {"verdict": "aborted"}
+        report = unjudged(self._scenario, clock, 0.0) | {"verdict": "aborted"}
         self._judge(encode(Result(json.dumps(report))))
         if clock.tick < 20:
             self._say[0](HUGE)
@@ -114,11 +105,11 @@ def test_a_stranger_on_an_open_network_ends_nobody() -> None:
         supervisor.start([table.router(Connection("router"))])
         router = supervisor.report("router", 20.0)
         with Disturbed(scenario, RunOptions(router=router, speed=4.0)) as fleet:
-            report = fleet.execute()[0]
+            report = fleet.execute()
             fleet.close()
     assert all(isinstance(reply, Refusal) for reply in fleet.replies), fleet.replies
     assert report["verdict"] == "arrived"
-    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
+    assert report["trajectory_sha256"] == LocalFleet(scenario).execute()["trajectory_sha256"]
     rejected = report["messages"]["rejected"]
     assert rejected["identity"] >= 2  # tokens of robots that there are not
     assert rejected["key"] >= 3  # tokens and requests under no key of the protocol

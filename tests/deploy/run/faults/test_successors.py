@@ -13,15 +13,23 @@ import pytest
 from agents.shell.node import RobotNode
 from deploy.run.fleet import Fleet
 from deploy.run.launcher import Launcher
-from deploy.run.local import FaultInjector, LocalFleet
+from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence
 from protocol.joining import Admission, Refusal
 from protocol.scenario.model import ProcessFault
-from tests.deploy.run.faults.stale import ENDLESS, RESTARTED, Overheard, answer, go, injector, kept, life
+from tests.deploy.run.faults.stale import (
+    ENDLESS,
+    RESTARTED,
+    Overheard,
+    answer,
+    deafen_launcher,
+    go,
+    kept,
+    life,
+)
 from tests.deploy.run.orders.guests import SWAP
 from tests.world.driving import token
-from world.shell.persistence.journal import Journal
 
 
 def blink(fleet: LocalFleet) -> None:
@@ -35,7 +43,7 @@ def blink(fleet: LocalFleet) -> None:
 
 @pytest.fixture(scope="module")
 def undisturbed() -> str:
-    sha: str = LocalFleet([RESTARTED]).execute()[0]["trajectory_sha256"]
+    sha: str = LocalFleet(RESTARTED).execute()["trajectory_sha256"]
     return sha
 
 
@@ -44,17 +52,14 @@ def test_who_is_to_be_restarted_is_not_its_own_successor_when_a_router_goes(
 ) -> None:
     """Its launcher gets to it late, and it asks what became of it."""
     fleet, faults = kept(tmp_path), list[ProcessFault]()
-    launcher = injector(fleet)
-    late = launcher.node
-    assert isinstance(late, FaultInjector)
-    late.launcher.carry_out = faults.append  # type: ignore[method-assign]
+    fleet.launcher.carry_out = faults.append  # type: ignore[method-assign]
     fleet.network.run(lambda: bool(faults))
     blink(fleet)
     go(fleet, 1, seconds=0.5)
     assert (fleet.world.world.tick, life(fleet).incarnation) == (10, 1)
     for fault in faults:
-        Launcher.carry_out(late.launcher, fault)
-    report = fleet.execute()[0]
+        Launcher.carry_out(fleet.launcher, fault)
+    report = fleet.execute()
     assert (report["trajectory_sha256"], report["faults"]["given_up"]) == (undisturbed, [])
 
 
@@ -63,7 +68,7 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
 ) -> None:
     """The world died as the tick of the restart opened, when its launcher had heard of it."""
     fleet = kept(tmp_path)
-    injector(fleet).node = None
+    deafen_launcher(fleet)
     dead, ears = list[bool](), Overheard(fleet)
     ears.when = lambda: not life(fleet).joined and fleet.world.world.tick == 10
     ears.then = lambda: dead.append(True)
@@ -80,22 +85,11 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
     assert (report["trajectory_sha256"], report["faults"]["given_up"]) == (undisturbed, [])
 
 
-@pytest.mark.parametrize("given_up", [False, True], ids=["between two runs", "given up"])
-def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(
-    tmp_path: Path, given_up: bool
-) -> None:
-    runs = [ENDLESS] if given_up else [SWAP, SWAP]
-    Journal.create(tmp_path / "journal", "local", runs)
-    fleet = LocalFleet(runs, journal=tmp_path / "journal")
-    injector(fleet).node = None
-    if given_up:
-        go(fleet, 10)
-        fleet.world.world.coordinator.lost(2, "hangs")
-    else:
-        dead, ears = list[bool](), Overheard(fleet)
-        ears.when = lambda: fleet.world._run.number == 1
-        ears.then = lambda: dead.append(True)
-        fleet.network.run(lambda: bool(dead))
+def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(tmp_path: Path) -> None:
+    fleet = kept(tmp_path, ENDLESS)
+    deafen_launcher(fleet)
+    go(fleet, 10)
+    fleet.world.world.coordinator.lost(2, "hangs")
     assert not life(fleet).goes_on
     node = fleet.robots[2].node
     assert isinstance(node, RobotNode)
@@ -114,7 +108,7 @@ def test_who_is_frozen_for_longer_than_its_token_lives_goes_on() -> None:
     """At any speed: a token lives for two seconds."""
     faults = (ProcessFault(2, 0.5, "pause"), ProcessFault(2, 4.0, "resume"))
     scenario = replace(SWAP, process=faults, time=replace(SWAP.time, fence=6.0))
-    with Fleet([scenario], RunOptions("routed", speed=1.0)) as fleet:
-        (report,) = fleet.execute()
+    with Fleet(scenario, RunOptions("routed", speed=1.0)) as fleet:
+        report = fleet.execute()
     assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
-    assert report["trajectory_sha256"] == LocalFleet([scenario]).execute()[0]["trajectory_sha256"]
+    assert report["trajectory_sha256"] == LocalFleet(scenario).execute()["trajectory_sha256"]

@@ -7,12 +7,10 @@ import math
 import time
 from dataclasses import replace
 
-import pytest
-
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.joining import Join, Wait
-from protocol.scenario.model import Order, ProcessFault, Scenario
+from protocol.scenario.model import Order, ProcessFault
 from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.deploy.run.orders.turnover import asked
 from tests.skipped_waits import skipped_waits
@@ -23,7 +21,7 @@ from world.shell.run import Run
 
 
 def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet(SWAP)
     step(fleet, 10)
     assert asked(fleet, {"add": GUEST}).accepted
     process = fleet.start(7)
@@ -31,18 +29,18 @@ def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
     assert status(fleet, 7) == "appearing"
     to_be(fleet, 7, "standing")
     process.wake(math.inf)
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
 
 
 def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_it() -> None:
-    fleet = LocalFleet([GUESTED])
+    fleet = LocalFleet(GUESTED)
     process = fleet.start(7)
     for _ in range(10):
         process.wake(math.inf)  # asks to join: who is refused again and again gives up
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
-    assert report["trajectory_sha256"] == LocalFleet([GUESTED]).execute()[0]["trajectory_sha256"]
+    assert report["trajectory_sha256"] == LocalFleet(GUESTED).execute()["trajectory_sha256"]
     assert fleet.robots[7].node is process
     assert isinstance(process, RobotNode)
     assert process.verdict == "arrived"
@@ -59,7 +57,7 @@ def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part(
     found = []
     for early in (False, True):
         with skipped_waits():
-            fleet = LocalFleet([scenario])
+            fleet = LocalFleet(scenario)
             core = fleet.world.world.coordinator
             process = fleet.start(7) if early else None
             fleet.network.run(lambda core=core: bool(core.membership.newcomers))  # type: ignore[misc]
@@ -69,28 +67,36 @@ def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part(
             fleet.network.run(lambda core=core: core.tick >= 160)  # type: ignore[misc]
         fleet.world.interrupt("interrupted", "")
         assert (41, 7, "pause") in [(tick, fault.robot, fault.event) for tick, fault in core.lives.applied]
-        found.append((core.tick, fleet.reports[0]["trajectory_sha256"]))
+        found.append((core.tick, fleet.report["trajectory_sha256"]))
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("following", [(), (SWAP,)], ids=["the last run", "a run without it"])
-def test_who_waits_for_an_order_that_never_comes_is_told_so(following: tuple[Scenario, ...]) -> None:
-    short = replace(GUESTED, time=replace(SWAP.time, limit=0.15))
-    fleet = LocalFleet([short, *following])
+def test_a_process_that_waits_for_an_order_that_never_comes_is_told_so() -> None:
+    fleet = LocalFleet(replace(GUESTED, time=replace(SWAP.time, limit=0.15)))
     process = fleet.start(7)
     process.wake(math.inf)
     began = time.monotonic()
-    reports = fleet.execute()
-    assert [report["verdict"] for report in reports] == ["timeout", *["arrived" for _ in following]]
+    assert fleet.execute()["verdict"] == "timeout"
     assert isinstance(process, RobotNode)
     process.wake(math.inf)
-    assert process.verdict == ("removed" if following else "timeout")
+    assert process.verdict == "timeout"
     assert time.monotonic() - began < GATHERING
+
+
+def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
+    """A robot that was removed while it was paused keeps the world waiting for what it reports."""
+    orders = (Order(0.0, add=GUEST), Order(0.0, remove=2))
+    pause = (ProcessFault(2, 0.0, "pause"),)
+    for limit in range(1, 6):
+        time_ = replace(SWAP.time, limit=limit * SWAP.time.step)
+        with skipped_waits():
+            fleet = LocalFleet(replace(SWAP, time=time_, orders=orders, process=pause))
+            assert fleet.execute()["verdict"] == "timeout"
 
 
 def test_a_process_that_has_died_before_its_order_keeps_nobody_waiting() -> None:
     clock = Stopwatch()
-    admissions, run = Admissions("r", SWAP.ids, True, clock), Run(0, GUESTED, {})
+    admissions, run = Admissions("r", SWAP.ids, True, clock), Run(GUESTED)
     reply = admissions.refusal(Join(7, "dies", None), run)
     assert isinstance(reply, Wait)
     assert not admissions.missing()

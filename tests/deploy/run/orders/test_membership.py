@@ -29,10 +29,10 @@ AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS
 
 def guested(tick: int, seed: int = 0) -> dict[str, Any]:
     """The report of a run that takes in a guest at a tick."""
-    fleet = LocalFleet([replace(SWAP, seed=seed)])
+    fleet = LocalFleet(replace(SWAP, seed=seed))
     step(fleet, tick)
     assert asked(fleet, {"add": GUEST}).accepted
-    return fleet.execute()[0]
+    return fleet.execute()
 
 
 def test_a_guest_appears_joins_and_arrives() -> None:
@@ -51,7 +51,7 @@ def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:
 def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
     """Also if the ticks between are so few, or so quick, that no Clock says that nobody is to come."""
     began = time.monotonic()
-    report = LocalFleet([AT_ONCE]).execute()[0]
+    report = LocalFleet(AT_ONCE).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert time.monotonic() - began < GATHERING  # nobody was waited for in vain
 
@@ -59,13 +59,13 @@ def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> No
 @pytest.mark.slow
 def test_so_it_has_among_real_processes() -> None:
     for _ in range(4):
-        with Fleet([AT_ONCE], RunOptions("routed")) as fleet:
-            (report,) = fleet.execute()
+        with Fleet(AT_ONCE, RunOptions("routed")) as fleet:
+            report = fleet.execute()
         assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
 
 
 def test_nothing_appears_while_somebody_is_in_its_place() -> None:
-    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
     step(fleet, 5)
     (x, y), *_ = fleet.world.world.truth.positions
     assert asked(fleet, {"add": replace(GUEST, start=(x, y), goal=(x, y))}).accepted
@@ -76,7 +76,7 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
 
 
 def test_who_is_removed_ends_and_may_come_back() -> None:
-    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
     step(fleet, 20)
     node = fleet.robots[2].node
     assert asked(fleet, {"remove": 2}).accepted
@@ -114,7 +114,7 @@ def test_who_is_removed_ends_and_may_come_back() -> None:
     ],
 )
 def test_what_cannot_be_is_refused_by_reason_and_changes_nothing(change: dict[str, Any], reason: str) -> None:
-    fleet = LocalFleet([SWAP])
+    fleet = LocalFleet(SWAP)
     step(fleet, 3)
     before = asked(fleet).roster
     reply = asked(fleet, change)
@@ -124,7 +124,7 @@ def test_what_cannot_be_is_refused_by_reason_and_changes_nothing(change: dict[st
 
 
 def test_the_last_one_stays() -> None:
-    fleet = LocalFleet([replace(SWAP, time=replace(SWAP.time, endless=True))])
+    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
     step(fleet, 3)
     for robot in (1, 2, 3):
         assert asked(fleet, {"remove": robot}).accepted
@@ -154,14 +154,14 @@ class Guests:
 def test_processes_come_and_go(transport: Transport) -> None:
     guests, clocks = Guests(), list[Clock]()
     scenario = replace(load("swap-6"), time=replace(SWAP.time, limit=60.0))
-    with Fleet([scenario], RunOptions(transport, speed=4.0), watch=clocks.append) as fleet:
+    with Fleet(scenario, RunOptions(transport, speed=4.0), watch=clocks.append) as fleet:
 
         def enough() -> bool:
             while clocks:
                 guests(fleet, clocks.pop(0))
             return False
 
-        report = fleet.execute(enough)[0]
+        report = fleet.execute(enough)
         rows = {row["name"]: row for row in fleet.processes()}
     assert [reply.accepted for reply in guests.told] == [True, True]
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)

@@ -63,8 +63,8 @@ def test_a_newcomer_that_is_paused_has_no_process_before_it_may_join(event: str)
 
 
 def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", [SWAP])
-    fleet = LocalFleet([SWAP], journal=tmp_path / "journal")
+    Journal.create(tmp_path / "journal", "local", SWAP)
+    fleet = LocalFleet(SWAP, journal=tmp_path / "journal")
     step(fleet, 10)
     assert asked(fleet, {"add": GUEST}).accepted
     to_be(fleet, 7, "live")
@@ -78,14 +78,14 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
         before.truth,
         before.coordinator.lives.roster.members,
     )
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 
 
 @pytest.mark.parametrize("removed", [False, True], ids=["who is to come", "who has gone"])
 def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Path, removed: bool) -> None:
-    Journal.create(tmp_path / "journal", "local", [SWAP])
-    fleet = LocalFleet([SWAP], journal=tmp_path / "journal")
+    Journal.create(tmp_path / "journal", "local", SWAP)
+    fleet = LocalFleet(SWAP, journal=tmp_path / "journal")
     step(fleet, 10)
     assert asked(fleet, {"add": GUEST}).accepted
     if removed:
@@ -94,7 +94,7 @@ def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Pa
         step(fleet, 5)
     fleet.kill_world()
     fleet.start_world()
-    report = fleet.execute()[0]
+    report = fleet.execute()
     there = [1, 2, 3, 4] if removed else [1, 2, 3, 4, 7]
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, there)
 

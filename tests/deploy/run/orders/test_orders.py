@@ -42,7 +42,7 @@ class Ordered(LocalFleet):
     """Robot 2 is sent elsewhere at tick 30; where there is a journal the world dies at tick 45."""
 
     def __init__(self, scenario: Scenario, journal: Path | None = None) -> None:
-        super().__init__([scenario], speed=6.0, watch=self._look, journal=journal)  # for the clock to be told
+        super().__init__(scenario, speed=6.0, watch=self._look, journal=journal)  # for the clock to be told
         self._doom = journal is not None
         self.replies: list[dict[str, Any]] = []
 
@@ -62,7 +62,7 @@ class Ordered(LocalFleet):
 
 
 def outcome(fleet: Ordered) -> tuple[str, float, str]:
-    report = fleet.execute()[0]
+    report = fleet.execute()
     positions = dict(zip(SCENARIO.ids, fleet.world.world.truth.positions, strict=True))
     assert fleet.replies[0]["accepted"]
     assert report["collisions"] == 0
@@ -79,18 +79,18 @@ def test_a_robot_goes_where_it_is_sent(law: str) -> None:
 
 @pytest.mark.slow
 def test_an_order_outlives_the_world(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", [SCENARIO])
+    Journal.create(tmp_path / "journal", "local", SCENARIO)
     verdict, away, _ = outcome(Ordered(SCENARIO, tmp_path / "journal"))
     assert (verdict, away <= TOLERANCE) == ("arrived", True)
 
 
 def order_at(tick: int) -> str:
     """The trajectory's hash when robot 2 is sent elsewhere at exactly this tick."""
-    fleet = LocalFleet([SCENARIO])
+    fleet = LocalFleet(SCENARIO)
     while fleet.world.world.tick < tick:
         fleet.step()
     assert fleet.world.world.operate(sent(2, PLACE)).accepted
-    sha: str = fleet.execute()[0]["trajectory_sha256"]
+    sha: str = fleet.execute()["trajectory_sha256"]
     return sha
 
 

@@ -39,7 +39,7 @@ EVERYTHING = resolved(
 
 @pytest.fixture(scope="module")
 def report() -> dict[str, Any]:
-    return LocalFleet([EVERYTHING]).execute()[0]
+    return LocalFleet(EVERYTHING).execute()
 
 
 def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any]) -> None:
@@ -58,7 +58,7 @@ def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any
 def test_a_run_is_not_over_while_orders_are_to_come() -> None:
     arrived = Scenario((RobotSpec(1, 0.04, (0.0, 0.0), (0.0, 0.0)),), time=Time(deadlock=0.2))
     late = replace(arrived, orders=(Order(1.0, goal=Journey(1, ((0.1, 0.0),))),))
-    report = LocalFleet([resolved(late)]).execute()[0]
+    report = LocalFleet(resolved(late)).execute()
     assert (report["verdict"], report["arrived"]) == ("arrived", [1])
     assert report["ticks"] > 20
 
@@ -67,8 +67,8 @@ def test_a_run_is_not_over_while_orders_are_to_come() -> None:
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize("transport", ["routed", "mesh"])
 def test_real_processes_drive_the_same_trajectory(report: dict[str, Any], transport: Transport) -> None:
-    with Fleet([EVERYTHING], RunOptions(transport)) as fleet:
-        (found,) = fleet.execute()
+    with Fleet(EVERYTHING, RunOptions(transport)) as fleet:
+        found = fleet.execute()
     assert found["trajectory_sha256"] == report["trajectory_sha256"]
     assert found["faults"]["given_up"] == []
 
@@ -77,13 +77,13 @@ def test_a_world_that_died_asks_for_the_same_again(report: dict[str, Any], tmp_p
     from world.shell.persistence.journal import Journal
 
     journal = tmp_path / "journal"
-    Journal.create(journal, "local", [EVERYTHING])
-    with LocalFleet([EVERYTHING], journal=journal) as fleet:
+    Journal.create(journal, "local", EVERYTHING)
+    with LocalFleet(EVERYTHING, journal=journal) as fleet:
         for _ in range(70):
             fleet.step()
         fleet.kill_world()
         fleet.start_world()
-        (found,) = fleet.execute()
+        found = fleet.execute()
     assert found["trajectory_sha256"] == report["trajectory_sha256"]
     assert found["orders"] == report["orders"]
 

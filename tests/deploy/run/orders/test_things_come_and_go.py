@@ -46,7 +46,7 @@ def step(fleet: LocalFleet, ticks: int) -> None:
 
 
 def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
-    fleet = LocalFleet([LISTED])
+    fleet = LocalFleet(LISTED)
     step(fleet, 5)
     reply = asked(fleet, BAR)
     assert (reply["accepted"], reply["number"]) == (True, 2)
@@ -55,7 +55,7 @@ def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     assert [thing[1] for thing in asked(fleet)["things"]] == ["standing", "standing"]
     assert asked(fleet, {"take": 1})["accepted"]
     assert [thing[0] for thing in asked(fleet)["things"]] == [2]
-    report = fleet.execute()[0]
+    report = fleet.execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
 
@@ -71,7 +71,7 @@ def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     ],
 )
 def test_what_cannot_be_is_refused_and_changes_nothing(change: object, reason: str) -> None:
-    fleet = LocalFleet([LISTED])
+    fleet = LocalFleet(LISTED)
     step(fleet, 1)
     before = fleet.world.world.coordinator.lives.roster.version
     reply = asked(fleet, change)
@@ -81,8 +81,8 @@ def test_what_cannot_be_is_refused_and_changes_nothing(change: object, reason: s
 
 
 def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", [LISTED])
-    fleet = LocalFleet([LISTED], journal=tmp_path / "journal")
+    Journal.create(tmp_path / "journal", "local", LISTED)
+    fleet = LocalFleet(LISTED, journal=tmp_path / "journal")
     step(fleet, 10)
     assert asked(fleet, BAR)["accepted"]
     step(fleet, 3)
@@ -95,7 +95,7 @@ def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
 
 
 def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
-    with LocalFleet([LISTED], record=tmp_path / "run.mcap", speed=20.0) as fleet:
+    with LocalFleet(LISTED, record=tmp_path / "run.mcap", speed=20.0) as fleet:
         for tick in range(60):
             assert fleet.step()
             if tick == 10:
@@ -137,7 +137,7 @@ def test_from_the_command_line(disknav: Forks) -> None:
 
     scenario = replace(LISTED, time=replace(SWAP.time, endless=True))
     clocks = list[Clock]()
-    with Fleet([scenario], RunOptions(speed=1.0), watch=clocks.append) as fleet:
+    with Fleet(scenario, RunOptions(speed=1.0), watch=clocks.append) as fleet:
 
         def enough() -> bool:
             if clocks and clocks[-1].founded and not said:

@@ -59,7 +59,7 @@ class Turnover:
     def __init__(self, seed: int, every: int = 15, seconds: float = 120.0) -> None:
         """`every`: ticks between changes; `seconds`: for which partitions are planned."""
         self.draw = random.Random(seed)
-        self.fleet = LocalFleet([faulty(seed, seconds)])
+        self.fleet = LocalFleet(faulty(seed, seconds))
         self.changes = 0
         self._every = every
 

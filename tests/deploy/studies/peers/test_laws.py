@@ -39,8 +39,7 @@ def crossing(law: str) -> Scenario:
 
 
 def run(scenario: Scenario) -> dict[str, Any]:
-    (report,) = LocalFleet([scenario]).execute()
-    return report
+    return LocalFleet(scenario).execute()
 
 
 def heard(x: float, y: float, velocity: Vector = STILL, tick: int = 0) -> Neighbours:

@@ -51,7 +51,7 @@ def subscribed(client: ClientConnection, channel: dict[str, Any]) -> Iterator[tu
 
 
 def test_foxglove_sees_a_run_live_and_after_its_end() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     with closing(FoxgloveServer("r", 0)) as server:
         bus = fleet.network.connect()
         watcher = bus.node = Watcher(bus, "r", listener=server)

@@ -27,9 +27,9 @@ from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, unti
 
 
 def test_a_watcher_sees_what_the_world_judged() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r")
-    report = fleet.execute()[0]
+    report = fleet.execute()
     frame = watcher.snapshot()
     assert frame["verdict"] == report["verdict"] == "arrived"
     assert frame["tick"] == report["ticks"]
@@ -39,24 +39,16 @@ def test_a_watcher_sees_what_the_world_judged() -> None:
 
 
 def test_a_watcher_does_not_change_a_run() -> None:
-    alone, watched = LocalFleet([ring()], "r"), LocalFleet([ring()], "r")
+    alone, watched = LocalFleet(ring(), "r"), LocalFleet(ring(), "r")
     watch_local(watched.network, "r")
-    assert alone.execute()[0]["trajectory_sha256"] == watched.execute()[0]["trajectory_sha256"]
-
-
-def test_a_watcher_follows_one_scenario_after_another() -> None:
-    fleet = LocalFleet([ring(4), ring(4, limit=0.2)], "r")
-    watcher = watch_local(fleet.network, "r")
-    fleet.execute()
-    assert watcher.overview()["epoch"] == 2
-    assert watcher.snapshot()["verdict"] == "timeout"
+    assert alone.execute()["trajectory_sha256"] == watched.execute()["trajectory_sha256"]
 
 
 def test_robots_are_shown_while_they_are_there() -> None:
     """Whom orders of the scenario add, and whom an operator does: of them the world is asked."""
     guests = RobotSpec(5, 0.02, (0.17, 0.17), (0.18, 0.16)), RobotSpec(7, 0.02, (0.17, -0.17), (0.16, -0.18))
     scenario = replace(ring(), time=Time(endless=True), orders=(Order(0.2, add=guests[0]),))
-    fleet = LocalFleet([scenario], "r")
+    fleet = LocalFleet(scenario, "r")
     watcher = watch_local(fleet.network, "r")
 
     def shows(*robots: int) -> bool:
@@ -97,7 +89,7 @@ def test_a_watcher_hears_only_what_the_network_may_drop() -> None:
 
 
 def test_pause_step_and_resume_reach_a_run_in_this_process() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet):
         until(lambda: watcher.snapshot()["tick"] >= 2)
@@ -112,7 +104,7 @@ def test_pause_step_and_resume_reach_a_run_in_this_process() -> None:
 
 
 def test_who_comes_late_is_shown_what_is_in_force() -> None:
-    fleet = LocalFleet([ring()], "r", speed=1.0)
+    fleet = LocalFleet(ring(), "r", speed=1.0)
     watcher = watch_local(fleet.network, "r")
     with running(fleet):
         until(lambda: watcher.snapshot()["tick"] >= 2)
@@ -131,7 +123,7 @@ def sent(*points: Point) -> Operation:
 
 
 def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     assert not watcher.operate(sent((0.0, 0.1))).result(0.0).accepted  # no run has begun
     with running(fleet):
@@ -158,7 +150,7 @@ def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
 
 
 def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     assert "no run yet" in watcher.operate(Operation(halt=True)).result(0.0).text
     with running(fleet):
@@ -176,7 +168,7 @@ def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
 
 @pytest.mark.alone
 def test_a_killed_robot_is_an_alarm_within_two_seconds() -> None:
-    fleet = LocalFleet([ring(kill=2)], "r")
+    fleet = LocalFleet(ring(kill=2), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet):
         until(lambda: fleet.robots[2].node is None)

@@ -23,9 +23,8 @@ def scenario(**changes: Any) -> Scenario:
 
 def record(path: Path, **changes: Any) -> dict[str, Any]:
     """Record a run in this process; returns the world's report."""
-    with LocalFleet([scenario(**changes)], "three", record=path) as fleet:
-        (report,) = fleet.execute()
-    return report
+    with LocalFleet(scenario(**changes), "three", record=path) as fleet:
+        return fleet.execute()
 
 
 def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:

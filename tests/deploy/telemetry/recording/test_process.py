@@ -166,8 +166,8 @@ def test_killed_it_leaves_all_but_the_last_moment(aboard, victims):
 @pytest.mark.process
 def test_a_fleet_is_recorded_by_its_router_to_the_last_message(tmp_path):
     path = tmp_path / "fleet.mcap"
-    with Fleet([scenario()], RunOptions(), record=path) as fleet:
-        (report,) = fleet.execute()
+    with Fleet(scenario(), RunOptions(), record=path) as fleet:
+        report = fleet.execute()
         names = [process["name"] for process in fleet.processes()]
     assert table.RECORDER not in names
     found = read(path)

@@ -30,7 +30,7 @@ ORDERS = (Order(0.2, add=GUEST), Order(1.0, remove=2))
 
 
 def recorded(scenario: Scenario, path: Path) -> Path:
-    with LocalFleet([scenario], record=path) as fleet:
+    with LocalFleet(scenario, record=path) as fleet:
         fleet.execute()
     return path
 

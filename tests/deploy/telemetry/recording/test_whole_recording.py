@@ -115,7 +115,7 @@ def test_what_is_read_is_what_was_run(recorded):
 
 
 def test_everything_that_was_said_is_recorded_in_order(tmp_path):
-    with LocalFleet([scenario()], "three", record=tmp_path / "spied.mcap") as fleet:
+    with LocalFleet(scenario(), "three", record=tmp_path / "spied.mcap") as fleet:
         spy = Spy(fleet.network.connect(), "three")
         fleet.execute()
     found = read(tmp_path / "spied.mcap")
@@ -132,14 +132,14 @@ def test_everything_that_was_said_is_recorded_in_order(tmp_path):
 
 
 def test_recording_does_not_change_the_run(recorded):
-    (report,) = LocalFleet([scenario()], "three").execute()
+    report = LocalFleet(scenario(), "three").execute()
     assert report["trajectory_sha256"] == recorded[1]["trajectory_sha256"]
 
 
 def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
     path = tmp_path / "complete.mcap"
-    with LocalFleet([scenario()], "three", record=path) as fleet:
-        (report,) = fleet.execute()
+    with LocalFleet(scenario(), "three", record=path) as fleet:
+        report = fleet.execute()
         fleet.record(report | {"transport": "local"})
     found = read(path)
     assert found.result == report | {"transport": "local"}

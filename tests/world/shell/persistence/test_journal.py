@@ -19,11 +19,10 @@ from world.coordinator.inputs import Closed, Expected, Joined, Lost, Opened
 from world.shell.persistence import journal as module
 from world.shell.persistence import records
 from world.shell.persistence.journal import Began, Entry, Journal, Seated
-from world.shell.persistence.replay import resume
 from world.shell.persistence.snapshot import Snapshot
 from world.shell.processes import Processes
 
-SCENARIOS = [two()]
+SCENARIO = two()
 COMMAND = Command(1, 1, 0, (0.02, -0.1))
 ENTRIES: list[Entry] = [
     Seated(1, "a"), Joined(1, 1), Seated(2, "b"), Joined(2, 1), Opened(), Began(12.5), COMMAND, Lost(2),
@@ -32,13 +31,13 @@ ENTRIES: list[Entry] = [
 
 
 def opened(path: Path, run: str = "yard") -> Journal:
-    return Journal(path, run, SCENARIOS)
+    return Journal(path, run, SCENARIO)
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     path = tmp_path / "journal"
-    Journal.create(path, "yard", SCENARIOS)
+    Journal.create(path, "yard", SCENARIO)
     return path
 
 
@@ -81,24 +80,11 @@ def test_to_try_again_to_open_a_tick_is_noted_once(path: Path) -> None:
     assert opened(path).past == [Opened(), Lost(1), Opened(), Lost(2)]
 
 
-def test_a_new_run_begins_a_new_file(written: Path) -> None:
-    journal = opened(written)
-    journal.begin(1, {1: 3, 2: 1}, 17, {1: 2}, Processes(over={2: {"b": "ended"}}))
-    journal.note(Joined(1, 4))
-    journal.close()
-    again = opened(written)
-    head = again.head
-    assert (head.number, head.incarnations, head.version, head.expected) == (1, {1: 3, 2: 1}, 17, {1: 2})
-    assert head.processes.over == {2: {"b": "ended"}}
-    assert again.past == [Joined(1, 4)]
-    assert list(written.parent.iterdir()) == [written]
-
-
 @given(st.data())
 @settings(max_examples=100, deadline=None)
 def test_a_torn_last_record_is_cut_off(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     path = tmp_path_factory.mktemp("torn") / "journal"
-    Journal.create(path, "yard", SCENARIOS)
+    Journal.create(path, "yard", SCENARIO)
     journal = opened(path)
     ends = [path.stat().st_size]
     for entry in ENTRIES:
@@ -121,7 +107,7 @@ def test_one_damaged_byte_anywhere_is_refused_and_nothing_is_changed(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     path = tmp_path_factory.mktemp("damaged") / "journal"
-    Journal.create(path, "yard", SCENARIOS)
+    Journal.create(path, "yard", SCENARIO)
     journal = opened(path)
     for entry in ENTRIES:
         journal.note(entry)
@@ -142,13 +128,6 @@ def test_a_record_that_is_whole_and_no_text_is_refused(written: Path) -> None:
         opened(written)
 
 
-def test_one_of_a_scenario_that_there_is_not_is_refused(path: Path) -> None:
-    journal = opened(path)
-    journal.begin(1, {}, 0, {}, Processes())
-    with pytest.raises(JournalError, match="of scenario 1 of 1"):
-        resume(journal, SCENARIOS)
-
-
 def test_damage_is_named_by_its_place(written: Path) -> None:
     content = bytearray(written.read_bytes())
     (size, _, _) = struct.unpack_from("<III", content, len(b"disknav journal 1\n"))
@@ -164,10 +143,8 @@ def test_a_journal_of_something_else_is_refused_by_name(
 ) -> None:
     with pytest.raises(JournalError, match="of run 'yard', not of 'other'"):
         opened(written, "other")
-    with pytest.raises(JournalError, match="of other scenarios"):
-        Journal(written, "yard", [replace(SCENARIOS[0], seed=1)])
-    with pytest.raises(JournalError, match="of other scenarios"):
-        Journal(written, "yard", [*SCENARIOS, *SCENARIOS])
+    with pytest.raises(JournalError, match="of another scenario than"):
+        Journal(written, "yard", replace(SCENARIO, seed=1))
     monkeypatch.setattr(module, "_boot", lambda: "another")
     with pytest.raises(JournalError, match="before this machine was last started"):
         opened(written)
@@ -181,9 +158,6 @@ def test_a_journal_of_something_else_is_refused_by_name(
 
 def test_two_worlds_cannot_have_one_journal(written: Path) -> None:
     journal = opened(written)
-    with pytest.raises(JournalError, match="in use"):
-        opened(written)
-    journal.begin(1, {}, 0, {}, Processes())
     with pytest.raises(JournalError, match="in use"):
         opened(written)
     journal.close()
@@ -216,7 +190,7 @@ def test_where_no_snapshot_can_be_written_the_journal_goes_on(
         raise OSError(16, "Device or resource busy")
 
     said: list[str] = []
-    journal = Journal(written, "yard", SCENARIOS, said.append)
+    journal = Journal(written, "yard", SCENARIO, said.append)
     before = journal.past
     with monkeypatch.context() as patch:
         patch.setattr(Path, step, fail)
@@ -238,7 +212,7 @@ def test_what_a_death_left_half_written_is_removed_with_it(written: Path) -> Non
 
 def test_what_is_there_is_not_overwritten(written: Path) -> None:
     with pytest.raises(JournalError, match="File exists"):
-        Journal.create(written, "yard", SCENARIOS)
+        Journal.create(written, "yard", SCENARIO)
 
 
 @pytest.mark.parametrize("room", [0, 5])
@@ -250,7 +224,7 @@ def test_a_full_disk_is_said_once_and_leaves_no_old_checkpoint(
         raise OSError(28, "No space left on device")
 
     said: list[str] = []
-    journal = Journal(path, "yard", SCENARIOS, said.append)
+    journal = Journal(path, "yard", SCENARIO, said.append)
     world = joined(two())
     world.coordinator.note = journal.note
     monkeypatch.setattr(records, "write", write)
@@ -259,8 +233,6 @@ def test_a_full_disk_is_said_once_and_leaves_no_old_checkpoint(
         world.close_tick()
     assert len(said) == 1
     assert "No space left on device" in said[0]
-    assert not path.exists()
-    journal.begin(1, {}, 0, {}, Processes())
     assert not path.exists()
     journal.remove()
 

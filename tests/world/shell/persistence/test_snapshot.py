@@ -54,12 +54,12 @@ def course(kind: str) -> Scenario:
 
 def reported(scenario: Scenario, *, written_down: bool) -> tuple[dict[str, Any], int]:
     """The report of a run, and how often its world was written down and read again."""
-    fleet, times = LocalFleet([scenario]), 0
+    fleet, times = LocalFleet(scenario), 0
     while fleet.step():
         if written_down and is_due(fleet.world.world):
             fleet.world._run.world = thawed(frozen(fleet.world.world))
             times += 1
-    (report,) = fleet.execute()
+    report = fleet.execute()
     del report["wall_time"], report["messages"]
     return report, times
 
@@ -75,14 +75,14 @@ def test_it_goes_on_with_all_that_it_knew(kind: str) -> None:
 def test_a_world_that_died_goes_on_from_the_newest(tmp_path: Path) -> None:
     """With who takes part, and who was ended and has not noticed yet; the journal stays short."""
     path, scenario = tmp_path / "journal", load("crash", ["time.limit=6.0"])
-    Journal.create(path, "local", [scenario])
-    fleet, most = LocalFleet([scenario], journal=path), 0
+    Journal.create(path, "local", scenario)
+    fleet, most = LocalFleet(scenario, journal=path), 0
     while fleet.world.world.tick < 70:
         assert fleet.step()
         most = max(most, path.stat().st_size)
     processes, told = fleet.world._admissions.processes.copy(), fleet.world.world.checksum
     fleet.kill_world()
-    past = resume(Journal(path, "local", [scenario]), [scenario])
+    past = resume(Journal(path, "local", scenario), scenario)
     assert (past.run.world.tick, past.run.world.checksum) == (70, told)
     assert past.processes == processes
     assert isinstance(past.journal.past[0], Snapshot)
@@ -94,8 +94,8 @@ def test_a_world_that_died_goes_on_from_the_newest(tmp_path: Path) -> None:
 def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path) -> None:
     path = tmp_path / "journal"
     scenario = replace(load("swap-4"), process=(ProcessFault(2, 0.5, "restart"),))
-    Journal.create(path, "local", [scenario])
-    fleet, ticks = LocalFleet([scenario], journal=path), list[int]()
+    Journal.create(path, "local", scenario)
+    fleet, ticks = LocalFleet(scenario, journal=path), list[int]()
 
     class Watching:
         finished, deadline = False, math.inf
@@ -110,13 +110,13 @@ def test_watchers_are_told_every_tick_over_snapshots(tmp_path: Path) -> None:
     bus = fleet.network.connect()
     bus.subscribe(world_key("local", "truth"))
     bus.node = Watching()
-    report = fleet.execute()[0]
+    report = fleet.execute()
     bus.drain()
     assert ticks == list(range(report["ticks"] + 1))
 
 
 def test_between_two_links_of_its_digest_there_is_none() -> None:
-    fleet = LocalFleet([load("swap-2")])
+    fleet = LocalFleet(load("swap-2"))
     assert fleet.step()
     with pytest.raises(ValueError, match="at tick 20, not at 1"):
         frozen(fleet.world.world)
@@ -150,10 +150,10 @@ def test_a_damaged_one_is_refused() -> None:
 
 @pytest.mark.parametrize("state", [b"", b"no pickle", pickle.dumps({1, 2})])
 def test_what_is_no_world_is_refused_with_its_file(tmp_path: Path, state: bytes) -> None:
-    path, scenarios = tmp_path / "journal", [two()]
-    Journal.create(path, "yard", scenarios)
-    journal = Journal(path, "yard", scenarios)
+    path, scenario = tmp_path / "journal", two()
+    Journal.create(path, "yard", scenario)
+    journal = Journal(path, "yard", scenario)
     journal.compact(Snapshot(state, sha256(state).digest(), 0.0, Processes(), {}))
     journal.close()
     with pytest.raises(JournalError, match=f"{path}.*no snapshot"):
-        resume(Journal(path, "yard", scenarios), scenarios)
+        resume(Journal(path, "yard", scenario), scenario)

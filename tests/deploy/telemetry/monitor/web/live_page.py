@@ -100,7 +100,7 @@ class Shown:
 @contextmanager
 def shown(browser: Browser, scenario: Scenario, speed: float = 1.0, **options: object) -> Iterator[Shown]:
     """The page of a fleet that begins to run; it must not complain about anything."""
-    fleet = LocalFleet([scenario], "page")
+    fleet = LocalFleet(scenario, "page")
     watcher = watch_local(fleet.network, "page", speed=speed)
     context = browser.new_context(**{"viewport": DESKTOP, **options})
     context.set_default_timeout(1000 * PATIENCE)

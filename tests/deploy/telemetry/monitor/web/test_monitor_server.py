@@ -46,7 +46,7 @@ def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] =
 
 
 def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=0.5)
     with running(fleet), served(watcher) as server, live(server) as viewer:
         overview = news(viewer, "overview", lambda it: it["scenario"])
@@ -62,7 +62,7 @@ def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> Non
 
 
 def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet), served(watcher) as server, live(server) as viewer:
         news(viewer, "frame", lambda it: it["tick"] >= 2)
@@ -77,7 +77,7 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
 
 
 def test_a_viewer_sends_a_robot_elsewhere_and_hears_why_it_may_not() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet), served(watcher) as server, live(server) as viewer:
         assert news(viewer, "welcome")["may_steer"] is True
@@ -116,7 +116,7 @@ def asleep(server: Server) -> socket.socket:
 
 
 def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=0.3)
     with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
         first = news(viewer, "frame")["tick"]
@@ -150,7 +150,7 @@ def test_a_page_of_another_site_cannot_steer(origin: str) -> None:
 
 @pytest.mark.parametrize("query", ["", "?token=", "?token=guess", "?token=%00%ff"])
 def test_who_has_no_token_may_only_look(query: str) -> None:
-    fleet = LocalFleet([ring()], "r")
+    fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with (
         running(fleet),

@@ -1,10 +1,21 @@
-"""What the exit status says of a result."""
+"""What a launcher takes for a report, and what the exit status says of a result."""
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
-from deploy.run.outcome.result import exit_status, kept_status
+from deploy.run.result import exit_status, kept_status, read_report
+from protocol.errors import MessageError
+
+
+@pytest.mark.parametrize(
+    "report", ["", "[]", "{}", "3", "[" * 100_000, '{"verdict": "arrived"}', json.dumps({"verdict": [1]})]
+)
+def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
+    with pytest.raises(MessageError, match="result: the report"):
+        read_report(report)
 
 
 @pytest.mark.parametrize(

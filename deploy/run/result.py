@@ -1,7 +1,8 @@
-"""The result of a run: the world's report joined with what only the launcher knows, and its table."""
+"""The result of a run: the world's report, or one in its place, joined with what only the launcher knows."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,10 +13,58 @@ from rich.text import Text
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
+from protocol.errors import MessageError
+from protocol.messages import Clock
+from protocol.scenario.model import Scenario
+from world.judge.verdict import VERDICTS
+from world.world import World
 
+Report = dict[str, Any]
 Result = dict[str, Any]
 
+INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
+# What the launcher and its tables rely on in a report.
+_PROMISED = {
+    *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
+    *("path_lengths", "lateral_deviation", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
+    *("ticks", "sim_time", "wall_time", "messages", "missed_commands"),
+}
+_UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
+_PER_ROBOT = ("path_lengths", "lateral_deviation")
 _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
+
+
+def read_report(text: str) -> Report:
+    """The report of a world, as its process tells it.
+
+    Raises:
+        MessageError: it is not JSON, or not what a world reports.
+    """
+    try:
+        report = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise MessageError("shape", f"result: the report is not JSON ({error})") from None
+    if not isinstance(report, dict) or not report.keys() >= _PROMISED or report["verdict"] not in VERDICTS:
+        raise MessageError("shape", f"result: the report lacks one of {', '.join(sorted(_PROMISED))}")
+    return report
+
+
+def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> Report:
+    """A readable report of a run whose world is gone, as of the last Clock heard; what is unknown is None.
+
+    Args:
+        scenario: of the run.
+        last: newest Clock that the launcher heard, if any.
+        wall_time: s since the fleet was started.
+    """
+    report = World(scenario).report()
+    report.update(dict.fromkeys(_UNKNOWN))
+    report.update({name: {} for name in _PER_ROBOT})
+    report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)
+    if last is not None:
+        report.update(ticks=last.tick, sim_time=last.time)
+        report["phi"]["last"] = last.phi
+    return report
 
 
 def complete(

@@ -1,1 +1,0 @@
-"""What came of a run: the reports of its world, the result, and what is said where the world is gone."""
