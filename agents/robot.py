@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import hypot
 from typing import Final
 
-from agents.bodies.body import body_of
+from agents.bodies import body_of
 from agents.estimate import Estimate
 from agents.hearing import Hearing
 from agents.law import GuardedLaw, View

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 from typing import Final, final
 
-from agents.bodies.body import Body
+from agents.bodies import Body, Limits
 from agents.estimate import Estimate
 from agents.lines.boundary import boundary_of
 from agents.lines.polygon import Polygon
@@ -151,7 +151,7 @@ class SafetyFilter:
             return STILL
         wish = self.things.make_room(self.lines.make_room(desired))
         half_planes = [*self.lines.half_planes(), *self.things.half_planes()]
-        return self._body.velocity(wish, position, half_planes, self._boundary, estimate.shape)
+        return self._body.velocity(wish, Limits(position, half_planes, self._boundary, estimate.shape))
 
     def has_room(self, radius: float, held: int, estimate: Estimate) -> bool:
         """Whether a larger disk would satisfy all that is obeyed.

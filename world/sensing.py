@@ -6,8 +6,6 @@ from __future__ import annotations
 import math
 from heapq import heappop, heappush
 
-from mypy_extensions import mypyc_attr
-
 from protocol.bodies.kinematics import turned
 from protocol.draws import Purpose
 from protocol.messages import BaseMotion, Vector
@@ -16,7 +14,6 @@ from world.plants.disturbance import Uniforms, truncated_normal
 from world.plants.plant import Report
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Sensor:
     """One robot's position sensor.
 
@@ -88,7 +85,6 @@ def _noise_bound(sensing: Sensing) -> float:
 _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Odometer:
     """What one robot's base reports, with errors up to those that the scenario states.
 

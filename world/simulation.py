@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from mypy_extensions import mypyc_attr
-
 from protocol.messages import Command, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.integrator import STANDING
@@ -14,7 +12,6 @@ from world.plants.plant import plant_of
 from world.sensing import Odometer, Sensor
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Simulation:
     """Every robot's disk, where it really is, and what the robot is told of that.
 

@@ -21,7 +21,7 @@ _STILL: Vector = (0.0, 0.0)
 
 
 class Ros2Base:
-    """See `agents.bases.base.Base`.
+    """Implements `agents.bases.base.Base`.
 
     Args:
         scenario: the run.
@@ -54,18 +54,15 @@ class Ros2Base:
         return self._senses.note
 
     def hear(self, key: str, payload: bytes, now: float) -> None:
-        """See `agents.bases.base.Base`."""
         if key == self._odometry:
             self._senses.on_odometry(payload, now)
         elif key == self._pose:
             self._senses.on_pose(payload)
 
     def place(self) -> tuple[Vector, float] | None:
-        """See `agents.bases.base.Base`."""
         return self._senses.place()
 
     def begin(self, tick: Tick, now: float) -> Sense | None:
-        """See `agents.bases.base.Base`."""
         if tick.incarnation != self._life:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
@@ -77,28 +74,23 @@ class Ros2Base:
         return sense
 
     def begins_anew(self) -> bool:
-        """See `agents.bases.base.Base`."""
         anew, self._senses.anew = self._senses.anew, False
         return anew
 
     def obey(self, command: Command, now: float) -> None:
-        """See `agents.bases.base.Base`."""
         self._lease.sent(command.tick, now)
         velocity = _STILL if self._blind else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         self.due = now
 
     def doubt(self, why: str) -> None:
-        """See `agents.bases.base.Base`."""
         self._senses.doubt(why)
 
     def stand(self, now: float) -> None:
-        """See `agents.bases.base.Base`."""
         self._drive.command(_STILL, self._heading, now, now)
         self.due = now
 
     def wake(self, now: float) -> Iterable[bytes]:
-        """See `agents.bases.base.Base`."""
         self._senses.look(now)
         if not self._senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True

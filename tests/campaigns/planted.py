@@ -20,7 +20,7 @@ Fault = Callable[[Modules, pytest.MonkeyPatch], None]
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
-    *("agents.bodies.inertial", "agents.bodies.body"),
+    "agents.bodies",
     *("agents.lines.ends", "agents.lines.robot_pair"),
     *("agents.lines.negotiation.entries", "agents.lines.negotiation.near", "agents.lines.negotiation.far"),
     "agents.lines.separating_lines",

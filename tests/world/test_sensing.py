@@ -162,7 +162,7 @@ def test_a_point_says_what_it_did_and_nothing_else():
 
 @given(component, component, st.integers(0, 10**6))
 def test_a_point_goes_where_it_is_told_however_bad_its_odometry_is(vx, vy, tick):
-    """Its filter counts on that (`agents/bodies/body.py`)."""
+    """Its filter counts on that (`agents/bodies.py`)."""
     odometer = Odometer(setting(Body(odometry=0.1, drift=1e-3), heading=0.1), 1, slips=False)
     assert odometer.obeyed((vx, vy), tick) == (vx, vy)
 

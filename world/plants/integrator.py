@@ -8,8 +8,6 @@ import math
 from collections.abc import Mapping
 from typing import Protocol
 
-from mypy_extensions import mypyc_attr
-
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
 from protocol.bodies.sweep import Tolerance
 from protocol.draws import Purpose
@@ -39,7 +37,6 @@ def limited(velocity: Vector, speed: float) -> Vector:
     return (x * scale, y * scale)
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Actuation:
     """Turns the velocity that a robot asks for into what its disk really does during a tick."""
 
@@ -79,7 +76,6 @@ class Errors(Protocol):
         ...
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class SimulatedBase:
     """One robot's base. From a command on, and from the first part of its tick, it is off its nominal way by
     one vector of the unit disk times what its tolerance allows.
@@ -156,7 +152,6 @@ def simulated_base(scenario: Scenario, robot: int) -> SimulatedBase:
     )
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Integrator:
     """Where every disk really is, by formulas; see `world.plants.plant.Plant`.
 
@@ -186,7 +181,6 @@ class Integrator:
         return {self.ids.index(robot): base for robot, base in self._based.items()}
 
     def report(self, index: int) -> Report:
-        """See `world.plants.plant.Plant`."""
         base = self._bases.get(index)
         if base is None:
             displacement = self.displacements[index]
@@ -195,7 +189,6 @@ class Integrator:
         return Report(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
 
     def stands(self, index: int) -> bool:
-        """See `world.plants.plant.Plant`."""
         base = self._bases.get(index)
         return base is None or base.motion.stands
 
@@ -204,7 +197,6 @@ class Integrator:
         return []
 
     def refusal(self, spec: RobotSpec) -> str:
-        """See `world.plants.plant.Plant`."""
         body = self._default if spec.body is None else spec.body
         if self.parts == 1 and not (PRESETS[body] if isinstance(body, str) else body).ideal:
             return f"robot {spec.id}: a fleet of points takes in points only"

@@ -104,23 +104,18 @@ class Physics:
             driven.begin()
 
     def refusal(self, spec: RobotSpec) -> str:  # noqa: ARG002
-        """`world.plants.plant.Plant`."""
         return self.fixed
 
     def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
-        """`world.plants.plant.Plant`."""
         raise UsageError(self.fixed)
 
     def report(self, index: int) -> Report:
-        """`world.plants.plant.Plant`."""
         return self._robots[index].report()
 
     def stands(self, index: int) -> bool:
-        """`world.plants.plant.Plant`."""
         return self._robots[index].motion.stands
 
     def touched(self) -> list[tuple[int, int]]:
-        """`world.plants.plant.Plant`."""
         return sorted(self._touched)
 
     def _step(self, count: int) -> None:

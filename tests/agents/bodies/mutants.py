@@ -12,7 +12,7 @@ from tests.interpreted import Edit
 _KINEMATICS, _SWEEP, _INERTIAL, _OWN_SET = (
     "protocol.bodies.kinematics",
     "protocol.bodies.sweep",
-    "agents.bodies.inertial",
+    "agents.bodies",
     "agents.lines.own_set",
 )
 _RIDES = 400  # in which a mutant has to be found, at most

@@ -38,7 +38,7 @@ _MODULES = (
     *(f"agents.lines.{name}" for name in ("line", "own_set", "boundary", "ends", "tangent", "robot_pair")),
     "agents.lines.separating_lines",
     "agents.lines.safe_velocity",
-    "agents.bodies.inertial",
+    "agents.bodies",
     "world.plants.integrator",
 )
 
@@ -57,7 +57,7 @@ class Product:
             loaded = {name: _imported(name) for name in _MODULES}
         self.lines: Any = loaded["agents.lines.separating_lines"]
         self.boundary: Any = loaded["agents.lines.boundary"]
-        self.inertial: Any = loaded["agents.bodies.inertial"]
+        self.inertial: Any = loaded["agents.bodies"]
         self.sweep: Any = loaded["protocol.bodies.sweep"]
         self.kinematics: Any = loaded["protocol.bodies.kinematics"]
         self.plant: Any = loaded["world.plants.integrator"]
@@ -137,7 +137,8 @@ class Ride:
         self.lines.locate(self.now, at, bound, shape, self.filter.swept)
         for _ in range(rng.choice((0, 0, 1, 3))):
             self._propose()
-        velocity = self.filter.velocity(self._desired(), at, self.lines.half_planes(), self.boundary, shape)
+        limits = self.product.inertial.Limits(at, self.lines.half_planes(), self.boundary, shape)
+        velocity = self.filter.velocity(self._desired(), limits)
         if rng.random() < self.loss:
             return self._moved(None)
         return self._moved(turned(*velocity, -askew))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from agents.bodies.inertial import InertialBody, _cut
+from agents.bodies import InertialBody, Limits
 from agents.lines.boundary import RoundBoundary
 from agents.lines.line import HalfPlane
 from protocol.bodies.kinematics import Kinematics, Motion
@@ -40,7 +40,7 @@ class Track:
         motion = self.base.motion
         self.body.on_motion(BaseMotion(motion.velocity, motion.heading, self.base.stop))
         edge = HalfPlane(1.0, 0.0, 0.0)
-        command = self.body.velocity(desired, (self.x, self.y), [edge], ROOM, None)
+        command = self.body.velocity(desired, Limits((self.x, self.y), [edge], ROOM, None))
         for dx, dy in self.base.move(command, 0):
             self.x, self.y = self.x + dx, self.y + dy
         return command
@@ -75,8 +75,8 @@ def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
 
 def test_a_body_that_comes_back_to_where_it_began_may_still_miss_that_place():
     back = Sweep([0.0, 0.0], [0.0, 0.0], [0.0, 0.002])
-    assert _cut(ROOM, ROOM.radius - 0.001, 0.0, None, back) is not None
-    assert _cut(ROOM, ROOM.radius - 0.003, 0.0, None, back) is None
+    assert Limits((ROOM.radius - 0.001, 0.0), [], ROOM, None).cut(back) is not None
+    assert Limits((ROOM.radius - 0.003, 0.0), [], ROOM, None).cut(back) is None
 
 
 def test_no_body_reaches_farther_than_its_wheels_or_the_room_allow():

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from random import Random
 from typing import Any, Literal
 
-from agents.bodies.body import PointBody
+from agents.bodies import PointBody
 from agents.peers.state import addressed_to
 from agents.robot import Robot
 from protocol.messages import Vector

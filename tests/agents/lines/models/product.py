@@ -30,7 +30,7 @@ _ROBOT = [
     "agents.peers.roster",
     "agents.estimate",
     "agents.lines.safe_velocity",
-    *(f"agents.bodies.{name}" for name in ("inertial", "body")),
+    "agents.bodies",
     "agents.safety_filter",
     *("agents.hearing", "agents.robot"),
 ]

@@ -49,7 +49,7 @@ ITSELF = (
     Mutant(
         "actuation-error",
         "a command leaves room for the stated error of its execution",
-        (Edit("agents.bodies.body", "noise=self._noise,", "noise=0.0,"),),
+        (Edit("agents.bodies", "noise=self._noise,", "noise=0.0,"),),
         model="skirmish",
     ),
     Mutant(

@@ -1,13 +1,13 @@
-"""A body that does not stop at once: a velocity is commanded only if all that follows from it is allowed.
+"""What carries a robot, as its filter sees it: a point, or a body that does not stop at once.
 
-What follows is the sweep of the tick, of the time that the base holds the velocity if it hears nothing, and
-of braking (`protocol.bodies.sweep`). If it lies in everything that must be obeyed, then so does what is left
-of it after the tick, and braking, which leads along the same way, ends sooner. So braking is always allowed,
-and is what remains if no velocity is (docs/safety.md, step 2).
+A velocity is commanded only if all that follows from it is allowed: the sweep of the tick, of the time that
+the base holds the velocity if it hears nothing, and of braking (`protocol.bodies.sweep`). If it lies in all
+that must be obeyed, then so does what is left of it after the tick, and braking, which leads along the same
+way, ends sooner. So braking is always allowed, and is what remains if no velocity is (docs/safety.md, 2).
 
 The candidate comes from a convex program in the place where the base would stand, as if its arcs were
 straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
-solved again. An error in metres is there before any way is made, so that nothing leads away from an edge
+solved again. An error in metres is there before any way is made, so that no way leads away from an edge
 that is nearer: the program keeps a standoff, and where the candidate does not fit, slower ones are tried, and
 ones that make room.
 """
@@ -16,15 +16,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final, final
+from typing import Final, Protocol, final
 
 from agents.lines.boundary import Boundary
 from agents.lines.line import HalfPlane
 from agents.lines.polygon import Polygon
-from agents.lines.safe_velocity import nearest, wedge
+from agents.lines.safe_velocity import nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.messages import BaseMotion, Vector
+from protocol.scenario.model import Scenario
 
 _TRIES: Final = 6  # programs that are solved in a tick
 _SHARES: Final = (0.5, 0.2, 0.05)  # of the way from the present velocity to the last candidate
@@ -37,8 +38,106 @@ STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 
 @final
+class Limits:
+    """What a robot must keep to in a tick.
+
+    Args:
+        position: estimated own place, m.
+        half_planes: where the estimated centre must stay.
+        boundary: what the true centre must not leave.
+        shape: where the true centre can be, around the estimated one; None where that is exact.
+    """
+
+    __slots__ = ("boundary", "half_planes", "position", "shape")
+
+    def __init__(
+        self, position: Vector, half_planes: Sequence[HalfPlane], boundary: Boundary, shape: Polygon | None
+    ) -> None:
+        self.position, self.half_planes, self.boundary, self.shape = position, half_planes, boundary, shape
+
+    def cut(self, passed: Sweep) -> HalfPlane | None:
+        """A half-plane of displacements that a sweep violates by leaving the boundary."""
+        found: HalfPlane | None = None
+        x, y = self.position
+        for index, margin in enumerate(passed.margins):
+            dx, dy = passed.xs[index], passed.ys[index]
+            if dx == dy == 0.0 and margin > 0.0:
+                dx = _TINY  # it comes back to where it began, but for the margin
+            way = math.hypot(dx, dy)
+            if way > 0.0:
+                cut = self.boundary.cut(x, y, self.shape, dx, dy, noise=margin / way)
+                found = cut if cut is not None else found
+        return found
+
+
+class Body(Protocol):
+    """One body from tick to tick.
+
+    Attributes:
+        reach: the longest way from the beginning of a tick until it stands, m.
+        standoff: how far it can stand off any edge and still leave it, whichever way it faces, m.
+        swept: what its control point still passes if it hears nothing; None if it stands.
+    """
+
+    reach: float
+    standoff: float
+    swept: Sweep | None
+
+    def on_motion(self, motion: BaseMotion | None) -> None:
+        """Take in what the base says that it does as a tick begins; None: it stands."""
+
+    def velocity(self, desired: Vector, limits: Limits) -> Vector:
+        """The velocity to command, m/s, near the desired one: whatever is heard or lost after it, the control
+        point keeps to the limits."""
+        ...
+
+
+def body_of(scenario: Scenario, robot: int) -> Body:
+    """The body of one robot of a scenario."""
+    body, speed, period = scenario.body_of(robot), scenario.control.speed, scenario.time.step
+    longest = 2.0 * scenario.workspace.shape.around.radius  # no way inside the workspace leads farther
+    if body.ideal:
+        return PointBody(speed, period, scenario.actuation.bound, longest)
+    tolerance = Tolerance(body, scenario.actuation.bound, scenario.sensing_of(robot).heading)
+    return InertialBody(Kinematics(body, period), speed, tolerance, longest)
+
+
+@final
+class PointBody:
+    """A point: it takes every velocity at once, and stands when the tick is over.
+
+    Args:
+        speed: speed limit, m/s.
+        period: of a tick, s.
+        noise: bound on the relative execution noise.
+        longest: no way leads farther, m.
+    """
+
+    def __init__(self, speed: float, period: float, noise: float, longest: float) -> None:
+        self.reach = min(speed * (1.0 + noise) * period, longest)
+        self.standoff = 0.0
+        self.swept: Sweep | None = None
+        self._speed, self._period, self._noise = speed, period, noise
+
+    def on_motion(self, motion: BaseMotion | None) -> None:
+        pass  # it stands
+
+    def velocity(self, desired: Vector, limits: Limits) -> Vector:
+        return safe_velocity(
+            desired,
+            limits.position,
+            limits.half_planes,
+            boundary=limits.boundary,
+            speed=self._speed,
+            period=self._period,
+            shape=limits.shape,
+            noise=self._noise,
+        )
+
+
+@final
 class InertialBody:
-    """Implements `agents.bodies.body.Body`.
+    """Implements `agents.bodies.Body`.
 
     Args:
         kinematics: of the body.
@@ -81,18 +180,10 @@ class InertialBody:
         else:
             self.swept = sweep(self._kinematics, self._motion, self._tolerance)
 
-    def velocity(
-        self,
-        desired: Vector,
-        position: Vector,
-        half_planes: Sequence[HalfPlane],
-        boundary: Boundary,
-        shape: Polygon | None,
-    ) -> Vector:
-        """The velocity to command, m/s: `agents.bodies.body.Body.velocity`."""
-        x, y = position
+    def velocity(self, desired: Vector, limits: Limits) -> Vector:
+        x, y = limits.position
         sides = []
-        for each in half_planes:
+        for each in limits.half_planes:
             slack = each.slack(x, y)
             if slack < self.reach:
                 sides.append(HalfPlane(each.nx, each.ny, slack if slack > 0.0 else 0.0))
@@ -110,23 +201,16 @@ class InertialBody:
                 if excess > 0.0:
                     fits = False
                     taken[index] += excess + _LEAST
-            cut = _cut(boundary, x, y, shape, passed)
+            cut = limits.cut(passed)
             if fits and cut is None:
                 return command
             if cut is not None:
                 cuts.append(cut)
             last = command
-        return self._less(last, sides, cuts, boundary, x, y, shape)
+        return self._less(last, sides, cuts, limits)
 
     def _less(
-        self,
-        command: Vector,
-        sides: Sequence[HalfPlane],
-        cuts: Sequence[HalfPlane],
-        boundary: Boundary,
-        x: float,
-        y: float,
-        shape: Polygon | None,
+        self, command: Vector, sides: Sequence[HalfPlane], cuts: Sequence[HalfPlane], limits: Limits
     ) -> Vector:
         """A part of a command that is too much, or away from where it leads; at last, to brake."""
         vx, vy = self._motion.velocity
@@ -139,7 +223,7 @@ class InertialBody:
             passed = self._passed(part)
             if (
                 all(passed.extent(side.nx, side.ny) <= side.limit for side in sides)
-                and _cut(boundary, x, y, shape, passed) is None
+                and limits.cut(passed) is None
             ):
                 return part
         return STILL
@@ -191,17 +275,3 @@ class InertialBody:
         if command == STILL:
             return sweep(kinematics, kinematics.braking(motion), self._tolerance)
         return sweep(kinematics, motion, self._tolerance, kinematics.limited(motion, command))
-
-
-def _cut(boundary: Boundary, x: float, y: float, shape: Polygon | None, passed: Sweep) -> HalfPlane | None:
-    """A half-plane of displacements that the sweep of a place known as `shape` around (x, y) violates."""
-    found: HalfPlane | None = None
-    for index, margin in enumerate(passed.margins):
-        dx, dy = passed.xs[index], passed.ys[index]
-        if dx == dy == 0.0 and margin > 0.0:
-            dx = _TINY  # it comes back to where it began, but for the margin
-        way = math.hypot(dx, dy)
-        if way > 0.0:
-            cut = boundary.cut(x, y, shape, dx, dy, noise=margin / way)
-            found = cut if cut is not None else found
-    return found
