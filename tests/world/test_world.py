@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from protocol.errors import JoinError
 from protocol.messages import Command
-from protocol.scenario.model import Actuation, Sensing
+from protocol.scenario.model import Actuation, Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.world import World
 
@@ -199,3 +199,28 @@ def test_the_report_has_every_field_and_is_plain_json():
     counts = report["faults"]["measurements"]
     assert counts["delayed"] > 0
     assert counts["missing"] >= counts["dropped"] > 0
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_what_is_removed_is_fenced_in_the_same_step_and_leaves_nothing(is_open: bool) -> None:
+    """docs/safety.md, 6.4: no command of that life is executed any more; its peers hear that it is gone."""
+    setting = two()
+    world = joined(setting)
+    advance(world, toward(world, setting))
+    told = world.open_tick() if is_open else {}
+    assert world.operate(Operation(remove=2)).text == ""
+    if is_open:  # the last that is executed
+        for robot in (1, 2):
+            assert world.accept(Command(robot, told[robot].incarnation, world.tick, (0.05, 0.0), roster=0))
+        world.close_tick()
+    (fenced,) = world.report()["faults"]["fenced"]
+    assert fenced == {"robot": 2, "incarnation": 1, "tick": world.tick + 1}
+    assert world.coordinator.scenario.ids == (1,)
+    told = world.open_tick()
+    roster = told[1].roster
+    assert roster is not None
+    assert {member.robot: member.status for member in roster.members}[2] == "gone"
+    assert not world.accept(Command(2, 1, world.tick, (0.05, 0.0), roster=0))
+    assert world.accept(Command(1, 1, world.tick, (0.0, 0.0), roster=roster.version))
+    world.close_tick()
+    assert world.truth.robots == (1,)
