@@ -8,8 +8,8 @@ is a straight wall of the room.
 Attraction straight to the goal has a minimum behind a straight face that is turned away from the goal,
 whatever k: the face curves less than the circle around the goal. So where obstacles are not the disks of a
 sphere world, the distance to the goal is taken along the shortest way: a polygon through points beside
-corners. It is found in the visibility graph of the obstacles, each widened by the own radius (Lozano-Perez and
-Wesley, 1979).
+corners. It is found in the visibility graph of the obstacles, each widened by the own radius (Lozano-Perez
+and Wesley, 1979).
 """
 
 from __future__ import annotations
