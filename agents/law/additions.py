@@ -20,7 +20,7 @@ from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Gradient, Slice, boundary_radius
 from agents.law.jams import Dispersal, GivingWay, RightOfWay
 from agents.law.late_states import foreseen, late_gain, late_speed
-from agents.law.obstacles import Attraction, obstacle_disks
+from agents.law.obstacles import Attraction
 from agents.peers.far_field import NOTHING
 from agents.peers.state import Peer, PeerState
 from protocol.messages import Vector
@@ -79,7 +79,8 @@ class AugmentedLaw:
     def look(self, view: View) -> None:
         """Take in where all are; before anything else in a tick."""
         x, y = view.position
-        self.obstacles = [] if self._attraction is None else obstacle_disks(self._room, view.things, x, y)
+        attraction = self._attraction
+        self.obstacles = [] if attraction is None else attraction.repelling(view.position, view.things)
         others, self._moving = view.neighbours.disks(), view.neighbours.moving()
         oldest = view.tick
         for state in self._moving:

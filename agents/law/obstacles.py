@@ -22,6 +22,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.law.distance_field import Clearances, FieldRoute, clearances
 from agents.law.passages import OUTSIDE, gaps
 from agents.peers.state import Peer
 from protocol.geometry import Disk, Shape, is_sphere_world
@@ -255,6 +256,7 @@ def _apart(begin: Plane, end: Plane, corner: Plane, edge: Plane) -> Reals:
     return meet
 
 
+MANY: Final = 64  # obstacles, beyond which ways are found on a grid and only those near by repel
 _TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other
 
 
@@ -297,7 +299,8 @@ class Attraction:
         self._room, self._radius = room, radius
         self._widths = ((1.0, False), (1.0, True)) if alone else ((_TWO, False), (1.0, False), (1.0, True))
         self._things: list[Shape] = []
-        self._routes: list[Route] = []
+        self._routes: list[Route | FieldRoute] = []
+        self._clearances: Clearances | None = None
         self._goal: Vector | None = None
         self._choice = 0  # of the routes, for this goal
         self.winds = False
@@ -314,8 +317,7 @@ class Attraction:
         if not things:
             self._things, self.winds = [], False
             return goal
-        if self._things != list(things):
-            self._begin(list(things))
+        self._follow(things)
         if goal != self._goal:
             self._goal, self._choice = goal, 0
         found = self._ahead(position, goal) if self.winds else None
@@ -326,6 +328,12 @@ class Attraction:
         self.straight = math.hypot(dx, dy)
         scale = length / self.straight
         return position[0] + scale * dx, position[1] + scale * dy
+
+    def repelling(self, position: Vector, things: Sequence[Shape]) -> list[Peer]:
+        """What repels at `position` (m), as disks: among very many obstacles only those near by."""
+        self._follow(things)
+        near = self._map.near(*position) if len(things) > MANY else things
+        return obstacle_disks(self._room, near, *position)
 
     def leads(self, start: Vector, goal: Vector, things: Sequence[Shape]) -> bool:
         """Whether a way from `start` to `goal` is known."""
@@ -354,15 +362,27 @@ class Attraction:
                 return found
         return None
 
-    def _begin(self, things: list[Shape]) -> None:
-        self._things, self._routes, self._choice = things, [], 0
+    def _follow(self, things: Sequence[Shape]) -> None:
+        if self._things == list(things):
+            return
+        self._things, self._routes, self._choice = list(things), [], 0
+        self._clearances = None
         self.winds = not is_sphere_world(self._room, dict(enumerate(things, 1)), self._radius)
 
-    def _route(self, choice: int) -> Route:
+    @property
+    def _map(self) -> Clearances:
+        if self._clearances is None:
+            self._clearances = clearances(self._room, tuple(self._things), self._radius)
+        return self._clearances
+
+    def _route(self, choice: int) -> Route | FieldRoute:
         """Ways through passages of one width; looked for once they are needed."""
         while len(self._routes) <= choice:
             width, narrow = self._widths[len(self._routes)]
-            self._routes.append(
-                Route(way_points(self._room, tuple(self._things), width * self._radius, narrow))
-            )
+            self._routes.append(self._ways(width * self._radius, narrow))
         return self._routes[choice]
+
+    def _ways(self, clear: float, narrow: bool) -> Route | FieldRoute:
+        if len(self._things) > MANY:
+            return FieldRoute(self._map, clear)
+        return Route(way_points(self._room, tuple(self._things), clear, narrow))

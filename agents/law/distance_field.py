@@ -1,0 +1,246 @@
+"""Ways among very many obstacles: clearance on a grid, and Dijkstra's distances to a goal over it.
+
+The visibility graph of `agents.law.obstacles` has an edge for every two corners that see each other: a floor
+plan of thousands of pieces has too many. Here the time to find a way depends on the area. A way leads through
+passages only that are wider than the robot by about one step of the grid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from heapq import heappop, heappush
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.messages import Vector
+
+Reals = NDArray[np.float64]
+
+MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of obstacles
+REACH: Final = 8.0  # radii, within which obstacles repel
+_STEP: Final = 0.5  # of the own radius, between points of the grid
+_MOST: Final = 250_000  # points of the grid
+_NEARER: Final = 0.98  # of its clearance, that a robot beside an obstacle may lose on its way
+_BESIDE: Final = 2  # steps, within which a robot that has less clearance than ways do joins one
+_INFINITE: Final = math.inf
+
+
+class Clearances:
+    """How far points of a grid are from obstacles and walls, for robots of one radius. Immutable.
+
+    Args:
+        room: the workspace.
+        shapes: the obstacles.
+        radius: of the robot, m.
+
+    Attributes:
+        step: between neighbouring points, m.
+        width: points in a row.
+        clear: at each point, m, row by row; at most `reach`; zero or less outside of the workspace.
+    """
+
+    def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float) -> None:
+        (left, low), (right, high) = room.box
+        self.step = max(_STEP * radius, math.sqrt((right - left) * (high - low) / _MOST))
+        self._left, self._low, self.reach = left - self.step, low - self.step, REACH * radius
+        self.width, self._height = (
+            math.ceil((right - left) / self.step) + 3,
+            math.ceil((high - low) / self.step) + 3,
+        )
+        xs: Reals = self._left + self.step * np.arange(self.width, dtype=np.float64)
+        ys: Reals = self._low + self.step * np.arange(self._height, dtype=np.float64)
+        clear = np.minimum(self.reach, -_distances(room, xs[None, :], ys[:, None]))
+        self._buckets: dict[tuple[int, int], list[Shape]] = {}
+        for shape in shapes:
+            (x0, y0), (x1, y1) = shape.box
+            i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
+            k, m = np.searchsorted(ys, (y0 - self.reach, y1 + self.reach)).tolist()
+            part = clear[k:m, i:j]
+            np.minimum(part, _distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
+            for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
+                for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
+                    self._buckets.setdefault((column, row), []).append(shape)
+        clear[[0, -1], :] = clear[
+            :, [0, -1]
+        ] = -self.step  # a rim, so that every other point has eight neighbours
+        self._grid: Reals = clear
+        self.clear: list[float] = clear.ravel().tolist()
+
+    def near(self, x: float, y: float) -> list[Shape]:
+        """Obstacles that may be within `reach` of (x, y)."""
+        return self._buckets.get((self._bucket(x), self._bucket(y)), [])
+
+    def _bucket(self, length: float) -> int:
+        return math.floor(length / self.reach)
+
+    def index(self, x: float, y: float) -> int:
+        """The point of the grid that is nearest to (x, y)."""
+        column = min(max(round((x - self._left) / self.step), 1), self.width - 2)
+        row = min(max(round((y - self._low) / self.step), 1), self._height - 2)
+        return row * self.width + column
+
+    def place(self, index: int) -> Vector:
+        """Where a point of the grid is, m."""
+        row, column = divmod(index, self.width)
+        return self._left + column * self.step, self._low + row * self.step
+
+    def at(self, x: float, y: float) -> float:
+        """Clearance of (x, y), m, between the points of the grid."""
+        return float(self._between(np.array([x]), np.array([y]))[0])
+
+    def sees(self, begin: Vector, end: Vector, clear: float) -> bool:
+        """Whether the straight way keeps `clear` (m) of everything, or nearly what is clear at its ends."""
+        needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
+        parts = np.linspace(0.0, 1.0, 2 + int(2.0 * math.dist(begin, end) / self.step))
+        x = begin[0] + parts * (end[0] - begin[0])
+        y = begin[1] + parts * (end[1] - begin[1])
+        return bool((self._between(x, y) >= needed).all())
+
+    def _between(self, x: Reals, y: Reals) -> Reals:
+        u = np.clip((x - self._left) / self.step, 0.0, self.width - 1.001)
+        v = np.clip((y - self._low) / self.step, 0.0, self._height - 1.001)
+        i, j = u.astype(np.intp), v.astype(np.intp)
+        u, v = u - i, v - j
+        grid = self._grid
+        below = (1.0 - u) * grid[j, i] + u * grid[j, i + 1]
+        found: Reals = (1.0 - v) * below + v * ((1.0 - u) * grid[j + 1, i] + u * grid[j + 1, i + 1])
+        return found
+
+
+@lru_cache(maxsize=16)
+def clearances(room: Shape, shapes: tuple[Shape, ...], radius: float) -> Clearances:
+    """Robots of one size in one process share them."""
+    return Clearances(room, shapes, radius)
+
+
+class FieldRoute:
+    """Short ways to one goal after the other.
+
+    Args:
+        map_: of the obstacles.
+        clear: that ways keep of everything, m.
+    """
+
+    def __init__(self, map_: Clearances, clear: float) -> None:
+        self._map, self._clear = map_, clear * (1.0 + MARGIN)
+        width, straight = map_.width, map_.step
+        self._steps = [
+            (row * width + column, straight * math.hypot(row, column))
+            for row in (-1, 0, 1)
+            for column in (-1, 0, 1)
+            if row or column
+        ]
+        self._goal: Vector | None = None
+        self._rest: list[float] = []  # of each point to the goal, m
+        self._next: list[int] = []  # the point after it on its way
+        self._settled = bytearray()
+        self._open: list[tuple[float, int]] = []
+        self._way: list[int] = []  # that was found last, and how far along it the robot is sent
+        self._sent = 0
+
+    def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
+        """Where the way to the goal leads straight to, and the length of all of it, m.
+
+        The goal itself where nothing is in between; None where no way was found.
+        """
+        if goal != self._goal:
+            self._begin(goal)
+        if self._map.sees(position, goal, self._clear):
+            return goal, math.dist(position, goal)
+        if not self._way or not self._map.sees(position, self._map.place(self._way[self._sent]), self._clear):
+            begin = self._join(position)
+            if begin is None:
+                return None
+            self._way, self._sent = self._follow(begin), 0
+        self._advance(position)
+        index = self._way[self._sent]
+        corner = self._map.place(index)
+        return corner, math.dist(position, corner) + self._rest[index]
+
+    def _begin(self, goal: Vector) -> None:
+        count = len(self._map.clear)
+        self._goal, self._way = goal, []
+        self._rest, self._next, self._settled = [_INFINITE] * count, [-1] * count, bytearray(count)
+        self._open = []
+        for index in self._around(goal):
+            self._rest[index] = math.dist(goal, self._map.place(index))
+            heappush(self._open, (self._rest[index], index))
+
+    def _around(self, place: Vector) -> list[int]:
+        """Points that ways pass, near a place and in sight of it."""
+        centre, reach = self._map.index(*place), range(-_BESIDE, _BESIDE + 1)
+        near = [centre + row * self._map.width + column for row in reach for column in reach]
+        return [
+            index
+            for index in near
+            if 0 <= index < len(self._map.clear)
+            and self._map.clear[index] >= self._clear
+            and self._map.sees(place, self._map.place(index), self._clear)
+        ]
+
+    def _join(self, position: Vector) -> int | None:
+        """The point from which the way is shortest; None if none is known."""
+        best, shortest = None, _INFINITE
+        for index in self._around(position):
+            length = self._distance(index) + math.dist(position, self._map.place(index))
+            if length < shortest:
+                best, shortest = index, length
+        return best
+
+    def _distance(self, wanted: int) -> float:
+        """From a point to the goal, m: goes on with Dijkstra's algorithm until it is known."""
+        clear, rest, settled, open_ = self._map.clear, self._rest, self._settled, self._open
+        while open_ and not settled[wanted]:
+            length, index = heappop(open_)
+            if settled[index]:
+                continue
+            settled[index] = 1
+            for step, far in self._steps:
+                other = index + step
+                if clear[other] >= self._clear and length + far < rest[other]:
+                    rest[other], self._next[other] = length + far, index
+                    heappush(open_, (length + far, other))
+        return rest[wanted]
+
+    def _follow(self, index: int) -> list[int]:
+        way = [index]
+        while self._next[way[-1]] >= 0:
+            way.append(self._next[way[-1]])
+        return way
+
+    def _advance(self, position: Vector) -> None:
+        """Send the robot as far along its way as it sees, in strides that double while it does."""
+        stride, last = 1, len(self._way) - 1
+        while self._sent < last and stride:
+            to = min(self._sent + stride, last)
+            if self._map.sees(position, self._map.place(self._way[to]), self._clear):
+                self._sent, stride = to, 2 * stride
+            else:
+                stride //= 4
+
+
+def _distances(shape: Shape, x: Reals, y: Reals) -> Reals:
+    """Distance of points from a shape, m; negative inside."""
+    if isinstance(shape, Disk):
+        away: Reals = np.hypot(x - shape.x, y - shape.y) - shape.radius
+        return away
+    return _from_polygon(shape, x, y)
+
+
+def _from_polygon(shape: ConvexPolygon, x: Reals, y: Reals) -> Reals:
+    inside = np.full(np.broadcast_shapes(x.shape, y.shape), -np.inf)
+    outside = np.full(inside.shape, np.inf)
+    for (nx, ny, offset), (ax, ay), (bx, by) in zip(
+        shape.sides, shape.points, (*shape.points[1:], shape.points[0]), strict=True
+    ):
+        np.maximum(inside, nx * x + ny * y - offset, out=inside)
+        ux, uy = bx - ax, by - ay
+        part = np.clip(((x - ax) * ux + (y - ay) * uy) / (ux * ux + uy * uy), 0.0, 1.0)
+        np.minimum(outside, np.hypot(x - ax - part * ux, y - ay - part * uy), out=outside)
+    found: Reals = np.where(inside <= 0.0, inside, outside)
+    return found
