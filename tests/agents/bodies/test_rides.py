@@ -9,7 +9,7 @@ from tests.agents.bodies.ride import KINDS, ROUNDING, Product, Ride, excess_of
 
 pytestmark = pytest.mark.slow
 
-RIDES = 15
+RIDES = 8
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -33,6 +33,7 @@ def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
     assert way > 0.03 * most
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.rule)
 def test_without_a_rule_it_does(mutant: Mutant) -> None:
     assert hunt(mutant).excess > ROUNDING

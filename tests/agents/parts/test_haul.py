@@ -80,15 +80,16 @@ MUTANTS = (
 
 def test_nothing_touches() -> None:
     handled = 0
-    for seed in range(20):
+    for seed in range(8):
         haul = Haul(seed, Product())
         for _ in range(60):
             haul.tick()
             assert not haul.violation(), seed
         handled += haul.handled
-    assert handled > 30
+    assert handled > 12
 
 
+@pytest.mark.campaign
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("mutant", [pytest.param(each, id=each.rule) for each in MUTANTS])
 def test_without_the_rule_something_touches(mutant: Mutant) -> None:

@@ -1,4 +1,4 @@
-"""Scenario files: what cannot be read, forms that mean the same, and the schema for editors."""
+"""Scenario files: what is accepted, forms that mean the same, orders, rooms and obstacles, and the schema."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from protocol.errors import ScenarioError
-from protocol.scenario.file import json_schema, parse_toml, read_scenario
-from protocol.scenario.model import Sensing
+from protocol.geometry import ConvexPolygon, Disk
+from protocol.scenario.file import json_schema, parse_toml, read_scenario, write_toml
+from protocol.scenario.model import Journey, RobotSpec, Sensing, Thing
 from tests.protocol.scenario.scenario_texts import ROBOTS, problems
 
 
@@ -51,3 +52,52 @@ def test_schema_knows_every_table_and_both_forms_of_sensing() -> None:
     assert schema["required"] == ["robots"]
     assert {"from", "until", "groups"} == schema["$defs"]["Partition"]["properties"].keys()
     assert len(schema["properties"]["sensing"]["anyOf"]) == 2
+
+
+ROBOT = "[[robots]]\nid = 1\nradius = 0.04\nstart = [-0.2, 0.0]\ngoal = [0.2, 0.0]\n"
+DISK = "place = { center = [0.0, 0.1], radius = 0.02 }"
+GUEST = "add = { id = 2, radius = 0.03, start = [0.0, 0.1], goal = [0.0, -0.1] }"
+
+
+def orders(*asked: str) -> str:
+    return ROBOT + "".join(f"[[orders]]\nat = {at}.5\n{text}\n" for at, text in enumerate(asked))
+
+
+def test_every_order_is_read_and_written_back() -> None:
+    leave = ("remove = 2", "take = 1", "halt = true", "halt = false")
+    scenario = parse_toml(
+        orders("goal = { robot = 2, points = [[0.1, 0.1]], queue = true }", GUEST, DISK, *leave)
+    )
+    assert scenario.orders[0].goal == Journey(2, ((0.1, 0.1),), queue=True)
+    assert scenario.newcomers == (RobotSpec(2, 0.03, (0.0, 0.1), (0.0, -0.1)),)
+    assert scenario.orders[2].place == Thing(center=(0.0, 0.1), radius=0.02)
+    assert [order.halt for order in scenario.orders[-2:]] == [True, False]
+    assert [order.at for order in scenario.orders] == [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5]
+    assert parse_toml(write_toml(scenario)) == scenario
+
+
+def test_a_guest_without_a_radius_has_that_of_its_body() -> None:
+    text = 'body = "e-puck"\n' + orders(GUEST.replace("radius = 0.03, ", "")).replace("0.04", "0.06")
+    assert parse_toml(text).newcomers[0].radius == pytest.approx(0.055)
+
+
+def test_faults_may_name_guests() -> None:
+    fault = '[[process]]\nrobot = 2\nat = 3.0\nevent = "kill"\n'
+    assert parse_toml(orders(GUEST) + fault).process[0].robot == 2
+
+
+SQUARE = "[workspace]\npoints = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
+
+
+def test_a_polygon_and_things_are_read_and_written_back():
+    disk = "[[things]]\ncenter = [0.0, 0.5]\nradius = 0.1\n"
+    text = SQUARE + disk + "[[things]]\npoints = [[0, 0.1], [0, 0.3], [0.1, 0.1]]\n"
+    scenario = parse_toml(text + ROBOT)
+    assert scenario.workspace.shape == ConvexPolygon([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    assert scenario.shapes == {1: Disk(0.0, 0.5, 0.1), 2: ConvexPolygon([(0, 0.1), (0, 0.3), (0.1, 0.1)])}
+    assert parse_toml(write_toml(scenario)) == scenario
+
+
+def test_a_workspace_is_round_unless_points_are_given():
+    assert parse_toml(ROBOT).workspace.shape == Disk(0.0, 0.0, 0.3)
+    assert {"radius", "points"} <= json_schema()["$defs"]["Workspace"]["properties"].keys()
