@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.telemetry.recording.reading import reader
+from deploy.telemetry.recording import reader
 from disknav.trajectory import Trajectory
 from protocol.errors import UsageError
 from protocol.messages import Vector

@@ -12,7 +12,7 @@ from typing import Any
 from deploy.run.execute import Extras, execute
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.run.result import complete
-from deploy.telemetry.recording.reading.reader import read as read_recording
+from deploy.telemetry.recording.reader import read as read_recording
 from disknav.scenarios import Settings, Source, ready
 from disknav.simulation import Simulation
 from disknav.trajectory import Trajectory

@@ -9,7 +9,7 @@ import numpy as np
 
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
-from deploy.telemetry.recording.reading.reader import Said, Truths
+from deploy.telemetry.recording.reader import Said, Truths
 from disknav.orders import Orders
 from disknav.scenarios import Settings, Source, ready
 from disknav.trajectory import Floats, Trajectory

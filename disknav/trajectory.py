@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.telemetry.recording.reading.reader import Truths
+from deploy.telemetry.recording.reader import Truths
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 

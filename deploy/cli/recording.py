@@ -18,7 +18,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
     from rich.table import Table
 
-    from deploy.telemetry.recording.reading.reader import Recording
+    from deploy.telemetry.recording.reader import Recording
 
 app = typer.Typer(name="recording", help="Look at recordings.", no_args_is_help=True)
 
@@ -103,7 +103,7 @@ def replay(
 
     Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
     """
-    from deploy.telemetry.recording.reading.replay import verify
+    from deploy.telemetry.recording.replay import verify
 
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
@@ -117,7 +117,7 @@ def replay(
             "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
         )
     if ros2 is not None:
-        from deploy.telemetry.recording.reading.replay import export
+        from deploy.telemetry.recording.replay import export
 
         export(found, ros2)
     if zenoh or router is not None:
@@ -127,7 +127,7 @@ def replay(
 
 
 def _read(path: Path) -> Recording:
-    from deploy.telemetry.recording.reading.reader import read
+    from deploy.telemetry.recording.reader import read
 
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)
@@ -160,7 +160,7 @@ def _grid(rows: Mapping[str, str]) -> Table:
 
 
 def _check(recording: Recording) -> str:
-    from deploy.telemetry.recording.reading.trajectory import trajectory
+    from deploy.telemetry.recording.trajectory import trajectory
 
     try:
         found = trajectory(recording)
@@ -187,7 +187,7 @@ def _streams(recording: Recording) -> Table:
 
 def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
-    from deploy.telemetry.recording.reading.replay import publish
+    from deploy.telemetry.recording.replay import publish
     from protocol.bus.connection import Connection
     from protocol.bus.zenoh import ZenohBus
     from protocol.endpoint import Endpoint

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from protocol.errors import UsageError
 
@@ -19,15 +20,15 @@ def check_target(target: Path, what: str) -> None:
     """
     if target.is_fifo():  # opening one would wait for its reader
         return
-    existed = target.exists()
     try:
-        target.open("ab").close()
+        if target.exists():
+            target.open("ab").close()
+        else:
+            TemporaryFile(dir=target.parent).close()
     except OSError as error:
         raise UsageError(
             f"cannot {what} to {target}: {error.strerror}; name a file that can be written"
         ) from error
-    if not existed:
-        target.unlink()
 
 
 @contextmanager

@@ -12,17 +12,12 @@ import socket
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, EndpointTakenError
 from protocol.process.signals import STOP
-
-if TYPE_CHECKING:
-    from deploy.telemetry.recording.process import Aboard
 
 HOST = "127.0.0.1"
 PORTS = range(DEFAULT_PORT, DEFAULT_PORT + 100)  # zenoh's own port and those after it
@@ -31,14 +26,12 @@ _HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. Whatever is not named
 
 def main(
     connection: Connection,
-    record: tuple[str, Path] | None = None,
     links: float = 0.0,
     ready: Callable[[str], None] | None = None,
 ) -> int:
     """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
 
-    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `record`: a run's
-    name and where its recording is written; nothing published by whoever connects is missed. `links` is for
+    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `links` is for
     how long (s) links to other routers are waited for before that; they come up in the background else.
 
     Raises:
@@ -52,21 +45,10 @@ def main(
         _check_links(connection)
         if links > 0.0:
             bus.await_routers(links)
-        aboard = None if record is None else _aboard(bus, *record)
         if ready is not None:
             ready(str(endpoint))
-        if aboard is not None:
-            aboard.follow()
         STOP.wait()
     return 0
-
-
-def _aboard(bus: ZenohBus, run: str, address: Path) -> Aboard:
-    from deploy.telemetry.recording.process import (
-        Aboard,  # only where it is needed: the router itself stays lean
-    )
-
-    return Aboard(bus, run, address)
 
 
 def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.telemetry.recording.parts import ONE_FILE, Rotation
+from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING
@@ -15,10 +15,8 @@ from world.shell.failure_detector import GATHERING
 RECORDER = "recorder"
 ROUTER = "router"
 WORLD = "world"
-WRITER = "writer"
 _ROUTING = "deploy.processes.router:main"
-_RECORDING = "deploy.telemetry.recording"
-_CLOSING = 30.0  # s for the writer, which yields to all others, to close its file
+_CLOSING = 30.0  # s for the recorder, which yields to all others, to close its file
 _LINKING = 8.0  # s for the routers of all hosts to find each other
 
 
@@ -38,13 +36,11 @@ class Process:
 
 def router(
     connection: Connection,
-    record: tuple[str, Path] | None = None,
     restarts: int = 0,
     scheduling: Scheduling = ORDINARY,
 ) -> Process:
-    """The router; it reports the endpoint that it listens on. `record`: a run, and its writer's address."""
-    arguments = (connection, record, 0.0)
-    return Process(ROUTER, _ROUTING, arguments, True, restarts, reports=True, scheduling=scheduling)
+    """The router; it reports the endpoint that it listens on."""
+    return Process(ROUTER, _ROUTING, (connection, 0.0), True, restarts, reports=True, scheduling=scheduling)
 
 
 def linked_router(
@@ -59,7 +55,7 @@ def linked_router(
 
     Only that of the world's host is `vital`: with another one the robots behind it are lost, and no more.
     """
-    name, arguments = router_name(host), (connection, None, _LINKING)
+    name, arguments = router_name(host), (connection, _LINKING)
     return Process(name, _ROUTING, arguments, vital, restarts, reports=True, scheduling=scheduling)
 
 
@@ -96,17 +92,24 @@ def robot(
     return Process(name, "agents.process:main", arguments, restarts=restarts, scheduling=scheduling)
 
 
-def writer(path: Path, address: Path, restarts: int = 0, rotation: Rotation = ONE_FILE) -> Process:
-    """Who writes what recorders hand over at `address`; it reports the name of each of its files."""
-    arguments = (path, address, rotation)
-    entry = f"{_RECORDING}.writer_process:main"
-    return Process(WRITER, entry, arguments, restarts=restarts, reports=True, patience=_CLOSING)
+def recorder(
+    connection: Connection,
+    run: str,
+    path: Path,
+    result: Path,
+    rotation: Rotation = ONE_FILE,
+    away: float = 0.0,
+    restarts: int = 0,
+    *,
+    again: bool = False,
+) -> Process:
+    """The recorder, which reports the name of each of its files, the first once it cannot miss a message.
 
-
-def recorder(connection: Connection, run: str, address: Path, away: float, restarts: int) -> Process:
-    """A recorder beside the router; it reports once it cannot miss anything. `away`: see `Recorder`."""
-    arguments = (connection, run, address, away)
-    return Process(RECORDER, f"{_RECORDING}.process:main", arguments, restarts=restarts, reports=True)
+    Arguments as of `deploy.telemetry.recording.recorder.main`.
+    """
+    arguments = (connection, run, path, result, rotation, away, again)
+    entry = "deploy.telemetry.recording.recorder:main"
+    return Process(RECORDER, entry, arguments, restarts=restarts, reports=True, patience=_CLOSING)
 
 
 def router_name(host: str) -> str:
@@ -120,8 +123,8 @@ def is_router(name: str) -> bool:
 
 
 def outlasts(name: str) -> bool:
-    """Whether who has this name stays until it is stopped, also after the last run."""
-    return name == WRITER or is_router(name)
+    """Whether the process of this name stays until it is stopped, also after the last run."""
+    return name == RECORDER or is_router(name)
 
 
 def robot_name(identity: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -43,7 +44,7 @@ class Assembly:
     Attributes:
         supervisor: of all processes.
         topology: who reaches whom how.
-        writer: address of the recording's writer, if there is one.
+        result: file from which the recorder takes the complete result, if the run is recorded.
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
@@ -65,7 +66,8 @@ class Assembly:
         self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
-        self.writer = self._start_writer(record)
+        self._record = record
+        self.result = None if record is None else self._folder / "result.json"
         self._ends: datetime | None = None
         self.topology = self._begin(stack)
         self._start_world(self._journal())
@@ -115,15 +117,6 @@ class Assembly:
             realtime=self._options.realtime_priority,
         )
 
-    def _start_writer(self, record: Path | None) -> Path | None:
-        """Whoever writes the recording, at this address, before anybody who hears."""
-        if record is None:
-            return None
-        address = self._folder / "writer"
-        self.supervisor.start([table.writer(record, address, self._options.restarts, self._options.rotation)])
-        self.supervisor.report(table.WRITER, _START)
-        return address
-
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
         if options.transport == "mesh":
@@ -139,10 +132,8 @@ class Assembly:
             return Routed(membership.endpoint(options.router), membership)
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
-        record = (options.run, self.writer) if self.writer is not None and self._recorded_aboard else None
         router = table.router(
             membership.router(() if options.listen is None else (options.listen,)),
-            record,
             options.restarts,
             self._scheduling,
         )
@@ -168,14 +159,6 @@ class Assembly:
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
 
-    @property
-    def _recorded_aboard(self) -> bool:
-        """Whether the fleet's own router records: none that may die, since the recording would end with it,
-        nor one with real-time priority, which recording has not."""
-        options = self._options
-        own_router = options.transport == "routed" and options.router is None and options.hosts is None
-        return own_router and not (options.restarts or options.realtime_priority)
-
     def _journal(self) -> Path | None:
         """Where the world is to keep its journal, if it is to be started again: made here, so that a world
         that finds none does not begin anew what another one began."""
@@ -191,7 +174,7 @@ class Assembly:
         return Path(folder) / journal.name
 
     def _start_world(self, journal: Path | None) -> None:
-        """The world, and before anything can happen the recorder, unless the router is it."""
+        """The world, and before anything can happen the recorder."""
         run, topology = self._options.run, self.topology
         options = self._options
         world = table.world(
@@ -205,8 +188,18 @@ class Assembly:
             scheduling=self._scheduling,
         )
         self.supervisor.start([world])
-        if self.writer is not None and not self._recorded_aboard:
+        if self._record is not None and self.result is not None:
             away = AWAY if options.restarts else 0.0
-            recorder = table.recorder(topology.observer(), run, self.writer, away, options.restarts)
-            self.supervisor.start([recorder])
+            row = partial(
+                table.recorder,
+                topology.observer(),
+                run,
+                self._record,
+                self.result,
+                options.rotation,
+                away,
+                options.restarts,
+            )
+            self.supervisor.start([row()])
             self.supervisor.report(table.RECORDER, _START)
+            self.supervisor.amend(row(again=True))

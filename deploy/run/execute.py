@@ -19,7 +19,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Result, complete, unjudged
 from deploy.telemetry.plot.draw import check, draw
-from deploy.telemetry.recording.parts import ONE_FILE
+from deploy.telemetry.recording.rotation import ONE_FILE
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.process.signals import STOP, Stopped

@@ -19,11 +19,10 @@ from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
 from deploy.run.topology import Topology
-from deploy.telemetry.recording.writer_process import Writer
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import MessageError
+from protocol.errors import MessageError, RecordingError
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
@@ -139,17 +138,17 @@ class Fleet:
         return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
-        """Let all leave, stop whoever does not; what each process cost. The recording's writer stays."""
+        """Let all leave, stop whoever does not; what each process cost. The recorder stays."""
         deadline = time.monotonic() + self._leaving
         while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
-        self._supervisor.stop(spare=(table.WRITER,))
+        self._supervisor.stop(spare=(table.RECORDER,))
         hosts = {} if self._options.hosts is None else places(self._options.hosts)
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: several if it rotates, or who wrote it ended and was started again."""
-        return [] if self._assembly.writer is None else self._supervisor.heard(table.WRITER)
+        """The files of the recording: several if it rotates, or its recorder was started again."""
+        return [] if self._assembly.result is None else self._supervisor.heard(table.RECORDER)
 
     def record(self, result: Mapping[str, Any]) -> None:
         """Finish the recording, if there is one, with the complete result of the run.
@@ -157,8 +156,13 @@ class Fleet:
         Raises:
             RecordingError: it could not be written to its end.
         """
-        if self._assembly.writer is not None:
-            Writer.at(self._assembly.writer, self._record).finish(json.dumps(result))
+        if self._assembly.result is None:
+            return
+        self._assembly.result.write_text(json.dumps(result), encoding="utf-8")
+        self._supervisor.stop()
+        (code,) = (usage.exit_code for usage in self._supervisor.usage() if usage.name == table.RECORDER)
+        if code != 0:
+            raise RecordingError(f"{self._record} was not finished: its recorder ended with status {code}")
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -229,7 +233,7 @@ class Fleet:
                 LOG.warning(f"{exit_}; it is started again")
             if exit_.again:
                 continue
-            if exit_.process.name in (table.WRITER, table.RECORDER) and not exit_.expected:
+            if exit_.process.name == table.RECORDER and not exit_.expected:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or self._has_begun
             if (exit_.process.vital and not self._report) or not tolerable:

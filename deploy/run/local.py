@@ -20,7 +20,7 @@ from deploy.run.collector import seldom_collecting
 from deploy.run.launcher import Launcher
 from deploy.run.result import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
-from deploy.telemetry.recording.writer_process import WriterProcess
+from deploy.telemetry.recording.writer import RecordingWriter
 from protocol.bus.bus import Bus, Event, Node, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
@@ -77,7 +77,7 @@ class LocalFleet:
         self._path, self._watch = journal, watch
         self.report: dict[str, Any] = {}
         self.start_world()
-        self._writer = None if record is None else WriterProcess(record, run)
+        self._writer = None if record is None else RecordingWriter(record)
         self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
         self._paused: dict[int, Node] = {}
@@ -194,23 +194,19 @@ class LocalFleet:
         return [] if self._writer is None else [str(self._writer.path)]
 
     def record(self, result: Mapping[str, Any]) -> None:
-        """Finish the recording, if there is one, with the complete result of the run.
-
-        Raises:
-            RecordingError: it could not be written to its end.
-        """
+        """Finish the recording, if there is one, with the complete result of the run."""
         self._finish(json.dumps(result))
 
     def _finish(self, result: str | None) -> None:
         writer, self._writer = self._writer, None
-        if writer is not None:
-            writer.finish(result)
+        if writer is not None and self._recorder is not None:
+            writer.finish(result or self._recorder.result)
 
     def processes(self) -> list[dict[str, Any]]:
         """There are none of its own."""
         return []
 
-    def _hear(self, writer: WriterProcess) -> Recorder:
+    def _hear(self, writer: RecordingWriter) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
         recorder = bus.node = Recorder(bus, self.run, writer)

@@ -10,7 +10,7 @@ from typing import Literal
 
 from deploy.processes.hosts.protection import exposed
 from deploy.processes.hosts.table import HostsTable
-from deploy.telemetry.recording.parts import ONE_FILE, Rotation
+from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
 from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]

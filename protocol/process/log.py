@@ -30,7 +30,7 @@ class Speaker(msgspec.Struct, frozen=True):
     Attributes:
         run: name of the run.
         host: of a fleet on several hosts; empty on the launcher's.
-        role: `robot`, `world`, `router`, `recorder`, `writer` or `launcher`.
+        role: `robot`, `world`, `router`, `recorder` or `launcher`.
         robot: its number, if it is a robot.
     """
 

@@ -1,9 +1,8 @@
-"""Own code beside the library that could do the same: the least of several rounds, and its ratio.
+"""The fork server beside libraries that start processes: the least of several rounds, and its ratio.
 
-`mcap`: processor time of writing a message, by `McapFile` and by the `mcap` library's writer, both in
-compressed and indexed chunks. `start`: time until so many processes have imported what a robot imports and
-say so, from nothing; by the fork server, by that of `multiprocessing`, and by an interpreter for each, which
-is what circus, supervisord and subprocess do. `memory`: private memory of each of them, MB.
+The time until so many processes have imported what a robot imports and say so, from nothing, and the private
+memory of each, MB: by the fork server, by that of `multiprocessing`, and by an interpreter for each, which is
+what circus, supervisord and subprocess do.
 
     python -m tests.benchmarks.libraries --processes 32
 """
@@ -22,19 +21,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-import numpy as np
 import psutil
-from mcap.writer import CompressionType, Writer
 
 from deploy.processes.spawn import MODULES, Spawner, environment
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process
-from deploy.telemetry.recording.mcap.file import McapFile
 
-_LINE = (
-    b'{"robot":1,"incarnation":1,"tick":12345,"velocity":{"x":0.0123456789,"y":-0.0987654321},"roster":0}\n'
-)
-_TOGETHER = 512  # messages, as `RecordingFile` has it
 _HERE = "tests.benchmarks.libraries"
 
 
@@ -43,31 +35,6 @@ class Started(NamedTuple):
 
     seconds: float
     private_mb: float
-
-
-def own_mcap(path: Path, count: int) -> float:
-    """µs of processor time a message."""
-    began = time.process_time()
-    file = McapFile(path, "benchmark")
-    number = file.channel("topic", file.schema("any", b"{}"), {})
-    for start in range(0, count, _TOGETHER):
-        size = min(_TOGETHER, count - start)
-        file.messages([number] * size, np.arange(start, start + size, dtype=np.uint64), _LINE * size)
-    file.finish({})
-    return 1e6 * (time.process_time() - began) / count
-
-
-def library_mcap(path: Path, count: int) -> float:
-    """The same by the library."""
-    began = time.process_time()
-    with path.open("wb") as file:
-        writer = Writer(file, chunk_size=256 * 1024, compression=CompressionType.ZSTD)
-        writer.start()
-        number = writer.register_channel("topic", "json", writer.register_schema("any", "jsonschema", b"{}"))
-        for tick in range(count):
-            writer.add_message(number, tick, _LINE[:-1], tick, tick)
-        writer.finish()
-    return 1e6 * (time.process_time() - began) / count
 
 
 def own_start(count: int) -> Started:
@@ -149,18 +116,12 @@ def _private(pids: list[int]) -> float:
     return sum(float(psutil.Process(pid).memory_full_info().uss) for pid in pids) / len(pids) / 2**20
 
 
-def lines(processes: int, messages: int, rounds: int) -> list[str]:
+def lines(processes: int, rounds: int) -> list[str]:
     """The table."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "any.mcap"
-        ways = {"McapFile": own_mcap, "mcap library": library_mcap}
-        mcap = {name: min(way(path, messages) for _ in range(rounds)) for name, way in ways.items()}
     starts = {"fork server": own_start, "multiprocessing": library_start, "interpreters": interpreters}
     each_round = [{name: way(processes) for name, way in starts.items()} for _ in range(rounds)]
     started = {name: min(each[name] for each in each_round) for name in starts}
-    table = [f"{'µs a message':<20}{'':>8}{'ratio':>8}"]
-    table += [f"{name:<20}{each:>8.2f}{each / mcap['mcap library']:>8.2f}" for name, each in mcap.items()]
-    table += [f"{f'{processes} processes up, s':<20}{'':>8}{'ratio':>8}{'private MB':>12}"]
+    table = [f"{f'{processes} processes up, s':<20}{'':>8}{'ratio':>8}{'private MB':>12}"]
     floor = started["multiprocessing"].seconds
     table += [
         f"{name:<20}{each.seconds:>8.2f}{each.seconds / floor:>8.2f}{each.private_mb:>12.1f}"
@@ -173,10 +134,9 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--processes", type=int, default=32)
-    parser.add_argument("--messages", type=int, default=50_000)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
-    print("\n".join(lines(options.processes, options.messages, options.rounds)), flush=True)
+    print("\n".join(lines(options.processes, options.rounds)), flush=True)
 
 
 if __name__ == "__main__":

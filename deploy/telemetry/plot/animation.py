@@ -15,8 +15,8 @@ from matplotlib.text import Text
 
 from deploy.telemetry.plot.style import INK, colour, dash
 from deploy.telemetry.plot.workspace import MANY, frame
-from deploy.telemetry.recording.reading.reader import Recording
-from deploy.telemetry.recording.reading.trajectory import Participant, participants
+from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.trajectory import Participant, participants
 from protocol.errors import UsageError
 
 Progress = Callable[[float], None]

@@ -13,7 +13,7 @@ from agents.peers.link import Link
 from agents.peers.state import addressed_to
 from deploy.telemetry.plot.style import INK, colour, dash
 from deploy.telemetry.plot.workspace import MANY
-from deploy.telemetry.recording.reading.reader import Recording
+from deploy.telemetry.recording.reader import Recording
 from protocol.messages import State, Tick
 from protocol.scenario.model import Link as LinkFaults
 

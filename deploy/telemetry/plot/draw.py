@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from deploy.output.target import check_target, writing
-from deploy.telemetry.recording.reading.reader import Recording, Truths, read
+from deploy.telemetry.recording.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 

@@ -17,7 +17,7 @@ from deploy.telemetry.plot.curves import (
 )
 from deploy.telemetry.plot.style import HANDLERS, curves, disks
 from deploy.telemetry.plot.workspace import draw_workspace
-from deploy.telemetry.recording.reading.reader import Recording
+from deploy.telemetry.recording.reader import Recording
 
 Panel = Callable[[Axes], None]
 _SIDE = 3.9  # inches, a workspace at least

@@ -11,8 +11,8 @@ from matplotlib.patches import Circle, Patch, Polygon
 from matplotlib.patheffects import withStroke
 
 from deploy.telemetry.plot.style import FAINT, INK, colour, dash
-from deploy.telemetry.recording.reading.reader import Recording
-from deploy.telemetry.recording.reading.trajectory import participants
+from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.trajectory import participants
 from protocol.geometry import Disk, Shape
 from protocol.messages import Clock
 

@@ -1,132 +1,144 @@
-"""The MCAP file of a run: one JSON channel a key, a scene of it all, scenario and result as metadata."""
+"""The MCAP files of a run: one JSON channel a key, a scene of the fleet, scenario and result as metadata."""
 
 from __future__ import annotations
 
 import json
+import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import msgspec
-import numpy as np
+from mcap.writer import Writer
 
+from deploy.output.target import check_target
 from deploy.telemetry.recording.form import schema, to_object
-from deploy.telemetry.recording.mcap.file import McapFile
-from deploy.telemetry.recording.pictures import Pictures
+from deploy.telemetry.recording.rotation import ONE_FILE, Rotation, next_free
+from deploy.telemetry.scene.fleet import DRAWN, TOPICS, FleetScene, Picture
 from protocol.codec import Reader
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse
 from protocol.messages import VERSION, Truth
+from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 LIBRARY = "disknav"
-_TOGETHER = 512  # messages that are encoded together
-_LATEST = float(1 << 63)  # ns, of what a reader takes; no tick of a real run is later
+_CHUNK = 256 * 1024  # bytes before compression: the most that one damaged place in the file can cost
+_BUFFER = 1 << 20  # bytes; a file comes into being with its header, scenario and scene in one write
+_LATEST = 1 << 63  # ns, the latest time that a reader takes; no tick of a real run is later
 _JSON = msgspec.json.Encoder()
 
 
 class _Channel:
-    """What is written under one key.
+    """One key of the run.
 
     Attributes:
         number: of the channel in the file.
-        read: makes a message of a payload, see `Reader`.
-        form: turns a message into what JSON writes.
+        count: messages written so far.
+        read: makes a message of a payload.
+        form: turns a message into its JSON form.
     """
 
     def __init__(self, address: Address, number: int) -> None:
-        self.stream, self.number = address.stream, number
+        self.number, self.count = number, 0
         self.read = Reader(address.stream, address.robot).read
         self.form = to_object(STREAMS[address.stream].message)
 
 
 class RecordingFile:
-    """A recording that is being written.
+    """One MCAP file of a run, open for writing.
+
+    Args:
+        path: created, or overwritten.
+        run: name of the run.
+        scenario: of the run.
+        preceding: name of the file that this one continues; empty for the first.
 
     Attributes:
         rejected: payloads that were no messages of this run, by reason; they are not recorded.
 
     Raises:
         UsageError: the file cannot be created.
-        RecordingError: (all methods) it cannot be written any more.
+        RecordingError: (all methods) the file cannot be written any more.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, run: str, scenario: Scenario, preceding: str = "") -> None:
         self.path = path
         self.rejected: Counter[str] = Counter()
+        self._run, self._step = run, scenario.time.step
+        self._robots = frozenset((*scenario.ids, *(spec.id for spec in scenario.newcomers)))
         self._channels: dict[str, _Channel | None] = {}
         self._schemas: dict[str, int] = {}
-        self._robots: frozenset[int] = frozenset()
-        self._run = ""
-        self._step = 0.0
         self._count = 0
-        self._report: str | None = None
-        self._pictures: Pictures | None = None
         try:
-            self._file = McapFile(path, LIBRARY)
+            self._stream = path.open("wb", _BUFFER)
         except OSError as error:
             raise UsageError(
                 f"cannot record to {path}: {error.strerror}; name a file that can be written"
             ) from error
-
-    def begin(self, run: str, scenario: Scenario, preceding: str = "") -> None:
-        """Say what is recorded; comes before every message, and is heard once.
-
-        `preceding` is the name of the file that this one goes on from.
-        """
-        if self._run:
-            return
-        self._robots = frozenset((*scenario.ids, *(spec.id for spec in scenario.newcomers)))
-        self._run, self._step = run, scenario.time.step
         with self._writing():
+            self._writer = cast("Any", Writer(self._stream, _CHUNK))  # partly untyped
+            self._writer.start(library=LIBRARY)
             before = {"preceding": preceding} if preceding else {}
-            self._file.metadata("run", {"name": run, "protocol": str(VERSION), **before})
-            self._file.metadata("scenario", {"json": _JSON.encode(scenario).decode()})
-            self._pictures = Pictures(self._file, scenario)
-            self._file.flush()
+            self._writer.add_metadata("run", {"name": run, "protocol": str(VERSION), **before})
+            self._writer.add_metadata("scenario", {"json": _JSON.encode(scenario).decode()})
+            self._scene = FleetScene(scenario)
+            self._topics = {name: self._topic(name) for name in TOPICS}
+            self._draw(self._scene.whole())
+            self._writer.flush()
 
-    def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
-        """Record what was published, at the simulated time of its tick; the result waits for `finish`."""
+    def write(self, batch: Iterable[tuple[str, bytes]]) -> None:
+        """Record what was published under keys, at the simulated time of its tick."""
         with self._writing():
-            for start in range(0, len(batch), _TOGETHER):
-                self._add(*self._read(batch[start : start + _TOGETHER]))
+            for key, payload in batch:
+                try:
+                    channel = self._channels.get(key) or self._open(key)
+                    if channel is not None:
+                        self._add(channel, channel.read(payload))
+                except MessageError as error:
+                    self.rejected[error.reason] += 1
+                except KeyGrammarError:
+                    self.rejected["key"] += 1
 
-    def _read(self, batch: Sequence[tuple[str, bytes]]) -> tuple[list[_Channel], list[Any]]:
-        """The messages and the channel of each; all else is counted."""
-        channels: list[_Channel] = []
-        messages: list[Any] = []
-        for key, payload in batch:
-            try:
-                channel = self._channels.get(key) or self._open(key)
-                if channel is not None:
-                    messages.append(channel.read(payload))
-                    channels.append(channel)
-            except MessageError as error:
-                self.rejected[error.reason] += 1
-            except KeyGrammarError:
-                self.rejected["key"] += 1
-        return channels, messages
+    def flush(self) -> int:
+        """Close the present chunk: it can be read even if this process is killed. Returns the file's size."""
+        with self._writing():
+            self._writer.flush()
+            return self._stream.tell()
 
-    def _add(self, channels: list[_Channel], messages: list[Any]) -> None:
-        """Record messages, each under its channel."""
-        lines = _JSON.encode_lines(
-            [channel.form(message) for channel, message in zip(channels, messages, strict=True)]
-        )
-        ticks = np.array([message.tick for message in messages], np.float64)
-        times = np.rint(ticks * self._step * 1e9).clip(max=_LATEST).astype(np.uint64)
-        self._file.messages([channel.number for channel in channels], times, lines)
-        self._count += len(messages)
-        for message in messages:
-            if type(message) is Truth and not self._robots.issuperset(message.robots):
-                self._robots = self._robots.union(message.robots)  # an operator added some
-        if self._pictures is not None:
-            self._pictures.hear(messages)
+    def finish(self, result: str | None = None, following: str = "") -> None:
+        """Write the result (a JSON object) and the index; nothing can be added afterwards.
+
+        `following` is the name of the file in which the recording continues.
+        """
+        with self._writing():
+            if result is not None:
+                self._writer.add_metadata("result", {"json": result})
+            counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
+            self._writer.add_metadata("recorder", counts | ({"following": following} if following else {}))
+            self._writer.finish()
+            self._stream.close()
+
+    def _add(self, channel: _Channel, message: Any) -> None:
+        when = min(round(message.tick * self._step * 1e9), _LATEST)
+        data = _JSON.encode(channel.form(message))
+        self._writer.add_message(channel.number, when, data, when, channel.count)
+        channel.count += 1
+        self._count += 1
+        if isinstance(message, Truth) and not self._robots.issuperset(message.robots):
+            self._robots = self._robots.union(message.robots)  # an operator added some
+        if type(message) in DRAWN:
+            self._draw(self._scene.hear(message))
+
+    def _draw(self, pictures: Iterable[Picture]) -> None:
+        for topic, when, data in pictures:
+            self._writer.add_message(self._topics[topic], when, data, when)
 
     def _open(self, key: str) -> _Channel | None:
-        """The channel of a key; None for streams that are no part of a recording."""
+        """The channel of a key; None for streams that are not recorded."""
         if key in self._channels:
             return self._channels[key]
         address = parse(key)
@@ -137,50 +149,96 @@ class RecordingFile:
             raise MessageError("key", f"{key} carries no messages")
         self._channels[key] = None
         if stream.recorded:
-            if stream.name not in self._schemas:
-                text = json.dumps(schema(stream.message)).encode()
-                self._schemas[stream.name] = self._file.schema(f"disknav.{stream.message.__name__}", text)
-            number = self._file.channel(key, self._schemas[stream.name], {"rate": stream.rate})
+            number = self._schema(
+                f"disknav.{stream.message.__name__}", lambda: json.dumps(schema(stream.message)).encode()
+            )
+            number = self._writer.register_channel(key, "json", number, {"rate": stream.rate})
             self._channels[key] = _Channel(address, number)
         return self._channels[key]
 
-    def flush(self) -> None:
-        """Close the present chunk: what was added can be read whatever happens to this process."""
-        with self._writing():
-            self._file.flush()
+    def _topic(self, name: str) -> int:
+        """The channel of a topic of the scene."""
+        topic = TOPICS[name]
+        schema_number = self._schema(topic.schema, lambda: topic.definition, topic.schema_encoding)
+        number: int = self._writer.register_channel(name, topic.encoding, schema_number)
+        return number
 
-    def report(self, result: str) -> None:
-        """What the world says of the run (a JSON object), should nobody know more."""
-        self._report = result
-
-    @property
-    def size(self) -> int:
-        """Bytes written so far."""
-        return self._file.size
-
-    def finish(self, result: str | None = None, following: str = "") -> None:
-        """Write the result (a JSON object) and the index; nothing can be added afterwards.
-
-        `following` is the name of the file in which the recording goes on.
-        """
-        with self._writing():
-            self._end(result, {"following": following} if following else {})
-
-    def abandon(self, reason: str, result: str | None = None) -> None:
-        """Close what was written before it could not be written any more, with the reason in it."""
-        with self._writing():
-            self._file.abandon()
-            self._end(result, {"ended": reason})
-
-    def _end(self, result: str | None, said: dict[str, str]) -> None:
-        text = result or self._report
-        known = {} if text is None else {"result": {"json": text}}
-        counts = {"messages": str(self._count), "rejected": json.dumps(self.rejected)}
-        self._file.finish({**known, "recorder": {**counts, **said}})
+    def _schema(self, name: str, define: Callable[[], bytes], encoding: str = "jsonschema") -> int:
+        if name not in self._schemas:
+            self._schemas[name] = self._writer.register_schema(name, encoding, define())
+        return self._schemas[name]
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
+        """Close the file as it is if it cannot be written: it can be read to the end of its last chunk."""
         try:
             yield
         except OSError as error:
+            with suppress(OSError):  # the rest of its buffer cannot be written either
+                self._stream.close()
             raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
+
+
+class RecordingWriter:
+    """The recording of a run, in as many files as its rotation asks for; each can be read by itself.
+
+    No file is created before `begin`. When the disk is full, or fails, an error is logged and all further
+    messages are dropped: a run does not end with its recording.
+
+    Args:
+        path: the first file; the next are `run-2.mcap` and so on beside `run.mcap`.
+        rotation: when another file follows.
+        ready: is told the name of each file, once it holds the scenario.
+
+    Raises:
+        UsageError: (also `begin`) the first file cannot be created.
+    """
+
+    def __init__(
+        self, path: Path, rotation: Rotation = ONE_FILE, ready: Callable[[str], None] = lambda _: None
+    ) -> None:
+        check_target(path, "record")
+        self.path = path
+        self._rotation, self._ready = rotation, ready
+        self._file: RecordingFile | None = None
+
+    def begin(self, run: str, scenario: Scenario) -> None:
+        """Create the first file; comes before every message."""
+        self._run, self._scenario = run, scenario
+        self._open(self.path)
+
+    def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
+        """Record what was published under keys, at the simulated time of its tick."""
+        self._do(lambda file: file.write(batch))
+
+    def flush(self) -> None:
+        """Make what was written readable even if this process is killed; rotate if it is time."""
+        self._do(self._flush)
+
+    def finish(self, result: str | None = None) -> None:
+        """Close the recording with the result (a JSON object); what comes later is dropped."""
+        self._do(lambda file: file.finish(result))
+        self._file = None
+
+    def _open(self, path: Path, preceding: str = "") -> None:
+        self._file = RecordingFile(path, self._run, self._scenario, preceding)
+        self._since = time.monotonic()
+        self._ready(str(path))
+
+    def _flush(self, file: RecordingFile) -> None:
+        if not self._rotation.due(file.flush(), time.monotonic() - self._since):
+            return
+        path, self._file = next_free(self.path), None
+        try:
+            self._open(path, preceding=file.path.name)
+        finally:
+            file.finish(following="" if self._file is None else path.name)
+
+    def _do(self, what: Callable[[RecordingFile], None]) -> None:
+        if self._file is None:
+            return
+        try:
+            what(self._file)
+        except (RecordingError, UsageError) as error:
+            self._file = None
+            LOG.error(f"{error}; it ends there, and the run goes on without it")

@@ -19,7 +19,7 @@ from msgspec.structs import replace
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.writer import RecordingFile
 from protocol.codec import encode
 from protocol.scenario.model import Scenario
@@ -48,8 +48,7 @@ def make(path: Path, seconds: float, robots: int) -> int:
     with LocalFleet(scenario(robots), "long", record=short) as fleet:
         fleet.execute()
     said = [(entry.key, entry.message) for entry in read(short).entries]
-    file, last = RecordingFile(path), round(seconds / 0.05)
-    file.begin("long", scenario(robots))
+    file, last = RecordingFile(path, "long", scenario(robots)), round(seconds / 0.05)
     for begin in range(0, last, _TICKS):
         later = [(key, replace(each, tick=each.tick + begin)) for key, each in said if each.tick < _TICKS]
         file.write([(key, encode(each)) for key, each in later])

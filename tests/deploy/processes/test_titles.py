@@ -89,9 +89,9 @@ def test_a_fleet_is_told_apart_and_the_one_that_is_meant_is_killed(tmp_path: Pat
     with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
         fleet.execute(enough=lambda: bool(seen) and "robot-1" not in fleet.pids())
         ends = {each["name"]: each["exit_code"] for each in fleet.processes()}
-    assert ends.pop("writer") is None, "it waits for the result"
+    assert ends.pop("recorder") is None, "it waits for the result"
     assert ends == {name: -signal.SIGKILL if name == "robot-1" else 0 for name in ends}
-    names = ["fork server", "router", "writer", "world", *(f"robot {n}" for n in scenario.ids)]
+    names = ["fork server", "router", "recorder", "world", *(f"robot {n}" for n in scenario.ids)]
     assert titles == {f"disknav {name} (run {run})" for name in names}
 
 

@@ -16,7 +16,7 @@ from unittest.mock import patch
 import msgspec
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.reader import read
 from protocol.codec import DAMAGED
 from protocol.errors import JournalError, RecordingError, UsageError
 from protocol.scenario.model import Time

@@ -22,8 +22,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport, fresh_run_name
-from deploy.telemetry.recording.reading.reader import read
-from deploy.telemetry.recording.reading.trajectory import trajectory
+from deploy.telemetry.recording.reader import read
+from deploy.telemetry.recording.trajectory import trajectory
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.scenario.model import Scenario

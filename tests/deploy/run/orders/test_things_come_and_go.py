@@ -17,7 +17,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.plot.workspace import stays
-from deploy.telemetry.recording.reading.reader import read
+from deploy.telemetry.recording.reader import read
 from protocol.bus.bus import Request
 from protocol.keys import world_key
 from protocol.messages import Clock

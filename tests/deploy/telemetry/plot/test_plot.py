@@ -17,7 +17,7 @@ from deploy.library.load import load
 from deploy.telemetry.plot.curves import Heard, delayed_sensing, faulty_link, measurement_ages
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.style import COLOURS, colour, dash
-from deploy.telemetry.recording.reading.reader import Recording, read
+from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.messages import Sense, Tick
 from protocol.scenario.model import Link, Network, Partition, Sensing

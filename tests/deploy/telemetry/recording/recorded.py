@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.reading.reader import Recording
+from deploy.telemetry.recording.reader import Recording
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 
 ROBOTS = (

@@ -1,32 +1,43 @@
-"""The recorder: what it writes, what it refuses, and when it ends."""
+"""The recorder: what it records and refuses, when it ends, and what is left when it is killed."""
 
 import json
-import os
+import signal
 import time
+from collections.abc import Callable
+from contextlib import closing, suppress
+from functools import partial
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from deploy.telemetry.recording.reading.reader import read
+from deploy.processes import table
+from deploy.processes.router import listening
+from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
+from deploy.run.options import RunOptions
+from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.recorder import PATIENCE, Recorder
-from deploy.telemetry.recording.writer import RecordingFile
-from deploy.telemetry.recording.writer_process import WriterProcess
+from deploy.telemetry.recording.trajectory import trajectory
+from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
+from protocol.bus.connection import Connection
 from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
-from protocol.errors import BusError, RecordingError, UsageError
+from protocol.errors import BusError, RecordingError
 from protocol.keys import everything, robot_key, world_key
-from protocol.messages import Command, Health, Result
+from protocol.messages import Clock, Command, Result, State, Truth
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.fake_world import FakeWorld
-from tests.deploy.telemetry.recording.recorded import said_by, scenario
+from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
 
 
-def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingFile]:
+def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:
     bus.subscribe(everything(run))
-    file = RecordingFile(folder / f"{run}.mcap")
+    file = RecordingWriter(folder / f"{run}.mcap")
     recorder = bus.node = Recorder(bus, run, file)
     return recorder, file
 
@@ -48,7 +59,7 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
         world.say(key, payload)
     world.say(world_key("fake", "result"), encode(Result('{"verdict": "arrived"}')))
     network.run(lambda: recorder.finished)
-    file.finish()
+    file.finish(recorder.result)
     found = read(tmp_path / "fake.mcap")
     assert [entry.message for entry in found.entries] == [command]
     assert found.result == {"verdict": "arrived"}
@@ -62,87 +73,9 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
     }
 
 
-def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path):
-    file = RecordingFile(tmp_path / "x.mcap")
-    file.begin("r", scenario())
-    key = robot_key("r", 1, "command")
-    good = [Command(1, 1, tick, (0.1, float(tick))) for tick in range(2000)]
-    bad = encode(Command(1, 1, 0, (0.1, float("inf")))), encode(Command(2, 1, 0, (0.1, 0.2))), b"\x93"
-    batch = []
-    for command in good:
-        batch.append((key, encode(command)))
-        batch.append((key, bad[command.tick % 3]))
-    note = encode(Health(1, 1, 3, 0.0, 1, 1, {}, (), (), "null"))
-    batch.append((robot_key("r", 1, "health"), note))  # a word, and no number
-    file.write(batch)
-    file.finish()
-    found = read(tmp_path / "x.mcap")
-    assert said_by(found, Command, 1) == good
-    assert [each.note for each in said_by(found, Health, 1)] == ["null"]
-    assert file.rejected == {"shape": 1333, "identity": 667}
-
-
-def test_a_tick_beyond_all_time_does_not_end_the_recording(tmp_path):
-    file = RecordingFile(tmp_path / "x.mcap")
-    file.begin("r", scenario())
-    file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 2**53, (0.1, 0.2))))])
-    file.finish()
-    assert said_by(read(tmp_path / "x.mcap"), Command, 1) == [Command(1, 1, 2**53, (0.1, 0.2))]
-
-
-def test_a_chunk_without_messages_is_whole(tmp_path):
-    file = RecordingFile(tmp_path / "x.mcap")
-    file.begin("r", scenario())
-    file.write([(robot_key("r", 1, "command"), b"\x93")])
-    file.flush()
-    file.finish()
-    found = read(tmp_path / "x.mcap")
-    assert (list(found.entries), found.cut) == ([], False)
-
-
-def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path):
-    with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
-        RecordingFile(tmp_path / "no" / "x.mcap")
-
-
-def test_the_same_when_another_process_writes(tmp_path):
-    with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
-        WriterProcess(tmp_path / "no" / "x.mcap")
-    here, beside = RecordingFile(tmp_path / "here.mcap"), WriterProcess(tmp_path / "beside.mcap")
-    for file in (here, beside):
-        file.begin("r", scenario())
-        file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
-        file.flush()
-        file.finish('{"verdict": "arrived"}')
-    assert (tmp_path / "here.mcap").read_bytes() == (tmp_path / "beside.mcap").read_bytes()
-
-
-def test_the_end_of_the_process_that_writes_is_an_error(tmp_path):
-    file = WriterProcess(tmp_path / "x.mcap")
-    child = file._process
-    child.kill()
-    child.join(10)
-    with pytest.raises(RecordingError, match=r"cannot go on recording to .*x\.mcap"):
-        file.begin("r", scenario())
-
-
-@pytest.mark.parametrize("more", [b"", b"\0\0\4\0half a message"], ids=["", "in the middle of a message"])
-def test_the_end_of_who_tells_ends_the_file_with_all_that_was_told(tmp_path, more):
-    file = WriterProcess(tmp_path / "x.mcap")
-    file.begin("r", scenario())
-    file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))])
-    os.write(file._pipe.fileno(), more)
-    file.close()
-    found = read(tmp_path / "x.mcap")
-    assert said_by(found, Command, 1) == [Command(1, 1, 0, (0.1, 0.2))]
-    assert (found.result, found.cut) == (None, True)
-    with (tmp_path / "x.mcap").open("rb") as stream:
-        assert make_reader(stream).get_summary() is not None
-
-
 def test_a_world_that_never_appears_ends_the_wait(tmp_path):
     bus = LocalNetwork().connect()
-    recorder = Recorder(bus, "r", RecordingFile(tmp_path / "x.mcap"), patience=0.01)
+    recorder = Recorder(bus, "r", RecordingWriter(tmp_path / "x.mcap"), patience=0.01)
     assert recorder.deadline < time.monotonic() + 0.02
     with pytest.raises(BusError, match="no world to record within"):
         recorder.wake(recorder.deadline)
@@ -186,3 +119,155 @@ def test_a_world_that_answers_nothing_else_is_named(tmp_path):
     recorder.handle(recorder._bus.receive(0.0))
     with pytest.raises(BusError, match="the world does not send its scenario within"):
         recorder.wake(time.monotonic() + PATIENCE)
+
+
+# -- as a process
+
+
+def _feed(world: FakeWorld, bus: ZenohBus, until: Callable[[], object]) -> None:
+    """Publish truths, up to a thousand a second, until told."""
+    positions = tuple(spec.start for spec in ROBOTS)
+    robots = tuple(spec.id for spec in ROBOTS)
+    deadline = time.monotonic() + 60.0
+    while not until():
+        assert time.monotonic() < deadline, "the recorder does not record"
+        world.tick += 1
+        event = bus.receive(0.001)
+        if event is not None:
+            world.handle(event)
+        world.say(world_key("lost", "truth"), encode(Truth(world.tick, robots, positions, 0.1, 0.5)))
+
+
+def _feed_past(world: FakeWorld, bus: ZenohBus, path: Path) -> int:
+    """Publish until the file holds the present tick, and beyond; that tick."""
+    safe, size = world.tick, 0
+
+    def held() -> bool:
+        nonlocal size
+        before, size = size, path.stat().st_size if path.exists() else 0
+        with suppress(RecordingError):  # it has not begun
+            return size > before and read(path).truths.ticks[-1] > safe
+        return False
+
+    _feed(world, bus, held)
+    return safe
+
+
+class Process:
+    """A recorder beside a router and a world, as a fleet starts it."""
+
+    def __init__(
+        self, supervisor: Supervisor, world: FakeWorld, bus: ZenohBus, row: Callable[..., table.Process]
+    ) -> None:
+        self.supervisor, self._world, self._bus = supervisor, world, bus
+        supervisor.start([row(again=False)])
+        self.heard: list[str] = []
+        self.feed(lambda: self.named)
+        supervisor.amend(row(again=True))
+        self.path = Path(self.heard[0])
+
+    @property
+    def named(self) -> list[str]:
+        """The files that it has reported since it was last asked."""
+        self.supervisor.poll()
+        named = self.supervisor.heard(table.RECORDER)
+        self.heard += named
+        return named
+
+    def feed(self, until: Callable[[], object]) -> None:
+        _feed(self._world, self._bus, until)
+
+    def feed_past(self, path: Path) -> int:
+        return _feed_past(self._world, self._bus, path)
+
+
+@pytest.fixture
+def process(tmp_path):
+    router, endpoint = listening(Connection("router"))
+    connection = Connection(connect=(endpoint,))
+    with closing(router), closing(ZenohBus(connection)) as bus, Supervisor() as supervisor:
+        world = FakeWorld(bus, "lost")
+        result = tmp_path / "result.json"
+        row = partial(
+            table.recorder, connection, "lost", tmp_path / "run.mcap", result, away=30.0, restarts=1
+        )
+        yield Process(supervisor, world, bus, row)
+
+
+@pytest.mark.process
+def test_killed_it_leaves_all_but_the_last_moment_and_the_next_writes_another_file(process, tmp_path):
+    path, result = tmp_path / "run.mcap", tmp_path / "result.json"
+    safe = process.feed_past(path)
+    process.supervisor.signal(table.RECORDER, signal.SIGKILL)
+    process.feed(lambda: process.named)
+    more = tmp_path / "run-2.mcap"
+    assert process.heard == [str(path), str(more)]
+    last = process.feed_past(more)
+    result.write_text('{"verdict": "interrupted"}')
+    process.supervisor.stop()
+    before, after = read(path), read(more)
+    assert before.cut
+    assert before.truths.ticks[-1] >= safe
+    assert np.diff(before.truths.ticks[1:]).max() == 1
+    assert (after.cut, after.result) == (False, {"verdict": "interrupted"})
+    assert last in after.truths.ticks
+
+
+@pytest.mark.process
+def test_told_to_stop_it_waits_for_the_result_a_moment(process):
+    process.feed_past(process.path)
+    process.supervisor.signal(table.RECORDER, signal.SIGTERM)
+    told = time.monotonic()
+    process.feed(lambda: time.monotonic() > told + 0.5)
+    process._world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
+    process.supervisor.stop()
+    found = read(process.path)
+    assert (found.result, found.cut) == ({"verdict": "interrupted"}, False)
+
+
+@pytest.mark.process
+def test_told_to_stop_before_there_is_a_world_it_leaves_no_file(tmp_path):
+    router, endpoint = listening(Connection("router"))
+    with closing(router), Supervisor() as supervisor:
+        connection = Connection(connect=(endpoint,))
+        supervisor.start(
+            [table.recorder(connection, "none", tmp_path / "run.mcap", tmp_path / "result.json")]
+        )
+        supervisor.stop()
+        (usage,) = supervisor.usage()
+    assert usage.exit_code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.process
+def test_a_fleet_is_recorded_to_the_last_message(tmp_path):
+    path = tmp_path / "fleet.mcap"
+    with Fleet(scenario(), RunOptions(), record=path) as fleet:
+        report = fleet.execute()
+        fleet.processes()
+        fleet.record(report | {"transport": "routed"})
+        assert fleet.recordings() == [str(path)]
+    found = read(path)
+    assert (found.cut, found.result) == (False, report | {"transport": "routed"})
+    assert trajectory(found) == (report["trajectory_sha256"], 0)
+    for spec in ROBOTS:
+        assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
+        assert [command.tick for command in said_by(found, Command, spec.id)] == list(range(report["ticks"]))
+
+
+@pytest.mark.process
+def test_a_fleet_whose_recorder_is_killed_goes_on_without_it(tmp_path, caplog):
+    path = tmp_path / "fleet.mcap"
+
+    def kill(clock: Clock) -> None:
+        if clock.tick > 5 and table.RECORDER in fleet.pids():
+            fleet.signal(table.RECORDER, signal.SIGKILL)
+
+    with Fleet(scenario(), RunOptions(speed=5.0), watch=kill, record=path) as fleet:
+        report = fleet.execute()
+        fleet.processes()
+        with pytest.raises(RecordingError, match=r"fleet\.mcap was not finished: its recorder ended with"):
+            fleet.record(report)
+    assert report["verdict"] == "arrived"
+    assert "the recording ends there" in caplog.text
+    assert read(path).cut

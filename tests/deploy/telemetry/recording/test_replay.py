@@ -11,9 +11,9 @@ from mcap.writer import Writer
 
 from deploy.cli.recording import info, replay
 from deploy.processes.router import listening
-from deploy.telemetry.recording.mcap.contents import contents
-from deploy.telemetry.recording.reading.reader import Recording, Truths, read
-from deploy.telemetry.recording.reading.replay import publish, published, verify
+from deploy.telemetry.recording.contents import Contents
+from deploy.telemetry.recording.reader import Recording, Truths, read
+from deploy.telemetry.recording.replay import publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
 from protocol.bus.local import LocalNetwork
@@ -39,22 +39,18 @@ def recording(path) -> Recording:
 
 def _altered(path: Path, target: Path, old: bytes, new: bytes) -> Path:
     """The same recording but for one change in its messages."""
-    found = contents(path)
-    messages = list(found.messages())
+    found = Contents(path)
     with target.open("wb") as file:
         writer = Writer(file)
         writer.start()
         for name, data in found.metadata.items():
             writer.add_metadata(name, data)
-        numbers = {
-            number: writer.register_channel(topic, "json", 0) for number, topic in found.topics.items()
-        }
-        for message in messages:
-            data = message.data
-            if b'"clearance"' in data:
-                data = data.replace(old, new)
-            if data:
-                writer.add_message(numbers[message.channel_id], message.log_time, data, message.publish_time)
+        numbers: dict[str, int] = {}
+        for key, when, data in found.messages():
+            if key not in numbers:
+                numbers[key] = writer.register_channel(key, "json", 0)
+            changed = data.replace(old, new) if b'"clearance"' in data else data
+            writer.add_message(numbers[key], when, changed, when)
         writer.finish()
     return target
 

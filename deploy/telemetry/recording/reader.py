@@ -18,11 +18,11 @@ from typing import Any, NamedTuple, TypeVar
 import msgspec
 import numpy as np
 
+from deploy.telemetry.recording.contents import Contents
 from deploy.telemetry.recording.form import from_object
-from deploy.telemetry.recording.mcap.contents import Contents, Series, series
 from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError
-from protocol.keys import parse
+from protocol.keys import parse, world_key
 from protocol.messages import Message, Truth
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
@@ -48,7 +48,7 @@ class Entries:
         RecordingError: (loops) a message lacks or has too much: another version wrote it.
     """
 
-    def __init__(self, found: Contents | Series, keep: Callable[[Entry], bool] = lambda _: True) -> None:
+    def __init__(self, found: Contents, keep: Callable[[Entry], bool] = lambda _: True) -> None:
         self._found, self._keep = found, keep
 
     def __iter__(self) -> Iterator[Entry]:
@@ -56,18 +56,16 @@ class Entries:
 
     def of(self, *kinds: type[Message]) -> Iterator[Entry]:
         """Those of these kinds alone, which is quicker: no other is decoded."""
-        streams: dict[int, type[Message] | None] = {}
-        for recorded in self._found.messages():
-            number = recorded.channel_id
+        wanted: dict[str, type[Message] | None] = {}  # by key
+        for key, time, data in self._found.messages():
             with _by_this_version(self._found.path):
-                if number not in streams:
-                    kind = STREAMS[parse(self._found.topics[number]).stream].message
-                    streams[number] = kind if issubclass(kind, kinds) else None
-                wanted = streams[number]
-                if wanted is None:
+                if key not in wanted:
+                    kind = STREAMS[parse(key).stream].message
+                    wanted[key] = kind if issubclass(kind, kinds) else None
+                if (kept := wanted[key]) is None:
                     continue
-                message = from_object(wanted, msgspec.json.decode(recorded.data))
-            entry = Entry(recorded.log_time / 1e9, self._found.topics[number], message)
+                message = from_object(kept, msgspec.json.decode(data))
+            entry = Entry(time / 1e9, key, message)
             if self._keep(entry):
                 yield entry
 
@@ -148,7 +146,7 @@ class Recording:
             yield entry.message
 
 
-def read(path: Path | str, progress: Progress | None = None) -> Recording:
+def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
     """Read a recording, whole or cut, with the files that follow it; `progress` is told how much is done.
 
     Raises:
@@ -156,7 +154,7 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
         RecordingError: it is not a recording of a run.
     """
     path = Path(path)
-    found = series(path)
+    found = Contents(path)
     scenario, said = _scenario(path, found), found.metadata.get("run", {})
     run, preceding = said.get("name", ""), said.get("preceding", "")
     result = found.metadata.get("result")
@@ -164,7 +162,7 @@ def read(path: Path | str, progress: Progress | None = None) -> Recording:
         counts, truths = _looked_through(found, scenario, not preceding, progress)
         report = None if result is None else json.loads(result["json"])
     recorder = found.metadata.get("recorder")
-    cut = found.cut or recorder is None or "ended" in recorder
+    cut = found.cut or recorder is None
     return Recording(path, run, scenario, report, Entries(found), counts, truths, preceding, cut)
 
 
@@ -177,33 +175,32 @@ def _by_this_version(path: Path) -> Iterator[None]:
         raise RecordingError(f"{reason}; read it with the version that wrote it") from error
 
 
-def _scenario(path: Path, found: Contents | Series) -> Scenario:
+def _scenario(path: Path, found: Contents) -> Scenario:
     try:
         scenario = validated(msgspec.json.decode(found.metadata["scenario"]["json"], type=Scenario))
         _ = scenario.k  # a number, in all that was run
         return scenario
     except KeyError:
-        ours = found.cut or "recorder" in found.metadata
-        what = "was cut before it began" if ours else "holds no scenario, so disknav did not write it"
-        raise RecordingError(f"{path} {what}: there is nothing to show") from None
+        what = "was cut before the run began" if found.cut else "holds no scenario: disknav did not write it"
+        raise RecordingError(f"{path} {what}; nothing was recorded") from None
     except (*DAMAGED, ScenarioError) as error:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error
 
 
 def _looked_through(
-    found: Contents | Series, scenario: Scenario, whole: bool, progress: Progress | None
+    found: Contents, scenario: Scenario, whole: bool, progress: Progress
 ) -> tuple[Counter[str], Truths]:
-    counts: Counter[int] = Counter()
+    counts: Counter[str] = Counter()
     said: dict[int, Said] = {}
     robots: tuple[int, ...] = ()
-    for recorded in found.messages(progress):
-        counts[recorded.channel_id] += 1
-        if parse(found.topics[recorded.channel_id]).stream == "truth":
-            truth = from_object(Truth, msgspec.json.decode(recorded.data))
+    truths = world_key(found.metadata.get("run", {}).get("name", ""), "truth")
+    for key, _, data in found.messages(progress):
+        counts[key] += 1
+        if key == truths:
+            truth = from_object(Truth, msgspec.json.decode(data))
             assert isinstance(truth, Truth)
             robots = robots if truth.robots == robots else truth.robots  # one tuple for all the same
             said[truth.tick] = Said.of(truth)._replace(robots=robots)
     if whole or not said:
         said.setdefault(0, Said.of(World(scenario).truth))  # what the scenario says before anybody moved
-    by_key = Counter({found.topics[number]: count for number, count in counts.items()})
-    return by_key, Truths.of(said[tick] for tick in sorted(said))
+    return counts, Truths.of(said[tick] for tick in sorted(said))

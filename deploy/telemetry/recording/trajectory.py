@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.telemetry.recording.reading.reader import Recording
+from deploy.telemetry.recording.reader import Recording
 from protocol.errors import RecordingError
 from protocol.messages import Command, Tick, Vector
 from world.judge.trajectory import TrajectoryDigest

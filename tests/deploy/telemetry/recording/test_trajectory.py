@@ -16,9 +16,9 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.plot.animation import animate
 from deploy.telemetry.plot.draw import until
 from deploy.telemetry.plot.figure import figure
-from deploy.telemetry.recording.reading.reader import Recording, Truths, read
-from deploy.telemetry.recording.reading.replay import export, verify
-from deploy.telemetry.recording.reading.trajectory import participants
+from deploy.telemetry.recording.reader import Recording, Truths, read
+from deploy.telemetry.recording.replay import export, verify
+from deploy.telemetry.recording.trajectory import participants
 from protocol.errors import RecordingError
 from protocol.messages import State
 from protocol.scenario.model import Order, RobotSpec, Scenario

@@ -9,10 +9,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.mcap.contents import contents
-from deploy.telemetry.recording.reading.reader import read
-from deploy.telemetry.recording.reading.replay import export
-from deploy.telemetry.recording.reading.trajectory import trajectory
+from deploy.telemetry.recording.contents import Contents
+from deploy.telemetry.recording.reader import read
+from deploy.telemetry.recording.replay import export
+from deploy.telemetry.recording.trajectory import trajectory
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.scene.fleet import TOPICS
 from deploy.telemetry.scene.ros import NAME
@@ -156,12 +156,11 @@ def test_reading_takes_no_more_memory_for_a_longer_recording(tmp_path):
     keys = {spec.id: robot_key("r", spec.id, "command") for spec in ROBOTS}
     for ticks in (1000, 5000):
         path = tmp_path / f"{ticks}.mcap"
-        file = RecordingFile(path)
-        file.begin("r", scenario())
+        file = RecordingFile(path, "r", scenario())
         for tick in range(ticks):
             file.write([(key, encode(Command(robot, 1, tick, (0.1, 0.2)))) for robot, key in keys.items()])
         file.finish()
-        found = contents(path)
+        found = Contents(path)
         tracemalloc.start()
         assert sum(1 for _ in found.messages()) == 3 * ticks
         peaks.append(tracemalloc.get_traced_memory()[1])

@@ -6,19 +6,20 @@ import json
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from mcap.writer import Writer
 
-from deploy.telemetry.recording.mcap.file import McapFile
-from deploy.telemetry.recording.reading.reader import Recording
-from deploy.telemetry.recording.reading.trajectory import Trajectory, trajectory
+from deploy.output.target import writing
+from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.trajectory import Trajectory, trajectory
 from deploy.telemetry.recording.writer import LIBRARY
 from deploy.telemetry.scene import ros
 from deploy.telemetry.scene.drawing import WORLD, frame
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
-from protocol.errors import RecordingError, UsageError
+from protocol.errors import RecordingError
 from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Result
 from protocol.process.signals import STOP
@@ -94,15 +95,16 @@ def export(recording: Recording, path: Path) -> None:
     """
     step, truths = recording.scenario.time.step, recording.truths
     frames: dict[tuple[int, ...], ros.Frames] = {}
-    try:
-        file = McapFile(path, LIBRARY, "ros2")
-        number = file.channel("/tf", file.schema(ros.NAME, ros.DEFINITION.encode(), "ros2msg"), {}, "cdr")
+    with writing(path, "write ROS 2 messages"), path.open("wb") as file:
+        writer: Any = Writer(file)  # partly untyped
+        writer.start("ros2", LIBRARY)
+        schema = writer.register_schema(ros.NAME, "ros2msg", ros.DEFINITION.encode())
+        channel = writer.register_channel("/tf", "cdr", schema)
         for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
             time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
             robots = tuple(truths.robots[there].tolist())
             if robots not in frames:
                 frames[robots] = ros.Frames(WORLD, [frame(robot) for robot in robots])
-            file.message(number, time, frames[robots].message(time, positions[there].tolist()))
-        file.finish({})
-    except OSError as error:
-        raise UsageError(f"cannot write {path}: {error.strerror}; name a file that can be written") from error
+            data = frames[robots].message(time, positions[there].tolist())
+            writer.add_message(channel, time, data, time)
+        writer.finish()

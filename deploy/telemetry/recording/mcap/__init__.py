@@ -1,1 +1,0 @@
-"""MCAP files: written chunk by chunk, read up to where they end or are damaged."""

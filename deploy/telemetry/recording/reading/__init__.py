@@ -1,1 +1,0 @@
-"""Recordings read back: as messages and arrays, checked, published again, exported."""
