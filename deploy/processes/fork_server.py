@@ -146,7 +146,8 @@ class _Server:
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.reports else (None, None)
-        pid = os.fork()
+        with STOP.held():  # what reaches the new process before Python is ready in it
+            pid = os.fork()
         if pid == 0:
             run_forked(start, self._run, writing, self._lifeline, self._begin_log)
         if reading is not None and writing is not None:

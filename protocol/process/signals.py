@@ -149,7 +149,9 @@ class StopSignal:
     @contextmanager
     def held(self) -> Iterator[None]:
         """Inside, signals wait, and so they do for good in each process that is started here: it leaves them
-        to this one, unless it listens itself, from the moment when it does."""
+        to this one, unless it listens itself, from the moment when it does. A process that is forked inside,
+        and leaves it as well, loses none: Python forgets in a new process what came before it was ready.
+        """
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         try:
             yield

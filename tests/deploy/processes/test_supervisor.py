@@ -136,6 +136,15 @@ def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Su
     assert codes == {"plain": 0, "frozen": 0, "stubborn": -9}
 
 
+def test_a_process_told_to_end_while_it_is_forked_ends(supervisor: Supervisor) -> None:
+    """Python forgets in a new process which signals came before it was ready."""
+    names = [f"new-{number}" for number in range(20)]
+    for name in names:
+        supervisor.start([waiting(name)])
+        supervisor.signal(name, signal.SIGTERM)
+    assert {each.code for each in exits(supervisor, len(names))} == {0}
+
+
 def test_a_frozen_process_on_the_network_stops_at_once_and_in_order(supervisor: Supervisor) -> None:
     supervisor.start([router(Connection("router"))])
     connection = Connection(connect=(supervisor.report("router", PATIENCE),))
