@@ -95,7 +95,7 @@ class Replay(NamedTuple):
 def replay(robots: int) -> Replay:
     """Of the journal of a whole run."""
     setting = scenario(robots)
-    setting = replace(setting, time=replace(setting.time, limit=_LIMIT))
+    setting = replace(setting, time=replace(setting.time, limit=_LIMIT, endless=False), orders=())
     with TemporaryDirectory(prefix="disknav-") as folder:
         path = Path(folder) / "journal"
         Journal.create(path, "local", setting)
