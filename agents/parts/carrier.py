@@ -13,7 +13,7 @@ from typing import Final
 
 from agents.parts.layout import Layout
 from agents.parts.perception import Perception, first, traveller
-from agents.parts.planner import Planner, choose, fits
+from agents.parts.planner import Planner
 from agents.parts.traffic import Traffic, Traveller
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
@@ -52,7 +52,6 @@ class PartCarrier:
         self._planner = Planner(scenario, spec.radius)
         self._traffic = Traffic(self._planner.grid)
         self._robot, self._scenario = robot, scenario
-        self._goals = {number: part.goal for number, part in enumerate(scenario.parts, 1)}
         self._reach = scenario.carrying.reach
         self._patience, self._pause = scenario.ticks(STUCK), scenario.ticks(AGAIN)
         self._task = 0  # part that is fetched or carried
@@ -61,9 +60,7 @@ class PartCarrier:
         self._target: Vector | None = None  # where the part is put down, once that is decided
         self._loaded = False
         self._attempt = 0  # to put it down
-        self._known: dict[
-            int, int
-        ] = {}  # which parts others claimed when it was last looked whether all fits
+        self._known: dict[int, int] = {}  # which parts others claimed when it last checked that all fits
         self._in_order = False  # whether all can get to their goals when it has brought its part there
         self._refuge: Vector | None = None  # where it makes way for others
         self._back = 0  # when it comes back from there, tick
@@ -126,7 +123,7 @@ class PartCarrier:
 
     def _is_mine(self, part: int) -> bool:
         """Whether it can still be fetched, and nobody else has the better claim."""
-        if part not in self._perception.layout.parts or self._perception.is_at(part, self._goals[part]):
+        if part not in self._perception.layout.parts or self._perception.is_at(part, self._spec(part).goal):
             return False
         mine = (self._cost(), self._robot)
         return all(
@@ -143,7 +140,7 @@ class PartCarrier:
         claim = Claim(part, 0.0, 0.0)
         ahead = first(self._perception, self._robot, claim)
         perception = self._perception.heeding([peer.robot for peer in ahead])
-        return fits(self._planner, part, self._position, perception, self._goals)
+        return self._planner.fits(part, self._position, perception)
 
     def _cost(self) -> float:
         return math.inf if self._place is None else math.dist(self._position, self._place)
@@ -156,7 +153,7 @@ class PartCarrier:
         self._look = self._tick + self._pause
         self._avoided = {part: until for part, until in self._avoided.items() if until > self._tick}
         perception = self._perception
-        errand = choose(self._planner, self._position, perception, self._avoided, self._goals)
+        errand = self._planner.choose(self._position, perception, self._avoided)
         if errand is not None:
             self._task, self._place, self._seen = errand.part, errand.fetch, perception.layout
             self._since, self._known = self._tick, {robot: claim.part for robot, claim in perception.claims}

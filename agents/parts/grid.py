@@ -7,7 +7,7 @@ whole grid at a step: whether there is a way is asked far more often than how lo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -21,6 +21,7 @@ Cells = NDArray[np.bool_]
 
 _NEAR: Final = 2  # cells around a point that stand for its own where that is not free
 _SAG: Final = 1.0 / 16.0  # of a cell: room for what steps between cells, and straight ways, cut off
+_KEPT: Final = 1024  # sets that are remembered
 _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -122,18 +123,18 @@ class Grid:
                 return False
         return True
 
-    def _near(self, free: Cells, point: Vector) -> tuple[int, int] | None:
+    def near(self, point: Vector, is_free: Callable[[int, int], bool]) -> tuple[int, int] | None:
         """The cell of a point, or the nearest free one not far from it."""
         i, j = self.cell(point)
-        if free[i, j]:
+        if is_free(i, j):
             return i, j
-        near = [
-            (i + dx, j + dy)
-            for dx in range(-_NEAR, _NEAR + 1)
-            for dy in range(-_NEAR, _NEAR + 1)
-            if 0 <= i + dx < free.shape[0] and 0 <= j + dy < free.shape[1] and free[i + dx, j + dy]
-        ]
+        around = range(-_NEAR, _NEAR + 1)
+        near = [(i + dx, j + dy) for dx in around for dy in around if is_free(i + dx, j + dy)]
         return min(near, key=lambda c: (math.dist((self.x[c], self.y[c]), point), c), default=None)
+
+    def _near(self, free: Cells, point: Vector) -> tuple[int, int] | None:
+        high, wide = free.shape
+        return self.near(point, lambda i, j: 0 <= i < high and 0 <= j < wide and bool(free[i, j]))
 
     def _beside(self, cell: tuple[int, int]) -> list[tuple[int, int]]:
         shape = self.x.shape
@@ -153,10 +154,6 @@ def distance_to(shape: Shape, x: Reals, y: Reals) -> Reals:
     if isinstance(shape, Disk):
         return np.asarray(np.hypot(x - shape.x, y - shape.y) - shape.radius)
     return np.asarray(np.maximum.reduce([nx * x + ny * y - offset for nx, ny, offset in shape.sides]))
-
-
-NEAR: Final = 2  # cells around a point that stand for its own where that is not free
-_KEPT: Final = 1024  # sets that are remembered
 
 
 class Reach:
@@ -226,17 +223,8 @@ class Reach:
 
     def _near(self, free: int, point: Vector) -> int:
         """The cell of a point, or the nearest free one not far from it; 0 if there is none."""
-        i, j = self._grid.cell(point)
-        if self._has(free, i, j):
-            return self._bit(i, j)
-        around = range(-NEAR, NEAR + 1)
-        near = [(i + dx, j + dy) for dx in around for dy in around if self._has(free, i + dx, j + dy)]
-        x, y = self._grid.x, self._grid.y
-        cell = min(near, key=lambda c: (math.dist((x[c], y[c]), point), c), default=None)
-        return 0 if cell is None else self._bit(*cell)
-
-    def _bit(self, i: int, j: int) -> int:
-        return int(1 << (i * self._row + j))
+        cell = self._grid.near(point, lambda i, j: self._has(free, i, j))
+        return 0 if cell is None else 1 << (cell[0] * self._row + cell[1])
 
     def _has(self, cells: int, i: int, j: int) -> bool:
         return i >= 0 and 0 <= j < self._columns and cells >> (i * self._row + j) & 1 == 1

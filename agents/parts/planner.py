@@ -90,14 +90,14 @@ class Planner:
         way. The nearest place at the first attempt, others at later ones; one after which all find their
         ways, too, if there is any."""
         places = self._places.to_put(part, target, layout)
-        found = self._by_way(places, self._carried(part, position, layout))
+        found = self._by_way(places, self._far(position, layout, part))
         after = layout.moved(part, target)
         found = [each for each in found if self.has_order(after, each)] or found
         return found[attempt * _OTHER % len(found)] if found else None
 
     def refuge(self, part: int, position: Vector, layout: Layout) -> Vector | None:
         """The place farthest from its goal to which a part can be carried, m; None if it cannot be moved."""
-        far = self._carried(part, position, layout)
+        far = self._far(position, layout, part)
         goal, x, y = self._parts[part].goal, self.grid.x, self.grid.y
         reached = [(float(x[c]), float(y[c])) for c in zip(*(far < math.inf).nonzero(), strict=True)]
         return max(reached, key=lambda cell: (math.dist(cell, goal), cell), default=None)
@@ -159,7 +159,7 @@ class Planner:
         free = self.grid.clear(shapes, radius + MARGIN * self._places.reach)
         cells = [(float(self.grid.x[c]), float(self.grid.y[c])) for c in zip(*free.nonzero(), strict=True)]
         cells.sort(key=lambda cell: (math.dist(cell, position), cell))
-        far = self._carried(part, position, layout)
+        far = self._far(position, layout, part)
         for cell in cells[:: max(1, len(cells) // _TRIES)]:
             places = self._by_way(self._places.to_put(part, cell, layout), far)
             if places:
@@ -183,73 +183,54 @@ class Planner:
         cost, fetch = min(zip(map(float, costs), begins, strict=True))
         return Errand(part, fetch, self.grid.way(far, fetch)) if math.isfinite(cost) else None
 
-    def _far(self, position: Vector, layout: Layout) -> Reals:
-        """How far it is to everywhere for a robot that carries nothing, m."""
-        free = self.grid.clear(self._places.standing(layout), self._places.radius)
-        return self.grid.distance_field(free, [position])
+    # -- which part, beside all that is claimed
 
-    def _carried(self, part: int, position: Vector, layout: Layout) -> Reals:
-        """How far it is to everywhere for a robot with a part, m."""
-        free = self.grid.clear(self._places.standing(layout), self.loaded(part))
-        return self.grid.distance_field(free, [position])
+    def choose(self, position: Vector, perception: Perception, avoided: Collection[int]) -> Errand | None:
+        """The nearest part after which all others can be brought, too, by any robot; where there is no order
+        for all, one that makes room; None to wait.
+
+        Args:
+            position: own, m.
+            avoided: parts that could not be reached.
+        """
+        nearest: Errand | None = None
+        layout = perception.layout
+        for errand in self.errands(position, layout):
+            if errand.part in layout.promised or errand.part in avoided:
+                continue
+            nearest = nearest or errand
+            if self.fits(errand.part, position, perception):
+                return errand
+        if layout.promised or self.has_order(layout, position):
+            return None
+        return self.clearing(position, layout) or nearest
+
+    def fits(self, part: int, position: Vector, perception: Perception) -> bool:
+        """Whether all get to their goals if a robot brings this part there next, beside all that is claimed:
+        each finds its way after any one of the others, and after all of them."""
+        if not self.leads_on(part, perception.layout, position):
+            return False
+        at = {peer.robot: peer.position for peer in perception.peers}
+        jobs = {claim.part: at[robot] for robot, claim in perception.claims} | {part: position}
+        for each, begin in jobs.items():
+            others = [other for other in jobs if other != each]
+            for done in ([], *([other] for other in others), others):
+                layout = perception.layout
+                for other in done:
+                    layout = layout.moved(other, self._parts[other].goal)
+                finds = self.orders.can_fetch if each in layout.parts else self.orders.can_deliver
+                if begin is not None and not finds(each, layout, begin):
+                    return False
+        return True
+
+    # -- how far it is
+
+    def _far(self, position: Vector, layout: Layout, part: int = 0) -> Reals:
+        """How far it is to everywhere for a robot with a part, or with none, m."""
+        radius = self.loaded(part) if part else self._places.radius
+        return self.grid.distance_field(self.grid.clear(self._places.standing(layout), radius), [position])
 
     def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
         """Places to which there is a way, the nearest first."""
         found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
         return [point for way, point in sorted(found) if math.isfinite(way)]
-
-
-def choose(
-    planner: Planner,
-    position: Vector,
-    perception: Perception,
-    avoided: Collection[int],
-    goals: dict[int, Vector],
-) -> Errand | None:
-    """The nearest part after which all others can be brought, too, by whomever; where there is no order for
-    all, one that makes room; None to wait.
-
-    Args:
-        position: own, m.
-        avoided: parts that could not be reached.
-        goals: of all parts, m.
-    """
-    nearest: Errand | None = None
-    layout = perception.layout
-    for errand in planner.errands(position, layout):
-        if errand.part in layout.promised or errand.part in avoided:
-            continue
-        nearest = nearest or errand
-        if fits(planner, errand.part, position, perception, goals):
-            return errand
-    if layout.promised or planner.has_order(layout, position):
-        return None
-    return planner.clearing(position, layout) or nearest
-
-
-def fits(
-    planner: Planner, part: int, position: Vector, perception: Perception, goals: dict[int, Vector]
-) -> bool:
-    """Whether all get to their goals if a robot brings this part there next, beside all that is claimed."""
-    return planner.leads_on(part, perception.layout, position) and _agrees(
-        planner, part, position, perception, goals
-    )
-
-
-def _agrees(
-    planner: Planner, own: int, position: Vector, perception: Perception, goals: dict[int, Vector]
-) -> bool:
-    """Whether it does not matter who of all that are under way is done before whom: each finds its way after
-    any one of the others, and after all of them."""
-    at = {peer.robot: peer.position for peer in perception.peers}
-    jobs = {claim.part: at[robot] for robot, claim in perception.claims} | {own: position}
-    for part, begin in jobs.items():
-        others = [each for each in jobs if each != part]
-        for done in ([], *([each] for each in others), others):
-            layout = perception.layout
-            for each in done:
-                layout = layout.moved(each, goals[each])
-            finds = planner.orders.can_fetch if part in layout.parts else planner.orders.can_deliver
-            if begin is not None and not finds(part, layout, begin):
-                return False
-    return True
