@@ -58,7 +58,7 @@ class Forks:
 
 def main() -> None:
     """Fork for each line on standard input, and answer with the status."""
-    import deploy.cli.application
+    import deploy.cli.main
     import deploy.run.execute  # noqa: F401
     from deploy.library.load import load
     from disknav.__main__ import main as disknav

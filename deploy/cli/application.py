@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -30,13 +30,34 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     name="disknav",
-    help="A fleet of disk robots, one process each, that reach their goals without touching.",
     cls=Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode="rich",
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"disknav {version('disknav')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end.")
+    ] = False,
+) -> None:
+    """A fleet of disk robots, one process each, that reach their goals without touching.
+
+    Example: disknav run figure-1 --plot figure-1.png
+    """
+    del version  # its callback has ended the command
+
 
 GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, monitor, fleet.app, fleet.stop, recording.app),

@@ -247,7 +247,7 @@ def probe(
 
     Exit status: 0 it is well, 2 invalid, 3 no message in time.
     """
-    from deploy.processes.probe import probe as listen
+    from deploy.run.operator import probe as listen
 
     membership = Membership(secure)
     name, endpoint = membership.named_run(run), router or membership.default_router

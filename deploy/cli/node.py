@@ -197,8 +197,8 @@ def host(
         require_realtime()
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
     # -P: nor what lies in the working directory.
-    module, arguments = ("remote", [run]) if facts is None else ("facts", [str(each) for each in facts])
-    call = [sys.executable, "-P", "-m", f"deploy.processes.hosts.{module}", *arguments]
+    arguments = [run] if facts is None else ["--facts", *map(str, facts)]
+    call = [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", *arguments]
     os.execve(sys.executable, call, environment())
 
 

@@ -66,7 +66,7 @@ def new(
     disknav scenario new swap --robots 8 --jitter 0.005;
     disknav scenario new figure-3d --seed 9
     """
-    from deploy.library.generate import generate
+    from deploy.library.names import generate
 
     wanted = {"robots": robots, "density": density, "unequal": unequal, "jitter": jitter}
     given = {key: value for key, value in wanted.items() if value is not None}

@@ -64,8 +64,7 @@ def keys(
     Example: disknav setup keys keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
     """
     from deploy.library.load import read
-    from deploy.processes.hosts.protection import roster_of
-    from deploy.processes.hosts.table import read_hosts
+    from deploy.processes.hosts.table import read_hosts, roster_of
     from deploy.security.keystore import create
     from deploy.security.roster import Roster
 
@@ -103,7 +102,7 @@ def hosts(
 
     Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid, 3 nothing could be installed.
     """
-    from deploy.processes.hosts.install import install as put
+    from deploy.processes.hosts.prepare import install as put
     from deploy.processes.hosts.table import read_any_hosts
 
     found = read_any_hosts(table).hosts
@@ -148,8 +147,7 @@ def deploy(
     Example: disknav setup deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
     from deploy.library.load import load
-    from deploy.manifests.folder import write
-    from deploy.manifests.plan import Plan, installation
+    from deploy.manifests.render import Plan, installation, write
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
@@ -211,9 +209,7 @@ def calibrate(
     from agents.bases.base import require
 
     require()  # before what needs it
-    from deploy.calibrate.bounds import bounds, statements
-    from deploy.calibrate.node import Calibration
-    from deploy.calibrate.square import Driver, square
+    from deploy.calibrate import Calibration, Driver, bounds, square, statements
     from deploy.library.load import load
     from protocol.bus.loop import drive
     from protocol.bus.zenoh import ZenohBus
@@ -267,8 +263,8 @@ def _are_fit(hosts: Sequence[Host]) -> bool:
     from rich.table import Table
     from rich.text import Text
 
-    from deploy.processes.hosts.check import check
-    from deploy.processes.hosts.relay import printable
+    from deploy.processes.hosts.prepare import check
+    from deploy.processes.hosts.ssh import printable
 
     with ThreadPoolExecutor(len(hosts)) as pool:
         findings = list(pool.map(check, hosts))

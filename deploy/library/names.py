@@ -1,19 +1,16 @@
-"""Names of the library, and what they stand for."""
+"""Names of the library and what they stand for, and scenarios made to measure."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import partial
 from typing import NamedTuple
 
 from deploy.library.among_things import beads, blocks, boxes, forest, sphere_world
-from deploy.library.demonstrations import admissible, crash, delay_6
-from deploy.library.figures import figure_1, figure_2
-from deploy.library.goal_sets import TIGHTNESS, figure_3
-from deploy.library.movers import parts
-from deploy.library.random_instances import in_turn, random_instance
+from deploy.library.figures import TIGHTNESS, admissible, crash, delay_6, figure_1, figure_2, figure_3
+from deploy.library.random_instances import PAPER_DENSITY, in_turn, parts, random_instance
 from deploy.library.swaps import circle, head_on, swap, turtlebots
 from protocol.draws import checked_seed
 from protocol.errors import UsageError
@@ -116,3 +113,44 @@ def build(name: str, seed: int | None = None) -> Scenario:
     if found := _NUMBERED.fullmatch(name):
         return _COUNTED[found[1]][0](int(found[2]), seed)
     raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
+
+
+Options = Mapping[str, float]
+
+_COUNT = 6  # robots, unless given
+
+
+def generate(kind: str, seed: int, options: Options) -> Scenario:
+    """A scenario of `kind`: "random", "swap", or a name of the library.
+
+    Args:
+        options: "robots", "density" and "unequal" for "random", "robots" and "jitter" for "swap".
+
+    Raises:
+        UsageError: no such kind, an option that this kind does not have, or one out of range.
+    """
+    make, known = _KINDS.get(kind, (None, ()))
+    foreign = [f"--{key}" for key in options if key not in known]
+    if foreign:
+        allowed = f"it has {', '.join(f'--{key}' for key in known)}" if known else "it has none"
+        raise UsageError(f"{kind} has no option {', '.join(foreign)}; {allowed}")
+    return build(kind, seed) if make is None else make(seed, options)
+
+
+def _random(seed: int, options: Options) -> Scenario:
+    return random_instance(
+        int(options.get("robots", _COUNT)),
+        seed,
+        density=options.get("density", PAPER_DENSITY),
+        unequal=options.get("unequal", 0.0),
+    )
+
+
+def _swap(seed: int, options: Options) -> Scenario:
+    return swap(int(options.get("robots", _COUNT)), options.get("jitter", 0.0), seed)
+
+
+_KINDS: dict[str, tuple[Callable[[int, Options], Scenario], tuple[str, ...]]] = {
+    "random": (_random, ("robots", "density", "unequal")),
+    "swap": (_swap, ("robots", "jitter")),
+}

@@ -1,17 +1,79 @@
-"""The files of each orchestrator: the templates beside this module, filled in for one run."""
+"""What is to run, and the files of each orchestrator: the templates beside this module, filled in."""
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
+from shutil import rmtree
 from string import Template
+from tempfile import mkdtemp
+from typing import Literal
 
-from deploy.manifests.plan import KEYS, KEYS_INSIDE, PORT, SCENARIO, Plan, join, listen
-from deploy.security.roster import ROUTER, WORLD
+import deploy
+from deploy.run.options import Mode
+from deploy.security.roster import ROSTER, ROUTER, WORLD, Roster, robot_role
+from protocol.bus.connection import AUTHORITY, certificate_file, key_file
+from protocol.errors import UsageError
+
+SCENARIO = "scenario.toml"
+KEYS = "keys"  # the folder of keys beside the files
+PORT = 7447
+IMAGE = "localhost/disknav"  # nobody else can offer one under this name
+KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A run, its scenario, and what an orchestrator starts."""
+
+    roster: Roster
+    scenario: str  # TOML
+    mode: Mode = "realtime"
+    image: str = IMAGE  # container image with this software
+    command: str = "/usr/local/bin/disknav"  # where this software is on a host
+    software: tuple[str, ...] = ()  # folders on a host without which that does not run
+    router: str = f"tls/127.0.0.1:{PORT}"  # where hosts find the router
+    wait: float = 300.0  # s that router, world and robots may take to be there, in any order
+
+    @property
+    def name(self) -> str:
+        """Name of everything that belongs to this run: letters, digits and '-' only."""
+        return f"disknav-{self.roster.run}".lower().replace("_", "-").rstrip("-")
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """Roles of all robots; those that come by orders wait for their disks."""
+        return tuple(robot_role(robot) for robot in self.roster.robots)
+
+    def files(self, role: str) -> tuple[str, ...]:
+        """All of the keys that a role needs."""
+        return (AUTHORITY, ROSTER, certificate_file(role), key_file(role))
+
+
+def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[str]:
+    """The command line, after `disknav`, of the world or a robot."""
+    connection = ["--router", router, "--secure", keys, "--wait", f"{plan.wait:g}"]
+    if role.startswith("robot-"):
+        return ["node", "robot", role.removeprefix("robot-"), *connection]
+    return ["node", "world", scenario, "--mode", plan.mode, *connection]
+
+
+def listen(endpoint: str, keys: str) -> list[str]:
+    """The command line, after `disknav`, of the router."""
+    return ["node", "router", "--listen", endpoint, "--secure", keys]
+
+
+def installation() -> tuple[str, ...]:
+    """Folders of this host without which this software does not run: environment, interpreter, sources."""
+    folders = (sys.prefix, sys.base_prefix, *(str(Path(each).parent) for each in deploy.__path__))
+    return tuple(dict.fromkeys(str(Path(folder).resolve()) for folder in folders))
+
 
 SECRET = "secret.yaml"  # kubernetes: holds private keys
 ETC = "/etc/disknav"  # systemd: the folder of a run lies in here
@@ -200,3 +262,38 @@ def _items(plan: Plan, folders: Sequence[tuple[str, str]]) -> str:
 
 def _filled(template: str, **values: str) -> str:
     return Template((_TEMPLATES / template).read_text(encoding="utf-8")).substitute(values)
+
+
+Orchestrator = Literal["compose", "kubernetes", "systemd"]
+
+
+def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30.0) -> None:
+    """Make `folder` with all that `orchestrator` needs; it appears whole or not at all, for its owner only.
+
+    Raises:
+        UsageError: there is something in it already, or a library is missing.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UsageError(f"{folder} exists and is not empty: name another folder")
+    from deploy.security.keystore import create
+
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
+    try:
+        create(fresh / KEYS, plan.roster, hosts=(router_host(orchestrator, plan),), days=days)
+        for name, text in _files(orchestrator, plan, fresh / KEYS).items():
+            path = fresh / name
+            path.touch(mode=0o600 if name == SECRET else 0o644)
+            path.write_text(text, encoding="utf-8")
+        fresh.rename(folder)
+    except BaseException:
+        rmtree(fresh, ignore_errors=True)
+        raise
+
+
+def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:
+    if orchestrator == "compose":
+        return compose(plan)
+    if orchestrator == "kubernetes":
+        return kubernetes(plan, {path.name: path.read_bytes() for path in keys.iterdir()})
+    return systemd(plan)

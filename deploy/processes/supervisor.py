@@ -1,7 +1,8 @@
 """Starts, watches and stops the processes of a table. One per fleet; nothing outlives it.
 
-circus and supervisord walk such a table, too, but with an interpreter for each process: see
-`deploy.processes.spawn` for what that costs.
+circus and supervisord walk such a table, too, but with an interpreter for each process, which costs what
+`deploy.processes.spawn` says. A process that failed waits before it is started again, longer each time it
+fails soon after: exponentially with a cap, as in systemd's RestartSteps and Kubernetes' CrashLoopBackOff.
 """
 
 from __future__ import annotations
@@ -9,17 +10,124 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Collection, Iterable
-from typing import TYPE_CHECKING, Self
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple, Self
 
-from deploy.processes.fork_messages import Exited, News, Report, Started
-from deploy.processes.row import Exit, Life, Usage
-from deploy.processes.spawn import Spawner
+import psutil
+
+from deploy.processes.spawn import MAX_NEWS, Exited, News, Report, Spawner, Started
 from deploy.processes.table import Process
 from protocol.errors import ProcessError, StartError
 from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.processes.hosts.spawners import HostSpawners
+
+
+STEADY = 60.0  # s; who has lived so long has not failed in a row
+_FIRST = 0.25  # s, after the second failure in a row; after the first there is no wait
+_LONGEST = 10.0  # s, well within what a world waits for a robot to join
+
+
+@dataclass
+class Backoff:
+    """The waits of one process."""
+
+    _in_a_row: int = 0
+
+    def wait(self, lived: float) -> float:
+        """How long to wait, s, after a failure at the age of `lived` s."""
+        if lived >= STEADY:
+            self._in_a_row = 0
+        self._in_a_row += 1
+        return 0.0 if self._in_a_row == 1 else min(_LONGEST, _FIRST * 2.0 ** min(self._in_a_row - 2, 16))
+
+
+_MOST = 1000  # reports that wait to be asked for
+_UNHEARD = 2 * MAX_NEWS  # characters of them
+
+
+class Exit(NamedTuple):
+    """A process ended.
+
+    expected: it was told to, or finished with status 0; again: it is started anew by itself.
+    """
+
+    process: Process
+    code: int
+    expected: bool
+    again: bool = False
+    why: str = ""  # where the code does not say it
+
+    def __str__(self) -> str:
+        if self.why:
+            return f"{self.process.name}: {self.why}"
+        if self.code >= 0:
+            return f"{self.process.name}: exit status {self.code}"
+        known = {each.value: each.name for each in signal.Signals}
+        return f"{self.process.name}: killed by {known.get(-self.code, f'signal {-self.code}')}"
+
+
+class Usage(NamedTuple):
+    """What one row of the table cost, over all its lives so far."""
+
+    name: str
+    pid: int  # of the latest life
+    exit_code: int | None  # of the latest life; None while it runs
+    restarts: int
+    cpu_s: float
+    max_rss_mb: float
+
+
+@dataclass
+class Life:
+    """One row with its latest process."""
+
+    process: Process
+    number: int
+    pid: int = 0
+    exit_code: int | None = None
+    up: bool = False  # whether it, or one before it, has done anything that it is for
+    told_to_end: bool = False
+    again: bool = False  # start it again as soon as it has ended
+    began: float = 0.0  # s, monotonic: when the latest was asked for
+    due: float | None = None  # s, monotonic: when the next is to be started; none waits otherwise
+    backoff: Backoff = field(default_factory=Backoff)
+    restarts: int = 0
+    failures: int = 0
+    report: str | None = None  # the first of the latest process
+    unheard: list[str] = field(default_factory=list)  # all reports that nobody has asked for
+    cpu_s: float = 0.0  # of ended processes
+    max_rss_mb: float = 0.0
+
+    def hear(self, text: str) -> None:
+        """Take a report, if its row makes any. Of what nobody asks for the newest is kept: a host that was
+        taken over may never stop."""
+        if not self.process.reports:
+            return
+        self.up = True
+        self.report = self.report or text
+        self.unheard.append(text)
+        while len(self.unheard) > _MOST or sum(map(len, self.unheard)) > _UNHEARD:
+            del self.unheard[0]
+
+    @property
+    def over(self) -> bool:
+        """Whether its process has ended, and none follows by itself."""
+        return self.exit_code is not None and self.due is None
+
+    def usage(self) -> Usage:
+        """What this row cost so far; of a running process, as the system says now."""
+        cpu, rss = self.cpu_s, self.max_rss_mb
+        if self.exit_code is None and self.pid:
+            try:
+                now = psutil.Process(self.pid)
+                times = now.cpu_times()
+                cpu, rss = cpu + times.user + times.system, max(rss, now.memory_info().rss / 2**20)
+            except psutil.Error:  # ended since the last poll, which will say so
+                pass
+        return Usage(self.process.name, self.pid, self.exit_code, self.restarts, cpu, rss)
+
 
 _POLL = 0.05  # s
 _SAID = (2, 3)  # exit statuses of a process that has said why it ends

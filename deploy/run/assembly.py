@@ -10,15 +10,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from deploy.processes import table
-from deploy.processes.hosts.protection import check_fit
 from deploy.processes.hosts.spawners import HostSpawners
-from deploy.processes.hosts.topology import MultiHost, places
+from deploy.processes.hosts.table import check_fit
 from deploy.processes.router import reserved
 from deploy.processes.scheduling import Scheduling, core_of, require_realtime
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
-from deploy.run.topology import Mesh, Routed, Topology
+from deploy.run.topology import Mesh, MultiHost, Routed, Topology, places
 from deploy.security.membership import Membership
 from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError

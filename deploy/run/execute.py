@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,16 +14,52 @@ from deploy.output import json_output
 from deploy.output.progress import RunProgress
 from deploy.output.target import check_target
 from deploy.run.fleet import Fleet
-from deploy.run.live_page import linger, live_page
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Result, complete, unjudged
+from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
 from deploy.telemetry.recording.rotation import ONE_FILE
+from protocol.bus.zenoh import ZenohBus
 from protocol.errors import UsageError
 from protocol.process.log import LOG
 from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
+
+
+def linger(link: str) -> None:
+    """Stay after the run until Ctrl-C, so that the end of a page can be looked at."""
+    print(f"{link} stays until Ctrl-C", file=sys.stderr, flush=True)
+    STOP.wait()
+
+
+@contextmanager
+def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
+    """Serve a page that shows `fleet`; gives its address, and prints it to standard error: whoever opens it
+    may steer.
+
+    Raises:
+        UsageError: the libraries of the extra `web` are not installed.
+    """
+    from deploy.telemetry.monitor.web.server import serve_in_thread
+
+    source = _watch(fleet, options.run)
+    server = serve_in_thread(source)
+    print(f"live page: {server.link}", file=sys.stderr, flush=True)
+    try:
+        yield server.link
+    finally:
+        server.close()
+        if isinstance(source, Attachment):
+            source.close()
+
+
+def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
+    if isinstance(fleet, Fleet):
+        return Attachment(ZenohBus(fleet.topology.viewer()), run)
+    bus = fleet.network.connect()
+    watcher = bus.node = Watcher(bus, run)
+    return watcher
 
 
 @dataclass(frozen=True)

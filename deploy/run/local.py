@@ -1,22 +1,23 @@
 """A whole run in this process: the same nodes as on zenoh, on the in-process bus.
 
 Robots whose requests to join are answered by the same bytes share what these say. Equal bytes say the same,
-and nobody can change a scenario, which is frozen throughout: no robot can tell whether others share it.
-Whoever restarts is answered otherwise, and a process of its own reads for itself.
+and nothing can change a scenario, which is frozen throughout: no robot can tell whether others share it.
 """
 
 from __future__ import annotations
 
+import gc
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache, partial
 from pathlib import Path
 from random import Random
-from typing import Any
+from threading import Lock
+from typing import Any, Final
 
 from agents.shell.node import RobotNode
-from deploy.run.collector import seldom_collecting
 from deploy.run.launcher import Launcher
 from deploy.run.result import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
@@ -33,6 +34,59 @@ from protocol.scenario.model import Scenario
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
 from world.shell.persistence.replay import Resumed, resume
+
+_YOUNG: Final = 1_000_000  # objects, instead of 700: messages of a tick are many, and are gone by themselves
+_GROWTH: Final = 1.25  # of all objects until they are looked through: what Python's own collector waits for
+
+
+@contextmanager
+def seldom_collecting() -> Iterator[None]:
+    """Inside, what is there already is not looked at, and what comes seldom: of 1000 robots that is a quarter
+    of a tick. Threads may be inside together: what was before is back when the last has left."""
+    _ASIDE.enter()
+    try:
+        yield
+    finally:
+        _ASIDE.leave()
+
+
+class _Aside:
+    """What is there before a run. Looking through all of it takes as long as a short run, where much has been
+    imported: only what is young is, until there is a quarter more than all that was left last time."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._inside = 0
+        self._before = gc.get_threshold()
+        self._left = 0
+
+    def enter(self) -> None:
+        with self._lock:
+            if not self._inside:
+                self._before = gc.get_threshold()
+                self._put()
+                gc.set_threshold(_YOUNG, *self._before[1:])
+            self._inside += 1
+
+    def leave(self) -> None:
+        with self._lock:
+            self._inside -= 1
+            if not self._inside:
+                gc.set_threshold(*self._before)
+                gc.unfreeze()
+
+    def _put(self) -> None:
+        gc.collect(1)
+        gc.freeze()
+        if gc.get_freeze_count() > _GROWTH * self._left:
+            gc.unfreeze()
+            gc.collect()
+            gc.freeze()
+            self._left = gc.get_freeze_count()
+
+
+_ASIDE: Final = _Aside()
+
 
 Watcher = Callable[[Clock], None]
 

@@ -1,20 +1,21 @@
-"""An operator of a running fleet: gives orders, and waits for what comes of them."""
+"""An operator of a running fleet: asks for operations, waits for what comes of them, and probes processes."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TypeVar
 
 import msgspec
 
+from deploy.security.roster import ROUTER, WORLD
 from protocol.bus.bus import Bus, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import BusError, MessageError
+from protocol.errors import BusError, MessageError, UsageError
 from protocol.keys import checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member, Thing
 from protocol.operations import Reply, decode_reply
@@ -152,3 +153,35 @@ def operating(connection: Connection, run: str) -> Iterator[Operator]:
         yield Operator(bus, run)
     finally:
         bus.close()
+
+
+def probed_key(run: str, role: str) -> str:
+    """The key under which a role is heard as long as it is well: a robot's health, the world's clock.
+
+    Raises:
+        UsageError: nothing is heard from that role by itself.
+    """
+    if role == WORLD:
+        return world_key(run, "clock")
+    robot = role.removeprefix("robot-")
+    if role == ROUTER or not (robot.isascii() and robot.isdecimal()):
+        raise UsageError(f"{role!r} cannot be probed: name the world or a robot, such as robot-3")
+    return robot_key(run, int(robot), "health")
+
+
+def probe(connection: Connection, run: str, role: str, within: float) -> None:
+    """Return once something is heard of `role`.
+
+    Raises:
+        BusError: nothing was, for `within` s, or the router cannot be reached.
+    """
+    key = probed_key(run, role)
+    with closing(ZenohBus(connection)) as bus:
+        bus.subscribe(key)
+        deadline = time.monotonic() + within
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            event = bus.receive(remaining)
+            if isinstance(event, Sample):
+                decode(event.key, event.payload)
+                return
+    raise BusError(f"nothing received from {role} under {key} for {within:g} s")

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from deploy.processes.hosts.protection import exposed
-from deploy.processes.hosts.table import HostsTable
+from deploy.processes.hosts.table import HostsTable, exposed
 from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
 from protocol.errors import UsageError
 

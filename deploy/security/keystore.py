@@ -1,4 +1,4 @@
-"""The directory of keys: written once, as a whole, for its owner's eyes only."""
+"""The directory of keys of a run: written once, as a whole, for its owner alone, and checked before use."""
 
 from __future__ import annotations
 
@@ -6,18 +6,136 @@ import datetime
 import os
 import shutil
 from collections.abc import Sequence
+from ipaddress import ip_address
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import NamedTuple
+
+from cryptography import x509
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.serialization import load_pem_private_key
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
-from protocol.bus.connection import AUTHORITY, certificate_file, key_file
-from protocol.errors import UsageError
+from protocol.bus.connection import AUTHORITY, Credentials, certificate_file, key_file
+from protocol.errors import CertificateError, UsageError
 from protocol.process.installation import missing_library
+
+_SKEW = datetime.timedelta(minutes=10)  # a host's clock may be this much late
+
+
+class Pair(NamedTuple):
+    """A certificate and its private key, PEM."""
+
+    certificate: bytes
+    key: bytes
+
+
+class Authority:
+    """Signs the certificates of one run. Its private key is never written: nobody can add a member later."""
+
+    def __init__(self, run: str, days: float) -> None:
+        """An authority, and all that it signs, is valid for `days` from now."""
+        self._run = run
+        self._begin = datetime.datetime.now(datetime.UTC).replace(microsecond=0)
+        self.end = self._begin + datetime.timedelta(days=days)
+        self._key = ec.generate_private_key(ec.SECP256R1())
+        self._name = _name(run, "authority")
+        usage = _usage(key_cert_sign=True, crl_sign=True)
+        self._certificate = (
+            self._builder(self._name, self._key)
+            .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+            .add_extension(usage, critical=True)
+            .sign(self._key, hashes.SHA256())
+        )
+
+    @property
+    def certificate(self) -> bytes:
+        """The authority's own certificate, PEM."""
+        return self._certificate.public_bytes(serialization.Encoding.PEM)
+
+    def issue(self, role: str, *, hosts: Sequence[str] = ()) -> Pair:
+        """A certificate with common name `role`.
+
+        Only one with `hosts` (names or addresses) can be shown by who listens: a robot's key cannot
+        be used to pose as the router.
+        """
+        key = ec.generate_private_key(ec.SECP256R1())
+        purposes = [ExtendedKeyUsageOID.CLIENT_AUTH]
+        if hosts:
+            purposes.append(ExtendedKeyUsageOID.SERVER_AUTH)
+        names = [*map(_host, hosts)] or [x509.DNSName(role)]
+        certificate = (
+            self._builder(_name(self._run, role), key)
+            .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+            .add_extension(_usage(digital_signature=True), critical=True)
+            .add_extension(x509.ExtendedKeyUsage(purposes), critical=False)
+            .add_extension(x509.SubjectAlternativeName(names), critical=False)
+            .sign(self._key, hashes.SHA256())
+        )
+        return Pair(
+            certificate.public_bytes(serialization.Encoding.PEM),
+            key.private_bytes(
+                serialization.Encoding.PEM,
+                serialization.PrivateFormat.PKCS8,
+                serialization.NoEncryption(),
+            ),
+        )
+
+    def _builder(self, subject: x509.Name, key: ec.EllipticCurvePrivateKey) -> x509.CertificateBuilder:
+        return (
+            x509.CertificateBuilder()
+            .subject_name(subject)
+            .issuer_name(self._name)
+            .public_key(key.public_key())
+            .serial_number(x509.random_serial_number())
+            .not_valid_before(self._begin - _SKEW)
+            .not_valid_after(self.end)
+            .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+            .add_extension(
+                x509.AuthorityKeyIdentifier.from_issuer_public_key(self._key.public_key()), critical=False
+            )
+        )
+
+
+def _name(run: str, role: str) -> x509.Name:
+    return x509.Name(
+        [
+            x509.NameAttribute(NameOID.ORGANIZATION_NAME, f"disknav {run}"[:64]),
+            x509.NameAttribute(NameOID.COMMON_NAME, role),
+        ]
+    )
+
+
+def _host(host: str) -> x509.GeneralName:
+    try:
+        return x509.IPAddress(ip_address(host))
+    except ValueError:
+        return x509.DNSName(host)
+
+
+def _usage(
+    *, digital_signature: bool = False, key_cert_sign: bool = False, crl_sign: bool = False
+) -> x509.KeyUsage:
+    return x509.KeyUsage(
+        digital_signature=digital_signature,
+        key_cert_sign=key_cert_sign,
+        crl_sign=crl_sign,
+        content_commitment=False,
+        key_encipherment=False,
+        data_encipherment=False,
+        key_agreement=False,
+        encipher_only=False,
+        decipher_only=False,
+    )
+
 
 _LONGEST = 36_500.0  # days
 
 try:
-    from deploy.security.certificates import Authority
+    from deploy.security.keystore import Authority
 except ModuleNotFoundError as error:
     raise missing_library("a certificate", "cryptography", "secure") from error
 
@@ -84,3 +202,62 @@ def _write(path: Path, content: bytes, mode: int) -> None:
     with os.fdopen(descriptor, "wb") as file:
         os.fchmod(descriptor, mode)
         file.write(content)
+
+
+def inspect(credentials: Credentials, role: str) -> None:
+    """Check that the certificate is for `role`, by this authority, valid now, and belongs to the key.
+
+    Raises:
+        CertificateError: it is not; says which.
+    """
+    authority = _read(credentials.authority)
+    certificate = _read(credentials.certificate)
+    names = [name.value for name in certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)]
+    if names != [role]:
+        raise CertificateError(f"{credentials.certificate} is the certificate of {names}, not of {role}")
+    try:
+        certificate.verify_directly_issued_by(authority)
+    except (InvalidSignature, ValueError, TypeError) as error:
+        raise CertificateError(
+            f"{credentials.certificate} was not signed by the authority {credentials.authority}: "
+            f"it is of another run, or older than the last `disknav setup keys`"
+        ) from error
+    _check_validity(certificate, credentials.certificate)
+    _check_key(certificate, credentials)
+
+
+def _check_validity(certificate: x509.Certificate, path: str) -> None:
+    now = datetime.datetime.now(datetime.UTC)
+    begin, end = certificate.not_valid_before_utc, certificate.not_valid_after_utc
+    if not begin <= now <= end:
+        raise CertificateError(
+            f"the certificate {path} is valid from {begin:%Y-%m-%d %H:%M} to {end:%Y-%m-%d %H:%M} UTC, "
+            f"and this host's clock says {now:%Y-%m-%d %H:%M}; `disknav setup keys --force` makes new ones"
+        )
+
+
+def end_of(authority: str) -> datetime.datetime:
+    """When the certificates of a run end: all of them when that of its authority does.
+
+    Raises:
+        CertificateError: it cannot be read.
+    """
+    return _read(authority).not_valid_after_utc
+
+
+def _check_key(certificate: x509.Certificate, credentials: Credentials) -> None:
+    try:
+        key = load_pem_private_key(Path(credentials.key).read_bytes(), password=None)
+    except (OSError, ValueError, TypeError) as error:
+        raise CertificateError(f"{credentials.key} cannot be read as a private key: {error}") from error
+    if key.public_key() != certificate.public_key():
+        raise CertificateError(
+            f"{credentials.key} is not the private key of the certificate {credentials.certificate}"
+        )
+
+
+def _read(path: str) -> x509.Certificate:
+    try:
+        return x509.load_pem_x509_certificate(Path(path).read_bytes())
+    except (OSError, ValueError) as error:
+        raise CertificateError(f"{path} cannot be read as a certificate: {error}") from error

@@ -110,7 +110,7 @@ class Membership:
         if self.directory is None:
             return None
         try:
-            from deploy.security.inspection import inspect
+            from deploy.security.keystore import inspect
         except ModuleNotFoundError as error:
             raise missing_library("a certificate", "cryptography", "secure") from error
         found = credentials(self.directory, role)
@@ -121,7 +121,7 @@ class Membership:
         """When all certificates end, and all links with them; None for a network without keys."""
         if self.directory is None:
             return None
-        from deploy.security.inspection import end_of
+        from deploy.security.keystore import end_of
 
         return end_of(str(self.directory / AUTHORITY))
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
-from deploy.library.goal_sets import figure_3
+from deploy.library.figures import figure_3
 from deploy.library.load import resolved
 from deploy.library.swaps import swap
 from deploy.studies.statistics import arrived, error, figures, mean, untouched

@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from deploy.library.goal_sets import TIGHTNESS, figure_3
+from deploy.library.figures import TIGHTNESS, figure_3
 from deploy.studies.statistics import arrived, deviation, mean
 from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Scenario

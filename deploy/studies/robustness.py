@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
-from deploy.library.goal_sets import figure_3
+from deploy.library.figures import figure_3
 from deploy.studies.statistics import figures, untouched
 from deploy.studies.study import Cell, Result, Row, Study
 from protocol.scenario.model import Link, Scenario, Sensing

@@ -12,7 +12,7 @@ from typing import Any
 import psutil
 
 from agents.shell.node import RobotNode
-from deploy.processes.forked import end_with_pipe
+from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport

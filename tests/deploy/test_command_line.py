@@ -46,7 +46,7 @@ def option(name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", ["--json", "--seed", "--set", "--quiet", "--secure", "--mode"])
 def test_an_option_means_the_same_everywhere(name: str) -> None:
     found = option(name)
-    own_seed = {"study", "certify", "scenario new"}  # not over a scenario's, and they say so
+    own_seed = {"study", "certify", "scenario new", "scenario import"}  # not over a scenario's
     texts = {each.help for title, each in found.items() if name != "--seed" or title not in own_seed}
     assert len(found) >= 3
     assert len(texts) == 1, texts

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from unittest.mock import patch
 
-from deploy.library.demonstrations import crash
+from deploy.library.figures import crash
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.codec import encode

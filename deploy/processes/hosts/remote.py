@@ -1,31 +1,46 @@
-"""What `disknav run --hosts` starts on each host: a fork server whose channel is an ssh connection.
+"""The far end of a host: a fork server whose channel is an ssh connection, and facts about the host.
 
-It says who it is in one line, then serves requests that come in on standard input, and tells news on
-standard output; logs go to standard error, as lines. It ends, and all its processes with it, when the
-connection does, or when nothing has come for so long that whoever is at the other end, or the way to it,
-must be gone.
+`disknav run --hosts` starts the first on each host. It says who it is in one line, then serves requests that
+come in on standard input, and tells news on standard output; logs go to standard error, as lines. It ends,
+and all its processes with it, when the connection does, or when nothing has come for so long that the
+launcher, or the way to it, must be gone. `disknav setup hosts` asks for the second.
 """
 
 from __future__ import annotations
 
 import os
+import platform
 import shutil
+import socket
 import sys
+import tempfile
+import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from functools import partial
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
-from deploy.processes.fork_messages import Store
+import msgspec
+
 from deploy.processes.fork_server import serve
-from deploy.processes.spawn import MODULES
+from deploy.processes.spawn import MODULES, Store
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.process import log
 
 GREETING = "disknav-host"  # then a digest of the code, and the folder
 _PATIENCE = 30.0  # s; the launcher says something every second
+
+
+class Facts(msgspec.Struct, frozen=True):
+    """What a host says about itself."""
+
+    code: str  # digest of this software's sources
+    python: str
+    compiled: bool
+    free: int  # bytes, where a run's files go
+    port: str  # why its router could not listen; empty if it could
 
 
 def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str = "") -> int:
@@ -35,7 +50,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.dup2(2, 1)  # what anybody prints must not get among the news
-    folder = Path(mkdtemp(prefix="disknav-"))  # mode 0700
+    folder = Path(tempfile.mkdtemp(prefix="disknav-"))  # mode 0700
     try:
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
         begin_log = partial(log.begin, run=run, wired=True)
@@ -56,5 +71,34 @@ def _store(folder: Path, file: Store) -> None:
         stream.write(file.content)
 
 
+def tell_facts(listen: str, port: str) -> int:
+    """Listen where the router will, say the facts, then the time (s, monotonic) for each line heard."""
+    with ExitStack() as stack:
+        why = ""
+        try:
+            stack.enter_context(_listener(listen, int(port)))
+        except OSError as error:
+            why = str(error)
+        import agents.robot
+
+        facts = Facts(
+            code_digest(SOFTWARE),
+            platform.python_version(),
+            not (agents.robot.__file__ or "").endswith(".py"),
+            shutil.disk_usage(tempfile.gettempdir()).free,
+            why,
+        )
+        print(msgspec.json.encode(facts).decode(), flush=True)
+        for _ in sys.stdin:
+            print(time.monotonic(), flush=True)
+    return 0
+
+
+def _listener(address: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    return socket.create_server((address, port), family=family)
+
+
 if __name__ == "__main__":
-    sys.exit(main(run="".join(sys.argv[1:])))
+    given = sys.argv[1:]
+    sys.exit(tell_facts(*given[1:]) if given[:1] == ["--facts"] else main(run="".join(given)))

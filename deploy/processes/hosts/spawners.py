@@ -10,12 +10,11 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
-from deploy.processes.fork_messages import Exited, News
-from deploy.processes.forked import FAULT
+from deploy.processes.fork_server import FAULT
 from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
 from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.processes.spawn import Spawner
+from deploy.processes.spawn import Exited, News, Spawner
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
 

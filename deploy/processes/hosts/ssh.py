@@ -1,34 +1,172 @@
-"""One host's fork server at the other end of an ssh connection; OpenSSH's own client makes that."""
+"""A host's fork server at the other end of an ssh connection; OpenSSH's own client makes that.
+
+The connection may stall at any byte, and the host may have been taken over: messages are framed as by
+`multiprocessing.connection` (a length in four bytes, big-endian, then the message), and what is said there is
+labelled with the host's name.
+"""
 
 from __future__ import annotations
 
+import logging
 import os
 import select
 import shlex
 import socket
 import struct
 import subprocess
+import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from math import inf
 from pathlib import Path
+from typing import IO
 
-from deploy.processes.fork_messages import (
+import msgspec
+
+from deploy.processes.hosts.remote import GREETING
+from deploy.processes.hosts.table import Host
+from deploy.processes.spawn import (
     MAX_NEWS,
     Beat,
     Exited,
     News,
     Request,
+    Spawner,
     Store,
     decode_news,
 )
-from deploy.processes.hosts.frames import Frames
-from deploy.processes.hosts.relay import Relay
-from deploy.processes.hosts.remote import GREETING
-from deploy.processes.hosts.table import Host
-from deploy.processes.spawn import Spawner
 from deploy.software.provenance import SOFTWARE, code_digest
 from protocol.codec import DAMAGED
 from protocol.errors import ProcessError
+from protocol.process.log import LOG, Line, Speaker, lines, words
+
+_HEAD = struct.Struct("!i")
+_CHUNK = 1 << 16  # bytes
+_AT_ONCE = 256  # messages; so that one host that never stops talking does not keep others from being heard
+
+
+class Frames:
+    """What comes out of `descriptor`, message by message, without ever waiting for the rest of one.
+
+    Args:
+        descriptor: is read from; stays its owner's.
+        largest: bytes of a message, at most.
+        patience: s that a message may take from its first byte to its last.
+        clock: tells the time, s.
+    """
+
+    def __init__(
+        self,
+        descriptor: int,
+        largest: int,
+        patience: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._descriptor, self._largest, self._patience, self._clock = descriptor, largest, patience, clock
+        self._buffer = bytearray()
+        self._began = inf  # s, when a message began that is not complete
+
+    def read(self, timeout: float) -> Iterator[bytes]:
+        """What has arrived, after at most `timeout` s of waiting for it.
+
+        Raises:
+            EOFError: the connection has ended.
+            ValueError: what comes is no message, or does not come to an end.
+        """
+        for _ in range(_AT_ONCE):
+            message = self._complete()
+            if message is None:
+                if not select.select([self._descriptor], [], [], timeout)[0]:
+                    break
+                arrived = os.read(self._descriptor, _CHUNK)
+                if not arrived:
+                    raise EOFError
+                self._buffer += arrived
+            else:
+                yield message
+            timeout = 0.0
+        self._check_patience()
+
+    def _complete(self) -> bytes | None:
+        """The first message in the buffer, once it is there as a whole."""
+        if len(self._buffer) < _HEAD.size:
+            return None
+        (length,) = _HEAD.unpack_from(self._buffer)
+        if not 0 <= length <= self._largest:
+            raise ValueError(f"a message of {length} bytes")
+        end = _HEAD.size + length
+        if len(self._buffer) < end:
+            return None
+        message = bytes(self._buffer[_HEAD.size : end])
+        del self._buffer[:end]
+        self._began = inf
+        return message
+
+    def _check_patience(self) -> None:
+        if not self._buffer:
+            return
+        now = self._clock()
+        self._began = min(self._began, now)
+        if now > self._began + self._patience:
+            raise ValueError(f"it stalled in the middle of a message for {self._patience:g} s")
+
+
+_LONGEST = 1 << 16  # bytes of a line that are read at once
+_LAST_WORDS = 1.0  # s
+_decoder = msgspec.json.Decoder(Line)
+
+
+class Relay:
+    """Takes what the processes of one host, its shell and ssh write to standard error.
+
+    A host that was taken over can say what it likes here; it is labelled as that host's, and cannot steer
+    the terminal.
+
+    Raises:
+        UsageError: nothing can be written to `folder`.
+    """
+
+    def __init__(self, host: str, run: str, folder: Path | None) -> None:
+        self._host, self._speaker = host, Speaker(run, host)
+        self._logger = logging.Logger(f"{LOG.name}.{host}")
+        self._logger.addHandler(words(self._speaker))
+        if folder is not None:
+            self._logger.addHandler(lines(self._speaker, folder / f"{host}.jsonl"))
+        self._thread: threading.Thread | None = None
+
+    def follow(self, stream: IO[bytes]) -> None:
+        """Take everything from `stream`, on a thread of its own."""
+        self._thread = threading.Thread(
+            target=self._read, args=(stream,), name=f"log of {self._host}", daemon=True
+        )
+        self._thread.start()
+
+    def end(self) -> None:
+        """Wait for the last words of a host that is gone."""
+        if self._thread is not None:
+            self._thread.join(_LAST_WORDS)
+
+    def take(self, said: bytes) -> None:
+        """Take one line: of a log, or plain text."""
+        try:
+            line = _decoder.decode(said)
+            text = printable(line.text).replace("\n", f"\n{self._host}: ")
+            record = msgspec.structs.replace(line, text=text).record(self._host)
+        except DAMAGED:
+            self._logger.warning(printable(said.decode(errors="replace")))
+        else:
+            self._logger.handle(record)
+
+    def _read(self, stream: IO[bytes]) -> None:
+        with stream:
+            while said := stream.readline(_LONGEST):
+                self.take(said)
+
+
+def printable(said: str) -> str:
+    """The text without what would steer a terminal; a traceback keeps its lines."""
+    return "".join(each if each.isprintable() or each == "\n" else " " for each in said).rstrip()
+
 
 BEAT = 1.0  # s between signs of life of this launcher
 _STALL = 5.0  # s that a host may take over a message, of its own or to it

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Literal
 
 from deploy.library.among_things import blocks, boxes, forest
-from deploy.library.goal_sets import figure_3
+from deploy.library.figures import figure_3
 from deploy.library.load import resolved
 from deploy.library.random_instances import PAPER_DENSITY, random_instance
 from deploy.library.swaps import circle, swap

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.law.choice import found
-from deploy.library.trial import try_out
+from deploy.library.load import try_out
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.peers.places import DELAYS, Group, Place, contest, places
 from deploy.studies.study import Build, Cell

@@ -16,8 +16,7 @@ import pytest
 
 from agents.law import GuardedLaw, View, choose
 from agents.peers.neighbours import Neighbours
-from deploy.library.load import load
-from deploy.library.trial import try_out
+from deploy.library.load import load, try_out
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions

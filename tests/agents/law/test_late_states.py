@@ -21,7 +21,7 @@ from agents.law.late_states import (
     late_gain,
 )
 from agents.peers.state import Peer, PeerState
-from deploy.library.goal_sets import figure_3
+from deploy.library.figures import figure_3
 from deploy.run.local import LocalFleet
 from deploy.studies.peers.places import Place, contest
 

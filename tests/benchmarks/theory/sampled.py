@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from agents.law.pace import max_rate
-from deploy.library.goal_sets import GOAL_SETS, TIGHTNESS, figure_3
+from deploy.library.figures import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.output.bar import bar
 from deploy.run.local import LocalFleet

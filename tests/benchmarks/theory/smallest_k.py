@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from deploy.library.figures import RADIUS, WORKSPACE
-from deploy.library.goal_sets import figure_3, tightness
+from deploy.library.figures import RADIUS, WORKSPACE, figure_3, tightness
 from deploy.library.random_instances import random_starts
 from deploy.theory.exact_flow import arrival_threshold, integrate
 from deploy.theory.function import Problem

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from deploy.calibrate.bounds import Bounds, bounds, statements
-from deploy.calibrate.square import Driver, square
+from deploy.calibrate import Bounds, Driver, bounds, square, statements
 from deploy.library.load import load
 from protocol.scenario.body import Base
 from tests.agents.bases.wheels import STEP, Wheels

@@ -102,5 +102,5 @@ def test_check_says_of_a_door_what_a_run_shows() -> None:
     assert (held.unreachable, len(held.doors)) == ((), 1)
     assert held.automatic_k > held.doors[0].gain > 50.0
     assert (open_.unreachable, open_.no_way, open_.doors) == ((), (), ())
-    reports = LocalFleet(doorway(0.001, 50.0)).execute() + LocalFleet(doorway(0.02)).execute()
+    reports = [LocalFleet(doorway(*each)).execute() for each in ((0.001, 50.0), (0.02,))]
     assert [each["verdict"] for each in reports] == ["deadlock", "arrived"]

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
-from deploy.library.generate import generate
-from deploy.library.goal_sets import GOAL_SETS, figure_3, tightness
+from deploy.library.figures import GOAL_SETS, figure_3, tightness
 from deploy.library.load import load
-from deploy.library.names import build, catalogue
+from deploy.library.names import build, catalogue, generate
 from deploy.library.random_instances import random_instance, random_starts
 from deploy.library.swaps import circle, head_on, swap
 from protocol.errors import ScenarioError, UsageError

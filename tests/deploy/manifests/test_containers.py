@@ -16,9 +16,8 @@ import yaml
 
 from deploy.library.load import load
 from deploy.manifests import render
-from deploy.manifests.folder import write
-from deploy.manifests.plan import Plan
-from deploy.processes.probe import probed_key
+from deploy.manifests.render import Plan, write
+from deploy.run.operator import probed_key
 from deploy.security.roster import Roster
 from protocol.bus.loop import PERIOD, Heartbeat
 from protocol.errors import UsageError

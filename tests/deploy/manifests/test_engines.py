@@ -17,8 +17,7 @@ import pytest
 import yaml
 
 from deploy.manifests import render
-from deploy.manifests.folder import write
-from deploy.manifests.plan import Plan
+from deploy.manifests.render import Plan, write
 from deploy.security.roster import Roster
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman

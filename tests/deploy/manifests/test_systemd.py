@@ -14,9 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.manifests.folder import write
-from deploy.manifests.plan import Plan
-from deploy.manifests.render import ETC
+from deploy.manifests.render import ETC, Plan, write
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
 from protocol.bus.bus import Sample

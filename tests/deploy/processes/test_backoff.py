@@ -6,8 +6,7 @@ import time
 
 import pytest
 
-from deploy.processes.backoff import STEADY, Backoff
-from deploy.processes.supervisor import Supervisor
+from deploy.processes.supervisor import STEADY, Backoff, Supervisor
 from tests.deploy.processes.children import give, row, spawner, wait
 
 PATIENCE = 20.0  # s

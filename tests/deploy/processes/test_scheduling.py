@@ -76,7 +76,7 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
 def test_a_core_that_is_not_there_costs_nothing_but_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("deploy.run.assembly.core_of", lambda *_: 1023)
     with Fleet(load("swap-2"), RunOptions()) as fleet:
-        assert [result["verdict"] for result in fleet.execute()] == ["arrived"]
+        assert fleet.execute()["verdict"] == "arrived"
 
 
 def refuse(monkeypatch: pytest.MonkeyPatch) -> None:

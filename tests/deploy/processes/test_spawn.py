@@ -14,9 +14,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from deploy.processes.fork_messages import Exited, News, Report, Started
-from deploy.processes.forked import FAULT, end_with_pipe
-from deploy.processes.spawn import Spawner
+from deploy.processes.fork_server import FAULT, end_with_pipe
+from deploy.processes.spawn import Exited, News, Report, Spawner, Started
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
 

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from deploy.processes.row import Exit, Life
-from deploy.processes.supervisor import Supervisor
+from deploy.processes.supervisor import Exit, Life, Supervisor
 from deploy.processes.table import Process, router
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from deploy.run.collector import seldom_collecting
+from deploy.run.local import seldom_collecting
 
 
 class Ring:

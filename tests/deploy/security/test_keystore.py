@@ -11,9 +11,7 @@ import pytest
 from cryptography import x509
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from deploy.security.certificates import Authority
-from deploy.security.inspection import inspect
-from deploy.security.keystore import create
+from deploy.security.keystore import Authority, create, inspect
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR, OPERATOR, Roster, read
 from protocol.bus.connection import credentials, key_file

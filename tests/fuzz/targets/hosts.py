@@ -14,11 +14,9 @@ from random import Random
 
 import msgspec
 
-from deploy.processes.fork_messages import MAX_NEWS, Exited, Report, Started, encode_news
-from deploy.processes.hosts.frames import Frames
-from deploy.processes.hosts.relay import Relay
-from deploy.processes.hosts.ssh import SshSpawner
+from deploy.processes.hosts.ssh import Frames, Relay, SshSpawner
 from deploy.processes.hosts.table import Host, read_any_hosts
+from deploy.processes.spawn import MAX_NEWS, Exited, Report, Started, encode_news
 from deploy.security.roster import Home, Roster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
 from tests.fuzz.mutation import damaged_bytes, damaged_message, damaged_text, damaged_tree

@@ -8,7 +8,7 @@ from random import Random
 
 import msgspec
 
-from deploy.library.demonstrations import crash
+from deploy.library.figures import crash
 from protocol import joining
 from protocol.codec import decode
 from protocol.errors import MessageError

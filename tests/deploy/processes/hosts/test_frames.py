@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.processes.fork_messages import Exited, decode_news, encode_news
-from deploy.processes.hosts.frames import Frames
+from deploy.processes.hosts.ssh import Frames
+from deploy.processes.spawn import Exited, decode_news, encode_news
 from tests.world.stopwatch import Stopwatch
 
 PATIENCE = 5.0

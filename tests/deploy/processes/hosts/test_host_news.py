@@ -8,10 +8,9 @@ from math import inf
 
 import pytest
 
-from deploy.processes.fork_messages import MAX_NEWS, Exited, Started, encode_news
-from deploy.processes.hosts.frames import Frames
-from deploy.processes.hosts.ssh import SshSpawner
+from deploy.processes.hosts.ssh import Frames, SshSpawner
 from deploy.processes.hosts.table import Host
+from deploy.processes.spawn import MAX_NEWS, Exited, Started, encode_news
 from protocol.errors import ProcessError
 
 

@@ -14,10 +14,8 @@ import pytest
 import typer
 
 from deploy.cli.setup import hosts as command
-from deploy.processes.hosts import check as checking
-from deploy.processes.hosts import install as installing
-from deploy.processes.hosts.check import check
-from deploy.processes.hosts.install import install
+from deploy.processes.hosts import prepare
+from deploy.processes.hosts.prepare import check, install
 from deploy.processes.hosts.table import Host
 from protocol.errors import UsageError
 from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, needs_sshd, ssh_server
@@ -68,9 +66,9 @@ def test_a_host_that_is_not(far: Host) -> None:
 
 
 def test_a_host_that_says_nothing_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checking, "_PATIENCE", 0.1)
+    monkeypatch.setattr(prepare, "_PATIENCE", 0.1)
     monkeypatch.setattr(
-        checking.sys, "executable", "/bin/yes"
+        prepare.sys, "executable", "/bin/yes"
     )  # it never says anything that can be understood
     (found,) = check(HERE)
     assert (found.what, found.level) == ("reach", "bad")
@@ -82,8 +80,8 @@ def test_a_host_that_goes_on_and_on_is_not_waited_for(
     slow = tmp_path / "slow"
     slow.write_text("#!/bin/sh\nwhile :; do echo; sleep 0.1; done\n")
     slow.chmod(0o700)
-    monkeypatch.setattr(checking, "_PATIENCE", 0.5)
-    monkeypatch.setattr(checking.sys, "executable", str(slow))
+    monkeypatch.setattr(prepare, "_PATIENCE", 0.5)
+    monkeypatch.setattr(prepare.sys, "executable", str(slow))
     (found,) = check(HERE)
     assert (found.what, found.level, found.text) == ("reach", "bad", "no answer within 0.5 s")
 
@@ -95,8 +93,8 @@ def test_what_a_host_says_cannot_steer_the_terminal(
     liar = tmp_path / "liar"
     liar.write_text(f"#!/bin/sh\necho '{lie}'\nwhile read -r line; do echo 1.0; done\n")
     liar.chmod(0o700)
-    monkeypatch.setattr(checking.sys, "executable", str(liar))
-    monkeypatch.setattr(checking, "_SPAN", 0.01)
+    monkeypatch.setattr(prepare.sys, "executable", str(liar))
+    monkeypatch.setattr(prepare, "_SPAN", 0.01)
     table = tmp_path / "hosts.toml"
     table.write_text('[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nrobots = [1]\n')
     with pytest.raises(typer.Exit):
@@ -119,7 +117,7 @@ def test_the_command_tells_by_its_status(disknav: Forks, tmp_path: Path) -> None
 
 
 def test_what_is_installed_is_this_checkout_and_nothing_made_of_it() -> None:
-    with tarfile.open(fileobj=io.BytesIO(installing._archive())) as archive:
+    with tarfile.open(fileobj=io.BytesIO(prepare._archive())) as archive:
         names = set(archive.getnames())
         assert {entry.uid for entry in archive.getmembers()} == {0}
     assert {"pyproject.toml", "agents/robot.py", "deploy/telemetry/monitor/web/page/index.html"} <= names

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from deploy.processes.hosts.relay import Relay
+from deploy.processes.hosts.ssh import Relay
 
 SAID = {
     "time": "2026-11-22T13:56:23.671691Z",

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.fork_messages import Exited, News, Report, Start, Started, Store, decode_news
+from deploy.processes.spawn import Exited, News, Report, Start, Started, Store, decode_news
 from deploy.software.provenance import SOFTWARE, code_digest
 from tests.deploy.processes.hosts.testbed.ssh_server import ROOT
 from tests.deploy.processes.test_spawn import gone

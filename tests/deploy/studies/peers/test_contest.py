@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from deploy.library.goal_sets import figure_3
+from deploy.library.figures import figure_3
 from deploy.library.swaps import swap
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary

@@ -9,7 +9,7 @@ import struct
 import subprocess
 import sys
 
-from deploy.processes.fork_messages import Exited, encode_news
+from deploy.processes.spawn import Exited, encode_news
 
 _LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))
 WAYS = {

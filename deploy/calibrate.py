@@ -1,0 +1,333 @@
+"""Measuring a base by driving a square: what it is told, what odometry and poses say, what follows.
+
+`Driver` is sans-I/O: it is told what arrives and asked what is to be sent. At the end of the last side
+nothing is sent any more, so that the base shows its own timeout.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from statistics import fmean
+from typing import Final, NamedTuple
+
+from agents.bases.ros_messages import (
+    NANO,
+    Header,
+    Odometry,
+    Pose,
+    StampedPose,
+    StampedVelocity,
+    Velocity,
+    decode,
+    header_at,
+)
+from agents.bases.senses import planar_yaw, wrapped
+from protocol.bus.bus import Bus, Event, Sample
+from protocol.errors import BusError
+from protocol.scenario.body import Base
+
+PAUSE: Final = 1.5  # s at rest between two motions, in which poses are compared
+EVERY: Final = 0.05  # s between two velocities
+SILENCE: Final = 3.0  # s that the base is given to stop by itself
+
+
+class Move(NamedTuple):
+    """Something to do for a while."""
+
+    duration: float  # s
+    ahead: float  # m/s
+    rate: float  # rad/s
+    told: bool = True  # False: nothing is sent
+
+
+class Row(NamedTuple):
+    """A place at a time, by odometry or by a pose."""
+
+    time: float  # s, when it arrived
+    stamp: float  # s, by the clock of its publisher
+    x: float  # m
+    y: float
+    yaw: float  # rad, without jumps
+    ahead: float = 0.0  # m/s, of odometry
+    rate: float = 0.0  # rad/s, of odometry
+
+
+class Log(NamedTuple):
+    """Everything that was noted."""
+
+    moves: list[tuple[float, Move]]  # s, when it began
+    odometry: list[Row]
+    poses: list[Row]
+
+
+def square(side: float, speed: float, rate: float) -> list[Move]:
+    """Four sides of `side` m, four corners, and a last side that is not ended by a command."""
+    rest = Move(PAUSE, 0.0, 0.0)
+    moves = [rest]
+    for _ in range(4):
+        moves += [Move(side / speed, speed, 0.0), rest, Move(0.5 * math.pi / rate, 0.0, rate), rest]
+    return [*moves, Move(0.5 * side / speed, speed, 0.0), Move(SILENCE, 0.0, 0.0, told=False)]
+
+
+class Driver:
+    """Drives through moves.
+
+    Args:
+        base: its topics and frames.
+        robot: the id that stands for `{id}` in their names.
+        moves: what to do, once odometry and a pose have come.
+
+    Attributes:
+        keys: under which it wants to hear.
+        tells: the key under which it sends.
+        due: when `wake` wants to be called, s.
+        finished: whether it is over.
+    """
+
+    def __init__(self, base: Base, robot: int, moves: list[Move]) -> None:
+        base = base.of(robot)
+        self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
+        self.keys = (self._odometry, self._pose)
+        self.tells = base.key(base.velocity)
+        self.due = 0.0
+        self.finished = False
+        self.log = Log([], [], [])
+        self._base, self._ahead = base, list(reversed(moves))
+        self._until = math.inf
+
+    @property
+    def waits_for(self) -> str:
+        """What has not come yet; "" if all is there."""
+        missing = [key for key, rows in zip(self.keys, self.log[1:], strict=True) if not rows]
+        return " and ".join(missing)
+
+    def hear(self, key: str, payload: bytes, now: float) -> None:
+        """Something arrived; raises MessageError if it is not what it should be."""
+        if key == self._odometry:
+            message = decode(Odometry, payload)
+            ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
+            self._note(self.log.odometry, now, message.header, message.pose, ahead, rate)
+        elif key == self._pose:
+            located = decode(StampedPose, payload)
+            self._note(self.log.poses, now, located.header, located.pose)
+
+    def _note(self, rows: list[Row], now: float, header: Header, pose: Pose, *speeds: float) -> None:
+        yaw = planar_yaw(pose)
+        if yaw is not None:
+            last = rows[-1].yaw if rows else 0.0
+            x, y, _ = pose.position
+            rows.append(Row(now, header.stamp / NANO, x, y, last + wrapped(yaw - last), *speeds))
+
+    def wake(self, now: float) -> list[bytes]:
+        """What is to be sent by now."""
+        self.due = now + EVERY
+        if self.waits_for:
+            return []
+        if not self.log.moves or now >= self._until:
+            if not self._ahead:
+                self.finished = True
+                return [self._message(0.0, 0.0, now)]
+            move = self._ahead.pop()
+            self.log.moves.append((now, move))
+            self._until = now + move.duration
+        move = self.log.moves[-1][1]
+        self.due = min(self.due, self._until)
+        return [self._message(move.ahead, move.rate, now)] if move.told else []
+
+    def _message(self, ahead: float, rate: float, now: float) -> bytes:
+        velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate])
+        if self._base.stamped:
+            header = header_at(round(now * NANO), self._base.base_frame)
+            return StampedVelocity(header, velocity).serialize()
+        return velocity.serialize()
+
+
+class Calibration:
+    """See `protocol.bus.bus.Node`.
+
+    Args:
+        bus: a connection of its own.
+        driver: what is driven.
+        wait: s in which odometry and a pose have to come.
+
+    Raises:
+        BusError: they do not; says which is missing.
+        MessageError: what comes is no ROS 2 message, or of another type.
+    """
+
+    def __init__(self, bus: Bus, driver: Driver, wait: float) -> None:
+        self._driver = driver
+        self._tell = bus.foreign(driver.tells)
+        self._given_up = time.monotonic() + wait
+        bus.subscribe(*driver.keys)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the square is driven."""
+        return self._driver.finished
+
+    @property
+    def deadline(self) -> float:
+        """When `wake` wants to be called next, s, monotonic."""
+        return self._driver.due
+
+    def handle(self, event: Event) -> None:
+        """Something arrived."""
+        if isinstance(event, Sample):
+            self._driver.hear(event.key, event.payload, time.monotonic())
+
+    def wake(self, now: float) -> None:
+        """Tell the base what it is to do by now."""
+        missing = self._driver.waits_for
+        if missing and now > self._given_up:
+            raise BusError(
+                f"nothing came under {missing}: does the bridge run, with that namespace, on the same router?"
+            )
+        for payload in self._driver.wake(now):
+            self._tell(payload)
+
+
+MARGIN: Final = 1.5  # how many times as much as was measured is to be stated
+_BEGUN: Final = 0.1  # of the speed: above it, the base has begun
+_FALLING: Final = 0.8  # of the speed: below it, the base brakes
+
+
+class Bounds(NamedTuple):
+    """What was measured."""
+
+    noise_bound: float  # m, farthest of a pose at rest from the mean of that rest
+    heading: float  # rad, likewise
+    odometry: float  # share of a way that odometry is off, beyond what poses are
+    error: float  # share of a way that the base is off what it was told, by odometry
+    lag: float  # s, from a velocity that is sent to odometry that says it
+    timeout: float  # s, from the last velocity to odometry that says that the base brakes
+    acceleration: float  # m/s^2, at which it then brakes
+    interval: float  # s, longest between two odometries
+
+
+def bounds(log: Log) -> Bounds:
+    """Everything that a square says of a base."""
+    rests = [begin + move.duration for begin, move in log.moves if move.told and _stands(move)]  # their ends
+    places = [(_mean(log.odometry, rest), _mean(log.poses, rest)) for rest in rests]
+    noise = max(_farthest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
+    heading = max(_widest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
+    timeout, acceleration = _stop(log)
+    return Bounds(
+        noise,
+        heading,
+        _slip(places),
+        _off(log),
+        _lag(log),
+        timeout,
+        acceleration,
+        max(b.time - a.time for a, b in pairwise(log.odometry)),
+    )
+
+
+def statements(found: Bounds) -> str:
+    """Lines for a scenario: `MARGIN` times what was measured."""
+    return "\n".join(
+        (
+            "[sensing]",
+            "noise = 1e-3  # any that is not 0: the bound alone counts; add what every pose is off alike",
+            f"noise_bound = {_up(MARGIN * found.noise_bound)}",
+            f"heading = {_up(MARGIN * found.heading)}",
+            "",
+            "[base]",
+            f"timeout = {_up(MARGIN * found.timeout)}",
+            f"age = {_up(MARGIN * found.interval)}",
+            "",
+            "[body]  # besides kind, radius, offset, track and speed, which are measured with a ruler",
+            f"acceleration = {_down(found.acceleration / MARGIN)}",
+            f"error = {_up(MARGIN * found.error)}",
+            f"lag = {_up(MARGIN * found.lag)}",
+            f"odometry = {_up(MARGIN * found.odometry)}",
+        )
+    )
+
+
+def _up(value: float) -> str:
+    """Two digits, not less than the value."""
+    return _digits(value, math.ceil)
+
+
+def _down(value: float) -> str:
+    return _digits(value, math.floor)
+
+
+def _digits(value: float, rounded: Callable[[float], int]) -> str:
+    if value <= 1e-6:
+        return "0.0"
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{rounded(value / unit - 1e-9) * unit:.6g}"
+
+
+def _stands(move: Move) -> bool:
+    return move.ahead == move.rate == 0.0
+
+
+def _within(rows: Sequence[Row], end: float) -> list[Row]:
+    """Rows of the second half of a rest, in which the base surely stands."""
+    return [row for row in rows if end - 0.5 * PAUSE <= row.time <= end] or [
+        min(rows, key=lambda row: abs(row.time - end))
+    ]
+
+
+def _mean(rows: Sequence[Row], end: float) -> Row:
+    chosen = _within(rows, end)
+    return Row(end, 0.0, *(fmean(getattr(row, name) for row in chosen) for name in ("x", "y", "yaw")))
+
+
+def _farthest(rows: Sequence[Row], mean: Row, end: float) -> float:
+    return max(math.hypot(row.x - mean.x, row.y - mean.y) for row in _within(rows, end))
+
+
+def _widest(rows: Sequence[Row], mean: Row, end: float) -> float:
+    return max(abs(row.yaw - mean.yaw) for row in _within(rows, end))
+
+
+def _slip(places: Sequence[tuple[Row, Row]]) -> float:
+    """The largest share by which a side's length differs between odometry and poses."""
+    worst = 0.0
+    for (one, before), (other, after) in pairwise(places):
+        way = math.hypot(other.x - one.x, other.y - one.y)
+        really = math.hypot(after.x - before.x, after.y - before.y)
+        if way > 0.05:
+            worst = max(worst, abs(really - way) / way)
+    return worst
+
+
+def _off(log: Log) -> float:
+    """The largest share by which odometry says that a side was longer or shorter than told."""
+    worst = 0.0
+    for (begin, move), (end, _) in pairwise(log.moves):
+        if move.told and move.ahead > 0.0 and log.moves[-1][0] != end:
+            before, after = _mean(log.odometry, begin), _mean(log.odometry, end + PAUSE)
+            way = math.hypot(after.x - before.x, after.y - before.y)
+            worst = max(worst, abs(way - move.ahead * (end - begin)) / way)
+    return worst
+
+
+def _lag(log: Log) -> float:
+    """The longest time from the first velocity of a side to odometry that says that the base has begun, s."""
+    begun = []
+    for begin, move in log.moves:
+        if move.ahead > 0.0:
+            later = (row.time for row in log.odometry if row.time > begin and row.ahead > _BEGUN * move.ahead)
+            begun.append(next(later, math.inf) - begin)
+    return max(begun)
+
+
+def _stop(log: Log) -> tuple[float, float]:
+    """How long the base goes on by itself, s, and how fast it then brakes, m/s^2."""
+    silent, last = log.moves[-1][0], log.moves[-2][1]
+    after = [row for row in log.odometry if row.time >= silent]
+    low = [row for row in after if row.ahead < _FALLING * last.ahead]
+    still = [row for row in after if row.ahead < (1.0 - _FALLING) * last.ahead]
+    if not low or not still:
+        return math.inf, 0.0
+    fell = max(still[0].time - low[0].time, 1e-3)
+    return low[0].time - silent, (2.0 * _FALLING - 1.0) * last.ahead / fell
