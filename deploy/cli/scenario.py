@@ -75,21 +75,32 @@ def new(
 
 @app.command("import")
 def import_(
-    file: Annotated[Path, typer.Argument(help="A map of map_server (YAML).", exists=True, dir_okay=False)],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="Map of map_server (.yaml), or benchmark: db-CBS (.yaml), LSC-DR (.json), MovingAI (.scen), "
+            "SMGLib (.xml).",
+            exists=True,
+            dir_okay=False,
+        ),
+    ],
     out: Annotated[
         Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
     ] = None,
     robots: Annotated[int, options.robots(1, "--count")] = 5,
-    radius: Annotated[float, typer.Option(min=1e-3, help="Of the robots, m.")] = 0.2,
-    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random.")] = 0,
+    radius: Annotated[float, typer.Option(min=1e-3, help="Of the robots, m (maps, MovingAI).")] = 0.2,
+    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random (maps).")] = 0,
+    obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
 ) -> None:
-    """Make a scenario file of a map: robots with random starts and goals in its free space.
+    """Make a scenario file of another tool's: of a map with robots drawn at random, or of a benchmark.
 
-    Example: disknav scenario import office.yaml --robots 5 --radius 0.2 -o office.toml
+    Examples: disknav scenario import office.yaml --robots 5 --radius 0.2 -o office.toml;
+    disknav scenario import maze-32-32-4-even-1.scen --robots 10 --radius 0.3 -o maze.toml
     """
-    from deploy.maps.scenario import map_scenario
+    from deploy.library.benchmarks import Options, imported
 
-    _write(map_scenario(file, robots, radius, seed, Path() if out is None else out.parent), out)
+    folder = Path() if out is None else out.parent
+    _write(imported(file, Options(robots, radius, seed, obstacles, folder)), out)
 
 
 @app.command()

@@ -6,7 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
 import numpy as np
@@ -20,6 +20,7 @@ from protocol.scenario.model import Coordinate
 MOST_CELLS = 16_000_000  # of a map: 200 m by 200 m in cells of 0.05 m; takes some 1 GB while it is read
 FINEST, COARSEST = 1e-3, 10.0  # m, of a cell
 Mask = NDArray[np.bool_]
+_Struct = TypeVar("_Struct")
 Threshold = Annotated[float, Meta(ge=0, le=1)]
 Angle = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
 
@@ -85,25 +86,39 @@ def read_map(path: Path) -> Occupancy:
     return Occupancy(occupied, ~(occupied | free), head.resolution, head.origin)
 
 
-def _head(path: Path) -> _Head:
+def read_yaml(path: Path) -> Any:
+    """What a YAML file says.
+
+    Raises:
+        MapError, UsageError: as `read_map`.
+    """
     try:
         import yaml
     except ModuleNotFoundError as error:
         raise missing_library("reading a map", "pyyaml", "maps") from error
     try:
-        found: Any = yaml.safe_load(path.read_bytes())
-        head = msgspec.convert(found, _Head)
+        return yaml.safe_load(path.read_bytes())
     except OSError as error:
-        raise _wrong(path, "", f"cannot be read: {error.strerror or error}") from None
+        raise as_map_error(path, "", f"cannot be read: {error.strerror or error}") from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise _wrong(path, "", f"is not YAML: {' '.join(str(error).split())}") from None
+        raise as_map_error(path, "", f"is not YAML: {' '.join(str(error).split())}") from None
+
+
+def converted(path: Path, found: Any, kind: type[_Struct]) -> _Struct:
+    """What a file says as `kind`; a MapError names the place where it is something else."""
+    try:
+        return msgspec.convert(found, kind)
     except msgspec.ValidationError as error:
         text, _, place = str(error).partition(" - at `$")
-        raise _wrong(path, place.strip(".`"), f"{text[:1].lower()}{text[1:]}") from None
+        raise as_map_error(path, place.strip(".`"), f"{text[:1].lower()}{text[1:]}") from None
+
+
+def _head(path: Path) -> _Head:
+    head = converted(path, read_yaml(path), _Head)
     if not math.isfinite(head.resolution) or not all(map(math.isfinite, head.origin)):
-        raise _wrong(path, "resolution, origin", "must be finite numbers")
+        raise as_map_error(path, "resolution, origin", "must be finite numbers")
     if head.free_thresh > head.occupied_thresh:
-        raise _wrong(path, "free_thresh", f"must be at most occupied_thresh, {head.occupied_thresh:g}")
+        raise as_map_error(path, "free_thresh", f"must be at most occupied_thresh, {head.occupied_thresh:g}")
     return head
 
 
@@ -119,16 +134,17 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
             with Image.open(path, formats=("PPM", "PNG", "BMP")) as picture:
                 width, height = picture.size
                 if width * height > MOST_CELLS:
-                    raise _wrong(
+                    raise as_map_error(
                         path, "", f"has {width} x {height} pixels, at most {MOST_CELLS:,} can be read"
                     )
                 return np.flipud(np.asarray(picture.convert("L")))
     except Image.DecompressionBombError:
-        raise _wrong(path, "", f"has too many pixels, at most {MOST_CELLS:,} can be read") from None
+        raise as_map_error(path, "", f"has too many pixels, at most {MOST_CELLS:,} can be read") from None
     except (OSError, SyntaxError, ValueError) as error:  # the errors of broken pictures
         text = getattr(error, "strerror", None) or "is no whole PGM, PNG or BMP picture"
-        raise _wrong(path, "", text) from None
+        raise as_map_error(path, "", text) from None
 
 
-def _wrong(path: Path, place: str, text: str) -> MapError:
+def as_map_error(path: Path, place: str, text: str) -> MapError:
+    """The error of what is wrong at a place in a file; "" for all of it."""
     return MapError(str(path), [Problem(place, text)])

@@ -9,8 +9,8 @@ free ones touch, for what lies behind those cannot be reached.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Final, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ _MANY: Final = 500  # cells; a larger set is halved before cuts are compared
 _MOST_CORNERS: Final = 64  # that a polygon of a scenario may have
 Ints = NDArray[np.intp]
 _Corner = tuple[int, int]
+_Point = TypeVar("_Point", _Corner, Point)
 
 
 class FloorPlan(NamedTuple):
@@ -126,8 +127,8 @@ def _pieces(cells: Mask, forbidden: _Forbidden) -> list[list[_Corner]]:
 
 
 def _piece(points: list[_Corner], forbidden: _Forbidden) -> _Piece:
-    hull = _hull(points)
-    return _Piece(hull, forbidden.inside(hull) + (len(hull) > _MOST_CORNERS))
+    corners = hull(points)
+    return _Piece(corners, forbidden.inside(corners) + (len(corners) > _MOST_CORNERS))
 
 
 def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
@@ -195,15 +196,15 @@ def _joined(pieces: list[_Piece], forbidden: _Forbidden) -> list[_Piece]:
     return [pieces[index] for index in np.flatnonzero(there).tolist()]
 
 
-def _hull(points: list[_Corner]) -> list[_Corner]:
+def hull(points: Iterable[_Point]) -> list[_Point]:
     """Corners of the convex hull, counterclockwise from the lowest, then leftmost (Andrew 1979)."""
     upwards = sorted(set(points), key=lambda point: (point[1], point[0]))
     return _chain(upwards)[:-1] + _chain(upwards[::-1])[:-1]
 
 
-def _chain(points: list[_Corner]) -> list[_Corner]:
+def _chain(points: list[_Point]) -> list[_Point]:
     """Those of a sequence of points at which the line around its right-hand side turns left."""
-    chain: list[_Corner] = []
+    chain: list[_Point] = []
     for x, y in points:
         while len(chain) > 1:
             (ax, ay), (bx, by) = chain[-2:]

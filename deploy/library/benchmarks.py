@@ -1,0 +1,356 @@
+"""Scenarios of others' benchmarks: db-CBS (YAML), LSC-DR (JSON), MovingAI (scen and map), SMGLib (XML).
+
+What a format says that a scenario cannot is named in the description. A robot becomes the smallest known disk
+around its shape, with the speed limit of its kind.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+from xml.etree import ElementTree
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from deploy.maps.occupancy import Occupancy, as_map_error, converted, read_yaml
+from deploy.maps.pieces import floor_plan, hull
+from deploy.maps.scenario import map_scenario
+from protocol.errors import UsageError
+from protocol.scenario.file import parse_document
+from protocol.scenario.model import Coordinate, Point, Scenario
+from protocol.scenario.tables import Document
+
+_LARGEST = 50_000_000  # bytes of a file
+_SPACIOUS = 20.0  # times what the straight way across takes, that a run may last
+Size = Annotated[float, Meta(gt=0, le=1e6)]
+Place = Annotated[list[Coordinate], Meta(min_length=2)]
+Pair = tuple[Coordinate, Coordinate]
+
+
+class Options(NamedTuple):
+    """What a file leaves open: number of robots and their radius (m), the seed of what is drawn, a file of
+    obstacles (LSC-DR), and the folder that the scenario is to be written into."""
+
+    robots: int = 5
+    radius: float = 0.2
+    seed: int = 0
+    obstacles: Path | None = None
+    folder: Path = Path()
+
+
+def imported(file: Path, options: Options) -> Scenario:
+    """The scenario that a file of another tool stands for, checked.
+
+    Raises:
+        MapError: the file cannot be read, or is not of the format that its name promises.
+        ScenarioError: what it describes is no valid scenario.
+        UsageError: the format is not known, or has something that no scenario can express.
+    """
+    if file.suffix in (".yaml", ".yml"):
+        found = read_yaml(file)
+        if isinstance(found, dict) and "image" in found:
+            return map_scenario(file, options.robots, options.radius, options.seed, options.folder)
+        return parse_document(_db_cbs(file, found), str(file))
+    if file.suffix not in _FORMATS:
+        raise UsageError(
+            f"{file}: not known by its name; known are .yaml (map_server, db-CBS), {', '.join(_FORMATS)}"
+        )
+    if file.stat().st_size > _LARGEST:
+        raise as_map_error(file, "", f"is larger than {_LARGEST:,} bytes")
+    return parse_document(_FORMATS[file.suffix](file, options), str(file))
+
+
+def _document(
+    file: Path,
+    tool: str,
+    robots: Iterable[tuple[float, Point, Point]],
+    *,
+    corners: tuple[Point, Point],
+    obstacles: Iterable[Sequence[Point]],
+    speed: float,
+    left_out: Iterable[str],
+) -> Document:
+    """Robots as (radius, start, goal) and polygons, in the rectangle between two `corners`, m and m/s."""
+    (left, low), (right, high) = corners
+    lost = "; ".join(left_out)
+    return {
+        "name": file.stem,
+        "description": f"From {file.name} ({tool})." + (f" Not taken over: {lost}." if lost else ""),
+        "workspace": {"points": [[left, low], [right, low], [right, high], [left, high]]},
+        "time": {
+            "step": 0.1,
+            "limit": float(math.ceil(_SPACIOUS * math.dist(*corners) / speed)),
+            "tolerance": 0.05,
+        },
+        "control": {"speed": speed},
+        "things": [{"points": [list(map(float, point)) for point in each]} for each in obstacles],
+        "robots": [
+            {"id": n, "radius": radius, "start": list(start), "goal": list(goal)}
+            for n, (radius, start, goal) in enumerate(robots, 1)
+        ],
+    }
+
+
+def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
+    """A rectangle by its centre, m."""
+    u, v = 0.5 * wide, 0.5 * high
+    return [(x - u, y - v), (x + u, y - v), (x + u, y + v), (x - u, y + v)]
+
+
+# -- db-CBS: https://github.com/IMRCLab/db-CBS
+
+
+class _CbsObstacle(msgspec.Struct):
+    type: str
+    center: Pair
+    size: tuple[Size, Size]
+
+
+class _CbsEnvironment(msgspec.Struct):
+    min: Pair
+    max: Pair
+    obstacles: list[_CbsObstacle] = []
+
+
+class _CbsRobot(msgspec.Struct):
+    type: str
+    start: Place
+    goal: Place
+
+
+class _Cbs(msgspec.Struct):
+    environment: _CbsEnvironment
+    robots: Annotated[list[_CbsRobot], Meta(min_length=1)]
+
+
+_CAR = 0.5 * math.hypot(0.5, 0.25)  # m, around its rectangle
+# Of each kind of robot: radius (m), speed limit (m/s), and what it cannot do that a disk can
+_KINDS = {
+    "single_integrator": (0.1, 0.5, ""),
+    "double_integrator": (0.15, 0.5, "limits of acceleration"),
+    "unicycle_first_order": (_CAR, 0.5, "rectangles and headings"),
+    "unicycle_first_order_sphere": (0.4, 0.5, "headings"),
+    "unicycle_second_order": (_CAR, 0.5, "rectangles, headings and limits of acceleration"),
+    "car_first_order": (_CAR, 0.5, "rectangles and headings"),
+}
+
+
+def _db_cbs(file: Path, found: Any) -> Document:
+    said = converted(file, found, _Cbs)
+    kinds = []
+    for n, robot in enumerate(said.robots):
+        kind = _KINDS.get(robot.type.replace("_0", ""))
+        if kind is None:
+            text = f"{robot.type!r} is no robot that is one disk; known are {', '.join(_KINDS)}"
+            raise as_map_error(file, f"robots[{n}].type", text)
+        kinds.append(kind)
+    for n, each in enumerate(said.environment.obstacles):
+        if each.type != "box":
+            raise as_map_error(
+                file, f"environment.obstacles[{n}].type", f"{each.type!r} is not known: only box is"
+            )
+    return _document(
+        file,
+        "db-CBS",
+        [
+            (radius, (robot.start[0], robot.start[1]), (robot.goal[0], robot.goal[1]))
+            for robot, (radius, _, _) in zip(said.robots, kinds, strict=True)
+        ],
+        corners=(said.environment.min, said.environment.max),
+        obstacles=[_box(*each.center, *each.size) for each in said.environment.obstacles],
+        speed=min(speed for _, speed, _ in kinds),
+        left_out=sorted({lost for _, _, lost in kinds if lost}),
+    )
+
+
+# -- LSC-DR: https://github.com/qwerty35/lsc_dr_planner
+
+
+class _Quadrotor(msgspec.Struct):
+    max_vel: Annotated[list[Size], Meta(min_length=2)]
+    radius: Size
+
+
+class _World(msgspec.Struct):
+    dimension: tuple[Coordinate, Coordinate, Coordinate, Coordinate, Coordinate, Coordinate]
+
+
+class _LscAgent(msgspec.Struct):
+    type: str
+    start: Place
+    goal: Place
+
+
+class _Lsc(msgspec.Struct):
+    quadrotors: dict[str, _Quadrotor]
+    world: Annotated[list[_World], Meta(min_length=1)]
+    agents: Annotated[list[_LscAgent], Meta(min_length=1)]
+    obstacles: list[dict[str, Any]] = []
+
+
+def _lsc(file: Path, options: Options) -> Document:
+    try:
+        said = converted(file, json.loads(file.read_bytes()), _Lsc)
+    except (ValueError, RecursionError) as error:
+        raise as_map_error(file, "", f"is not JSON: {error}") from None
+    lost = ["heights and limits of acceleration"]
+    if said.obstacles:
+        lost.append(f"{len(said.obstacles)} obstacles that move")
+    for n, agent in enumerate(said.agents):
+        if agent.type not in said.quadrotors:
+            raise as_map_error(file, f"agents[{n}].type", f"{agent.type!r} is none of `quadrotors`")
+    kinds = [said.quadrotors[agent.type] for agent in said.agents]
+    x0, y0, _, x1, y1, _ = said.world[0].dimension
+    return _document(
+        file,
+        "LSC-DR",
+        [
+            (kind.radius, (agent.start[0], agent.start[1]), (agent.goal[0], agent.goal[1]))
+            for agent, kind in zip(said.agents, kinds, strict=True)
+        ],
+        corners=((x0, y0), (x1, y1)),
+        obstacles=[] if options.obstacles is None else _columns(options.obstacles),
+        speed=min(min(kind.max_vel[:2]) for kind in kinds),
+        left_out=lost,
+    )
+
+
+def _columns(file: Path) -> list[list[Point]]:
+    """Boxes of a world file: x, y, z of the centre and the sizes along them, one a line, m."""
+    try:
+        rows = [[float(each) for each in row] for row in csv.reader(file.read_text().splitlines()) if row]
+    except OSError as error:
+        raise as_map_error(file, "", f"cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise as_map_error(file, "", f"is no table of numbers: {error}") from None
+    for n, row in enumerate(rows, 1):
+        if len(row) != 6 or not all(map(math.isfinite, row)) or min(row[3:5]) <= 0.0:
+            raise as_map_error(file, f"line {n}", "must be x, y, z and three positive sizes")
+    return [_box(row[0], row[1], row[3], row[4]) for row in rows]
+
+
+# -- MovingAI: https://movingai.com/benchmarks
+
+
+def _moving_ai(file: Path, options: Options) -> Document:
+    lines = [line.split() for line in _text(file).splitlines() if line.strip()]
+    if not lines or lines[0][0] != "version":
+        raise as_map_error(file, "line 1", "must be `version 1`")
+    rows = [(n, row) for n, row in enumerate(lines[1:], 2)]
+    try:
+        ways = [(int(row[4]), int(row[5]), int(row[6]), int(row[7])) for _, row in rows]
+        name = Path(rows[0][1][1]).name
+    except (IndexError, ValueError):
+        raise as_map_error(
+            file, "", "must have nine columns: bucket, map, sizes, start, goal, length"
+        ) from None
+    grid = _octile(file.parent / name)
+    chosen: list[tuple[int, int, int, int]] = []
+    for way in ways:  # a cell is the start, or the goal, of one robot only
+        if all(way[:2] != other[:2] and way[2:] != other[2:] for other in chosen):
+            chosen.append(way)
+        if len(chosen) == options.robots:
+            break
+    else:
+        raise UsageError(f"{file} has {len(chosen)} starts and goals that go together, not {options.robots}")
+    height = grid.occupied.shape[0]
+    plan = floor_plan(grid, 0.0, options.radius)
+    if not plan.workspace:
+        raise UsageError(f"{file.parent / name} has no free space for a radius of {options.radius:g} m")
+    xs, ys = zip(*plan.workspace, strict=True)
+    return _document(
+        file,
+        "MovingAI",
+        [
+            (options.radius, (sx + 0.5, height - sy - 0.5), (gx + 0.5, height - gy - 0.5))
+            for sx, sy, gx, gy in chosen
+        ],
+        corners=((min(xs), min(ys)), (max(xs), max(ys))),
+        obstacles=plan.obstacles,
+        speed=1.0,
+        left_out=["costs of terrain: swamp and water are obstacles"],
+    )
+
+
+def _octile(file: Path) -> Occupancy:
+    """A map of cells of 1 m, where only `.` and `G` are free."""
+    lines = _text(file).splitlines()
+    head = dict(line.split(maxsplit=1) for line in lines[:3] if len(line.split()) == 2)
+    rows = lines[4:]
+    try:
+        height, width = int(head["height"]), int(head["width"])
+    except (KeyError, ValueError):
+        raise as_map_error(file, "", "must begin with `type`, `height` and `width`") from None
+    if len(rows) < height or {len(row) for row in rows[:height]} != {width}:
+        raise as_map_error(file, "", f"must have {height} rows of {width} cells")
+    free = np.array([[cell in ".G" for cell in row] for row in reversed(rows[:height])])
+    return Occupancy(~free, np.zeros_like(free), 1.0)
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text("ascii")
+    except OSError as error:
+        raise as_map_error(file, "", f"cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise as_map_error(file, "", "is not ASCII text") from None
+
+
+# -- SMGLib: doorway, hallway and intersection of its Social-ORCA
+
+
+def _smglib(file: Path, _: Options) -> Document:
+    try:
+        root = ElementTree.fromstring(file.read_bytes())
+    except ElementTree.ParseError as error:
+        raise as_map_error(file, "", f"is not XML: {error}") from None
+
+    def number(element: ElementTree.Element | None, key: str) -> float:
+        said = "" if element is None else element.get(key, "") or (element.findtext(key) or "")
+        try:
+            value = float(said)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            where = "root" if element is None else element.tag
+            raise as_map_error(file, f"{where}.{key}", f"must be a number, is {said!r}")
+        return value
+
+    plain, map_ = root.find("agents/default_parameters"), root.find("map")
+    cell, radius = number(map_, "cellsize"), number(plain, "size")
+    robots = [
+        (
+            radius,
+            (number(agent, "start.xr"), number(agent, "start.yr")),
+            (number(agent, "goal.xr"), number(agent, "goal.yr")),
+        )
+        for agent in root.iterfind("agents/agent")
+    ]
+    walls = [
+        hull([(number(corner, "xr"), number(corner, "yr")) for corner in each.iterfind("vertex")])
+        for each in root.iterfind("obstacles/obstacle")
+    ]
+    if any("1" in (row.text or "") for row in root.iterfind("map/grid/row")):
+        raise as_map_error(file, "map.grid", "has blocked cells; only `obstacles` are taken over")
+    return _document(
+        file,
+        "SMGLib",
+        robots,
+        corners=((0.0, 0.0), (cell * number(map_, "width"), cell * number(map_, "height"))),
+        obstacles=walls,
+        speed=number(plain, "movespeed"),
+        left_out=["parameters of ORCA"],
+    )
+
+
+_FORMATS: dict[str, Callable[[Path, Options], Document]] = {
+    ".json": _lsc,
+    ".scen": _moving_ai,
+    ".xml": _smglib,
+}
