@@ -7,7 +7,7 @@ READY := .venv/.ready
 COMPILED := .venv/.compiled
 KERNEL := .venv/.kernel
 # What a certificate's search runs; numba compiles it at its first use, which takes as long as a whole proof.
-SEARCH := $(wildcard deploy/theory/certify/boxes/*.py)
+SEARCH := $(wildcard deploy/theory/certify/*.py)
 
 , := ,
 # $(call install,EXTRAS): this checkout and these extras in .venv, by uv where the registry has it for this machine, else by pip.
@@ -89,7 +89,6 @@ golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
 	$(BIN)/python -m tests.benchmarks.machine.cores
-	$(BIN)/python -m pytest tests/benchmarks/machine/bench_cores.py --benchmark-group-by=param:robots --benchmark-columns=min,median
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.campaigns fuzz

@@ -14,7 +14,7 @@ from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 
 if TYPE_CHECKING:
     from deploy.theory.certify.prove import Outcome
-    from deploy.theory.certify.verifier.replay import Replay
+    from deploy.theory.certify.replay import Replay
 
 _MINUTES = 10.0
 
@@ -74,7 +74,7 @@ def certify(
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
         from deploy.theory.certify.certificate import Goals, fetch
-        from deploy.theory.certify.verifier.replay import replay
+        from deploy.theory.certify.replay import replay
 
         goals = None if read_scenario is None else Goals.of(read_scenario)
         checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
@@ -116,7 +116,7 @@ def _statistics(
     from deploy.library.load import load
     from deploy.output.bar import bar
     from deploy.theory.certify.certificate import Goals
-    from deploy.theory.certify.statistics import failing_fraction
+    from deploy.theory.exact_flow import failing_fraction
 
     valid = load(name, settings)
     with bar("random starts", silent=silent) as tell:

@@ -20,7 +20,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from deploy.theory.check.check import Certified
+    from deploy.theory.check import Certified
     from protocol.scenario.model import Scenario
 
 _KEPT = "on-failure:1000"  # restarts of a fleet that stays up
@@ -171,9 +171,8 @@ def check(
     Exit status: 0 valid (whatever the theory says), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check.check import report, to_json
-    from deploy.theory.check.render import render
-    from deploy.theory.check.surrounded import surrounded, theorem_for
+    from deploy.theory.check import render, report, to_json
+    from deploy.theory.surrounded import surrounded, theorem_for
 
     json_output.check(json_file)
     valid = load(scenario, setting or [], seed)
@@ -194,7 +193,7 @@ def check(
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
     """What lies beside the scenario."""
     from deploy.theory.certify.certificate import ProofError, path_for, stored
-    from deploy.theory.check.check import Certified
+    from deploy.theory.check import Certified
 
     path = str(path_for(name))
     try:

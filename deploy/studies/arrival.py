@@ -19,8 +19,7 @@ import numpy as np
 
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_starts
-from deploy.studies.statistics import arrived, collided, mean, untouched
-from deploy.studies.study import Cell, Result, Row, Study
+from deploy.studies.study import Cell, Result, Row, Study, arrived, collided, mean, untouched
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Link, RobotSpec, Scenario, Sensing, Time, Workspace
 

@@ -14,8 +14,7 @@ from typing import Any, Literal
 from deploy.library.figures import figure_3
 from deploy.library.load import resolved
 from deploy.library.swaps import swap
-from deploy.studies.statistics import arrived, error, figures, mean, untouched
-from deploy.studies.study import Build, Cell, Result, Row, Study
+from deploy.studies.study import Build, Cell, Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.scenario.model import Link, Scenario
 
 RUNS = 20

@@ -1,25 +1,128 @@
-"""Executes a study: the runs that are not done yet, on all cores; every result is kept at once."""
+"""Executes a study: the runs that are not done yet, on all cores; every result is kept at once.
+
+A worker process makes one run at a time, in the process itself or as a fleet of its own.
+"""
 
 from __future__ import annotations
 
 import json
 import multiprocessing
+import os
+import time
+import traceback
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver
+from multiprocessing.connection import Connection as Channel
 from pathlib import Path
+from typing import Any
 
+import psutil
+
+from agents.shell.node import RobotNode
 from deploy.output.bar import bar
-from deploy.run.options import Transport
+from deploy.processes.fork_server import end_with_pipe
+from deploy.run.fleet import Fleet
+from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, Transport
+from deploy.run.result import complete
 from deploy.software.provenance import code_digest
-from deploy.studies.study import Result, Row, Run, Shard, Study
-from deploy.studies.worker import FAILED, begin
-from deploy.studies.worker import execute as perform
+from deploy.studies.study import Build, Result, Row, Run, Shard, Study
+from protocol.bus.bus import Event
 from protocol.errors import ProcessError
+from protocol.process.log import set_process_title
 from protocol.process.signals import STOP, Stopped
+
+FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result
+# Of a result, which says more than a study needs:
+# fmt: off
+KEPT = (
+    "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
+    "nrl", "tight", "k", "robots", "ticks", "sim_time", "wall_time",
+    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "robots_cpu_s",
+    "max_rss_mb", "processes",
+)
+# fmt: on
+
+
+def begin(lifeline: Channel[Any, Any]) -> None:
+    """Have this process end with the other end of `lifeline`; Ctrl-C is for the parent to handle."""
+    set_process_title(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
+    end_with_pipe(os.dup(lifeline.fileno()))
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def run_one(build: Build, seed: int, transport: Transport) -> Result:
+    """One run: of its result what a study needs.
+
+    Raises:
+        ProcessError, BusError: a process of the fleet did not start.
+    """
+    result = _in_process(build, seed) if transport == "local" else _on_processes(build, seed, transport)
+    return {name: result[name] for name in KEPT if name in result}
+
+
+def _in_process(build: Build, seed: int) -> Result:
+    began = time.thread_time()
+    try:
+        fleet = MeteredFleet(build(seed))
+        report = fleet.execute()
+    except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
+        return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
+    result = complete(report, RunOptions("local"), [])
+    result["cpu_s"] = time.thread_time() - began
+    result["robots_cpu_s"] = fleet.robots_cpu()
+    result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
+    return result
+
+
+def _on_processes(build: Build, seed: int, transport: Transport) -> Result:
+    options = RunOptions(transport)
+    with Fleet(build(seed), options) as fleet:
+        report = fleet.execute()
+        return complete(report, options, fleet.processes())
+
+
+class MeteredNode:
+    """A robot whose CPU time for every message is counted: decode, update, decide, encode, publish."""
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node = node
+        self.cpu_ns = 0
+
+    def handle(self, event: Event) -> None:
+        began = time.thread_time_ns()
+        self._node.handle(event)
+        self.cpu_ns += time.thread_time_ns() - began
+
+    def wake(self, now: float) -> None:
+        self._node.wake(now)
+
+    @property
+    def deadline(self) -> float:
+        return self._node.deadline
+
+    @property
+    def finished(self) -> bool:
+        return self._node.finished
+
+
+class MeteredFleet(LocalFleet):
+    """An in-process fleet of such robots."""
+
+    def start(self, robot: int) -> MeteredNode:
+        bus = self.robots[robot] = self.network.connect()
+        node = bus.node = MeteredNode(RobotNode(bus, self.run, robot))
+        return node
+
+    def robots_cpu(self) -> float:
+        """CPU of the robots that are there now, s; without the world and the bus."""
+        nodes = [bus.node for bus in self.robots.values()]
+        return 1e-9 * sum(node.cpu_ns for node in nodes if isinstance(node, MeteredNode))
+
 
 _POLL = 0.2  # s between looks at whether a signal came
 
@@ -106,7 +209,7 @@ def _executed(study: Study, runs: Sequence[Run], jobs: int) -> Iterator[tuple[Ru
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:
             for run in runs:
-                waiting[pool.submit(perform, study.cells[run.cell].build, run.seed, run.transport)] = run
+                waiting[pool.submit(run_one, study.cells[run.cell].build, run.seed, run.transport)] = run
             while waiting and not STOP.requested:
                 for future in wait(waiting, _POLL, FIRST_COMPLETED).done:
                     yield waiting.pop(future), future.result()
@@ -121,7 +224,7 @@ def _executed(study: Study, runs: Sequence[Run], jobs: int) -> Iterator[tuple[Ru
 def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes, which end at once with this context or this process, and their fleets with them."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["deploy.studies.worker"])
+    context.set_forkserver_preload(["deploy.studies.execution"])
     with STOP.held():  # what a signal means, this process says
         forkserver.ensure_running()
     lifeline, held = context.Pipe(duplex=False)

@@ -16,8 +16,7 @@ from functools import partial
 from typing import Any
 
 from deploy.library.figures import TIGHTNESS, figure_3
-from deploy.studies.statistics import arrived, deviation, mean
-from deploy.studies.study import Cell, Result, Row, Study
+from deploy.studies.study import Cell, Result, Row, Study, arrived, deviation, mean
 from protocol.scenario.model import Scenario
 
 PERIOD = 0.01  # s

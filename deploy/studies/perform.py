@@ -3,23 +3,119 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from rich.console import Console
+from rich.console import Console, Group, RenderableType
+from rich.table import Table
+from rich.text import Text
 
 from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
 from deploy.output.json_output import check as check_json
 from deploy.output.json_output import is_standard_output, write_json
 from deploy.run.options import Transport
 from deploy.software.provenance import provenance
-from deploy.studies.catalogue import defaults, find
-from deploy.studies.charts.table import table
+from deploy.studies.arrival import arrival
+from deploy.studies.delay import delay
 from deploy.studies.execution import Outcome, RunLog, execute
-from deploy.studies.study import Shard, Study, StudyName
+from deploy.studies.experiments import tightness, tuning
+from deploy.studies.peers.study import peers
+from deploy.studies.robustness import robustness
+from deploy.studies.scale import scale
+from deploy.studies.study import Row, Shard, Study, StudyName
 from deploy.telemetry.plot.draw import PICTURES
 from deploy.telemetry.plot.draw import check as check_plot
 from protocol.errors import UsageError
+
+_BUILD: dict[StudyName, Callable[..., Study]] = {
+    "tightness": tightness,
+    "tuning": tuning,
+    "robustness": robustness,
+    "arrival": arrival,
+    "delay": delay,
+    "peers": peers,
+    "scale": scale,
+}
+_DEFAULT: dict[StudyName, Transport] = {"tightness": "routed", "tuning": "routed"}
+_ONE_AT_A_TIME: frozenset[StudyName] = frozenset({"scale"})  # its figures are speeds
+
+
+@dataclass(frozen=True)
+class Defaults:
+    """What a study uses unless told otherwise."""
+
+    transport: Transport
+    one_job: bool
+
+
+def defaults(name: StudyName) -> Defaults:
+    """Real processes for the paper's experiments; elsewhere the in-process bus, with the same rows."""
+    return Defaults(_DEFAULT.get(name, "local"), name in _ONE_AT_A_TIME)
+
+
+def find(
+    name: StudyName,
+    runs: int | None,
+    seed: int,
+    transport: Transport | None,
+    *,
+    laws: Sequence[str] = (),
+    only: Sequence[str] = (),
+) -> Study:
+    """The study, with `runs` runs a cell (its own number unless given) from `seed` on.
+
+    Args:
+        laws, only: see `peers`; other studies have none.
+    """
+    arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
+    if name == "scale" and transport is not None:
+        arguments["transports"] = (transport,)
+    if name == "peers":
+        arguments |= {"laws": laws, "only": only}
+    return _BUILD[name](**arguments)
+
+
+_WORDS = {
+    "nrl_mean": "nrl",
+    "nrl_std": "±",
+    "nrl_error": "± error",
+    "time_mean": "time, s",
+    "time_error": "± error",
+    "limit_mean": "limit",
+    "nrl_ratio": "nrl, paired",
+    "time_ratio": "time, paired",
+    "time_max": "longest, s",
+    "delay": "delay, s",
+    "ratio": "against no delay",
+    "ratio_error": "± error",
+    "noise": "noise, m",
+    "period": "period, s",
+    "min_clearance": "clearance, m",
+    "paper": "paper",
+    "exact": "exact flow",
+    "ticks_per_second": "ticks/s",
+    "cpu_per_robot_tick_us": "CPU, µs/robot/tick",
+    "memory_mb": "memory, MB",
+    "memory_per_robot_mb": "MB/robot",
+    "step_us": "step, µs",
+}
+
+
+def table(study: Study, rows: Sequence[Row]) -> RenderableType:
+    """The rows, and what the study says below them."""
+    listing = Table(title=f"study {study.name}", title_justify="left", box=None, header_style="bold")
+    for column, form in study.columns.items():
+        listing.add_column(_WORDS.get(column, column), justify="left" if form == "" else "right")
+    for row in rows:
+        listing.add_row(*(_cell(row.get(column), form) for column, form in study.columns.items()))
+    return Group(listing, *(Text(line) for line in study.summary(rows)))
+
+
+def _cell(value: object, form: str) -> str:
+    return "-" if value is None else format(value, form)
+
 
 _PAPER = 160  # columns where there is no terminal
 
@@ -82,7 +178,7 @@ def perform(request: Request) -> int:
     }
     write_json(document, request.target)
     if request.plot is not None and outcome.rows:
-        from deploy.studies.charts.chart import draw_study
+        from deploy.studies.charts import draw_study
 
         draw_study(study.name, outcome.rows, request.plot)
     if not quiet:

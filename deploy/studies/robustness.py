@@ -12,8 +12,7 @@ from functools import partial
 from typing import Any, Literal
 
 from deploy.library.figures import figure_3
-from deploy.studies.statistics import figures, untouched
-from deploy.studies.study import Cell, Result, Row, Study
+from deploy.studies.study import Cell, Result, Row, Study, figures, untouched
 from protocol.scenario.model import Link, Scenario, Sensing
 
 DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0)  # s, one way

@@ -10,8 +10,7 @@ from typing import Any
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance
 from deploy.run.options import Transport
-from deploy.studies.statistics import arrived, growth, mean
-from deploy.studies.study import Cell, Result, Row, Study
+from deploy.studies.study import Cell, Result, Row, Study, arrived, growth, mean
 from protocol.scenario.model import Scenario
 
 ROBOTS = (3, 6, 12, 16, 24, 32, 48, 64)

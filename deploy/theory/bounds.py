@@ -1,5 +1,19 @@
-"""Lower bounds on k: K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2).
+"""Assumptions 1 and 2 on the goals (section 2.3), over all clusters of robots, and the bounds on k from them.
 
+Both assumptions are sufficient, and by the paper's own word very conservative: its simulations never check
+them. Of up to 12 robots every cluster is looked at, of more one bounding row per cluster size.
+
+How far a cluster can stretch, Lambda' and Lambda'' of equations (7) and (8):
+In a cluster, neighbours i, j are at most a_ij = sqrt(rho_ij^2 + eps) apart, and by Minkowski
+a_ij <= s_i + s_j with s_i = sqrt(rho_i^2 + eps/4), with equality for equal radii. So two members h hops
+apart are at most U_h apart, where U_h is s_i + s_j + 2 (h - 1 others), largest members counted, and of
+course never more than the workspace allows. Removing a leaf of a spanning tree shows that a cluster of n
+has at most (n - h)(n - h + 1) / 2 pairs that are h or more hops apart, and that at most n - h members are
+so far from a given one. As ||v||^2 = (1/n) sum of delta_ij^2, both objectives increase with every
+distance, so replacing the pairs h hops apart by U_h bounds both. A straight chain attains every one of
+these inequalities when the radii are equal and it fits into the workspace: then the value is exact.
+
+The bounds are K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2).
 Each is a maximum over configurations. What is returned is a proven upper bound of it, built from
 gamma <= sum (|g_i| + |b_i|)^2 and the stretch of a cluster; K1 comes with a lower end as well.
 
@@ -23,12 +37,209 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from deploy.theory.assumptions import Family, Margins, family, largest_eps, margins, smallest_contact
-from deploy.theory.function import Array, Problem, obstacle_functions
+from deploy.theory.function import Array, Problem, displacements, obstacle_functions
+
+LARGEST_ENUMERATION = 12
+
+
+@dataclass(frozen=True)
+class Family:
+    """S clusters at once. With `enumerated` false, row n - 1 stands for all clusters of n robots.
+
+    radii: (S, p) m, members first, largest first, nan for the rest; spread: (S,) m, sum of |g_ij| over the
+    pairs (a lower bound for rows that stand for several); norms: (S,) m, sum of |g_i| (an upper bound for
+    such rows); members: (S, p), None when rows stand for several.
+    """
+
+    sizes: NDArray[np.int64]
+    radii: Array
+    spread: Array
+    norms: Array
+    members: NDArray[np.bool_] | None
+
+    @property
+    def enumerated(self) -> bool:
+        """Whether each row is one cluster."""
+        return self.members is not None
+
+    def names(self, row: int) -> tuple[int, ...] | None:
+        """Robot indices of one cluster, None when the row stands for several."""
+        return None if self.members is None else tuple(int(i) for i in np.flatnonzero(self.members[row]))
+
+
+def family(problem: Problem) -> Family:
+    """All non-empty subsets of up to 12 robots, or one bounding row per size beyond that."""
+    return _every(problem) if problem.p <= LARGEST_ENUMERATION else _bounds(problem)
+
+
+def _goal_distances(problem: Problem) -> Array:
+    return np.asarray(np.linalg.norm(displacements(problem.goals), axis=2))
+
+
+def _every(problem: Problem) -> Family:
+    codes = np.arange(1, 2**problem.p)
+    members = (codes[:, None] >> np.arange(problem.p)) & 1 == 1
+    radii = -np.sort(np.where(members, -problem.radii, np.nan), axis=1)  # nan sorts last
+    inside = members.astype(np.float64)
+    spread = 0.5 * np.einsum("si,ij,sj->s", inside, _goal_distances(problem), inside, optimize=True)
+    norms = inside @ np.linalg.norm(problem.goals, axis=1)
+    return Family(members.sum(axis=1), radii, spread, norms, members)
+
+
+def _bounds(problem: Problem) -> Family:
+    """For n robots: the n largest radii and |g_i|, and the n smallest sums of n - 1 nearest distances."""
+    p = problem.p
+    sizes = np.arange(1, p + 1)
+    largest = np.sort(problem.radii)[::-1]
+    radii = np.where(np.arange(p) < sizes[:, None], largest, np.nan)
+    nearest = np.sort(_goal_distances(problem), axis=1).cumsum(axis=1)  # [i, n-1]: to the n - 1 nearest
+    spread = 0.5 * np.sort(nearest, axis=0).cumsum(axis=0)[sizes - 1, sizes - 1]
+    norms = np.sort(np.linalg.norm(problem.goals, axis=1))[::-1].cumsum()
+    return Family(sizes, radii, spread, norms, None)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Lambda' and Lambda'' of each cluster of a family, and the largest ||v||^2 and distance.
+
+    All (S,); lengths in m, `circulation` in m^2. `exact` tells where the values are attained by a straight
+    chain (given room for the other robots beside it); elsewhere they are proven upper bounds.
+    """
+
+    first: Array
+    second: Array
+    circulation: Array
+    longest: Array
+    exact: NDArray[np.bool_]
+
+
+def _hops(clusters: Family, workspace: float, eps: float) -> tuple[Array, NDArray[np.bool_]]:
+    """U_h in column h - 1, (S, p - 1), zero beyond the cluster; and whether the workspace clips none."""
+    half = np.nan_to_num(np.sqrt(clusters.radii**2 + eps / 4.0))
+    reach = half.cumsum(axis=1)
+    hops = reach[:, 1:].copy()  # h - 1 largest twice, the next two once: the sums of h + 1 and of h - 1
+    hops[:, 1:] += reach[:, :-2]
+    smallest = np.sort(clusters.radii, axis=1)[:, :2]
+    room = 2.0 * workspace - np.nansum(smallest, axis=1)
+    inside = np.arange(1, clusters.radii.shape[1]) < clusters.sizes[:, None]
+    clipped = np.where(inside, np.minimum(hops, room[:, None]), 0.0)
+    return clipped, np.asarray((~inside | (hops <= room[:, None])).all(axis=1))
+
+
+def stretch(problem: Problem, clusters: Family, eps: float) -> Stretch:
+    """Lambda' (7), Lambda'' (8) for every cluster of the family at eps (m^2)."""
+    hops, unclipped = _hops(clusters, problem.workspace, eps)
+    n = clusters.sizes.astype(np.float64)
+    pairs = np.maximum(n[:, None] - np.arange(1, problem.p), 0.0)  # a chain has n - h pairs h hops apart
+    turning = (pairs * hops**2).sum(axis=1) / n
+    sides = (pairs * hops).sum(axis=1)
+    spacing = smallest_contact(problem)
+    first = sides + (2.0 * n - 2.0) / spacing * turning
+    equal = np.nanmax(clusters.radii, axis=1) == np.nanmin(clusters.radii, axis=1)
+    exact = equal & unclipped & clusters.enumerated
+    return Stretch(first, hops.sum(axis=1), turning, hops.max(axis=1, initial=0.0), exact)
+
+
+def smallest_contact(problem: Problem) -> float:
+    """rho' = min over Q of rho_ij, over all robots, m; a lone robot's diameter, which nothing uses."""
+    return float(np.sort(problem.radii)[:2].sum()) if problem.p > 1 else 2.0 * float(problem.radii[0])
+
+
+def chain(radii: Array, eps: float) -> Array:
+    """Centres of a straight chain of these disks in this order, beta = eps between neighbours, (n, 2) m."""
+    gaps = np.sqrt((radii[:-1] + radii[1:]) ** 2 + eps)
+    along = np.concatenate([[0.0], np.cumsum(gaps)])
+    return np.stack([along - along.mean(), np.zeros_like(along)], axis=1)
+
+
+def first_objective(points: Array, spacing: float) -> float:
+    """What (7) maximises, at one cluster's centres (n, 2): sum of delta_ij + (2n - 2)/rho' ||v||^2, m."""
+    n = len(points)
+    distances = np.linalg.norm(points[:, None] - points[None], axis=2)
+    return float(distances.sum() / 2.0 + (2 * n - 2) / spacing * ((points - points.mean(axis=0)) ** 2).sum())
+
+
+def heavy_middle(radii: Array) -> Array:
+    """The same radii ordered for a long chain: smallest at the ends, largest in the middle."""
+    ordered = np.sort(radii)
+    return np.concatenate([ordered[::2], ordered[1::2][::-1]])
+
+
+Status = Literal["holds", "violated", "not shown"]
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Left-hand side minus right-hand side for each cluster, m; an assumption holds where it is positive.
+
+    first: Assumption 1, sum of |g_ij| - Lambda'. second: Assumption 2. sides: sqrt(rho''^2 - eps) minus the
+    longest distance in the cluster; the proof of Proposition C.3 replaces the weights 1 + alpha_0n by 1,
+    which needs every single term |b_z'| - delta_nz' to be non-negative, not only their sum.
+    Assumption 1 starts at two robots; Proposition C.3 also needs Assumption 2 for single ones.
+    """
+
+    clusters: Family
+    stretch: Stretch
+    first: Array
+    second: Array
+    sides: Array
+
+    @property
+    def hold(self) -> bool:
+        """Whether everything the proofs of Propositions C.3 and C.4 need is shown."""
+        margins = (self.first, self.second, self.sides)
+        return bool(all((margin > 0.0).all() for margin in margins))
+
+
+def margins(problem: Problem, eps: float, clusters: Family | None = None) -> Margins:
+    """Evaluate both assumptions for every cluster at eps (m^2), 0 <= eps < rho''^2."""
+    rows = family(problem) if clusters is None else clusters
+    lengths = stretch(problem, rows, eps)
+    first = np.where(rows.sizes >= 2, rows.spread - lengths.first, np.inf)
+    rim = np.sqrt(max(float(problem.reach.min()) ** 2 - eps, 0.0))
+    second = rows.sizes * rim - lengths.second - rows.norms
+    return Margins(rows, lengths, first, second, rim - lengths.longest)
+
+
+def largest_eps(problem: Problem, clusters: Family | None = None) -> float | None:
+    """Supremum of the eps at which both assumptions are shown, m^2; None when there is none.
+
+    All margins fall as eps grows, so when they fail at eps = 0 they fail everywhere.
+    """
+    rows = family(problem) if clusters is None else clusters
+    if not margins(problem, 0.0, rows).hold:
+        return None
+    low, high = 0.0, float(problem.reach.min()) ** 2
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if margins(problem, middle, rows).hold else (low, middle)
+    return low
+
+
+def first_status(problem: Problem, found: Margins, row: int, eps: float) -> Status:
+    """Assumption 1 for one cluster; "not shown" when only the upper bound of Lambda' exceeds the spread."""
+    if found.first[row] > 0.0:
+        return "holds"
+    members = found.clusters.names(row)
+    if members is None:
+        return "not shown"
+    line = chain(heavy_middle(problem.radii[list(members)]), eps)
+    attained = first_objective(line, smallest_contact(problem))
+    fits = float(np.ptp(line[:, 0])) <= 2.0 * float(problem.reach.min())
+    return "violated" if fits and attained >= found.clusters.spread[row] else "not shown"
+
+
+def second_status(found: Margins, row: int) -> Status:
+    """Assumption 2 for one cluster; a bounded Lambda'' leaves it open."""
+    if found.second[row] > 0.0:
+        return "holds"
+    return "violated" if found.stretch.exact[row] else "not shown"
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,26 @@
-"""The paper's continuous flow of the whole configuration, integrated to a tolerance: the reference for nrl.
+"""The paper's continuous flow b' = -D of all robots, integrated to a tolerance, and where it rests.
 
-b_i' = -s_i(b) D_i(b). With a factor common to all robots only the timing changes, so "common" integrates
-b' = -D itself; "own" divides each slice by its own length, or near the goal by a constant, which is
-another path that descends too. The repulsive layer is stiff: SciPy's implicit BDF method is used.
+The common factor of grad phi only changes the timing. The repulsive layer is stiff: SciPy's implicit BDF
+method is used. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Those
+found are real (the residual is checked); that none was missed is not claimed. How often the flow fails from
+random starts is a statement about their distribution at one k, with an exact confidence bound, and no proof.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
 from scipy.integrate import BDF
-from scipy.optimize import brentq
+from scipy.optimize import brentq, least_squares
 
+from deploy.theory.configurations import random_configuration
 from deploy.theory.function import Array, Problem, reduced_gradient, reduced_jacobian
-
-Pace = Literal["common", "own"]
+from protocol.draws import Purpose, generator
+from protocol.errors import UsageError
 
 
 @dataclass(frozen=True)
@@ -34,65 +37,33 @@ class FlowResult:
     nrl: float
 
 
-@dataclass(frozen=True)
-class Field:
-    """The vector field of one problem at one pace; `ease` (m) is the |D_i| below which "own" slows down."""
-
-    problem: Problem
-    pace: Pace
-    ease: float
-
-    def velocity(self, b: Array) -> Array:
-        """(p, 2); nan outside the interior of free space."""
-        reduced = reduced_gradient(self.problem, b)
-        return -reduced if self.pace == "common" else -reduced / self._length(reduced)
-
-    def jacobian(self, b: Array) -> Array:
-        """d velocity / db, (2p, 2p)."""
-        outer = reduced_jacobian(self.problem, b)
-        if self.pace == "common":
-            return -outer
-        reduced = reduced_gradient(self.problem, b)
-        length = self._length(reduced)
-        unit = np.where(length > self.ease, reduced / length, 0.0)
-        rows = outer.reshape(self.problem.p, 2, -1)
-        along = unit[:, :, None] * np.einsum("ia,iaj->ij", unit, rows)[:, None, :]
-        return np.asarray((-(rows - along) / length[:, :, None]).reshape(outer.shape))
-
-    def _length(self, reduced: Array) -> Array:
-        return np.asarray(np.maximum(np.linalg.norm(reduced, axis=1, keepdims=True), self.ease))
-
-
 def integrate(
     problem: Problem,
     start: Array,
-    pace: Pace = "common",
     *,
     tolerance: float | None = None,
-    ease: float | None = None,
     accuracy: float = 1e-5,
     max_steps: int = 20_000,
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
-    tolerance: a hundredth of the smallest radius unless given; ease: |D_i| (m) below which "own" slows
-    down, the smallest radius unless given; accuracy: local error per step, relative and in units of the
-    smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
+    tolerance: a hundredth of the smallest radius unless given; accuracy: local error per step, relative and
+    in units of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
     """
     unit = float(problem.radii.min())
     near = 0.01 * unit if tolerance is None else tolerance
-    field, b, path = Field(problem, pace, unit if ease is None else ease), start, [start]
+    b, path = start, [start]
 
     def velocity(_: float, y: Array) -> Array:
-        return field.velocity(y.reshape(start.shape)).ravel()
+        return -reduced_gradient(problem, y.reshape(start.shape)).ravel()
 
     def jacobian(t: float, y: Array) -> Array:
         inside = np.isfinite(velocity(t, y)).all()  # what is tried may not be
-        return field.jacobian(y.reshape(start.shape) if inside else b)
+        return -reduced_jacobian(problem, y.reshape(start.shape) if inside else b)
 
     flow = BDF(velocity, 0.0, start.ravel(), np.inf, jac=jacobian, rtol=accuracy, atol=accuracy * unit)
     for _ in range(max_steps):
-        still = np.abs(field.velocity(b)).max() < 1e-9 * unit
+        still = np.abs(reduced_gradient(problem, b)).max() < 1e-9 * unit
         if _far(problem, b) <= near or still or flow.step() is not None:
             break
         b = flow.y.reshape(start.shape)
@@ -121,21 +92,137 @@ def _summary(problem: Problem, path: Array, arrived: bool) -> FlowResult:
     return FlowResult(arrived, path, lengths, nrl)
 
 
-def arrives_from_all(problem: Problem, starts: Sequence[Array]) -> bool:
-    """Whether the exact flow brings every one of these starts (p, 2) to the goal."""
-    return all(integrate(problem, start).arrived for start in starts)
+Kind = Literal["minimum", "saddle", "maximum", "degenerate"]
 
 
-def arrival_threshold(
-    problem: Problem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
-) -> tuple[float, float]:
-    """(k at which some start fails, k at which all arrive), within a factor of `ratio`; ignores problem.k.
+@dataclass(frozen=True)
+class CriticalPoint:
+    """An equilibrium of the flow. b: (p, 2) m; index: number of negative eigenvalues (its Morse index).
 
-    Bisection on log k between `low`, taken to fail, and `high`, taken to arrive. It finds one change from
-    failure to arrival; that arrival is monotone in k is observed, not proven.
+    spectrum: (2p,) eigenvalues of (1/c) D^2 phi, increasing, without unit: 2 is the curvature of gamma.
     """
-    while high > ratio * low:
-        middle = float(np.sqrt(low * high))
-        arrives = arrives_from_all(replace(problem, k=middle), starts)
-        low, high = (low, middle) if arrives else (middle, high)
-    return low, high
+
+    b: Array
+    kind: Kind
+    index: int
+    spectrum: Array
+
+
+def classify(problem: Problem, b: Array, tolerance: float = 1e-6) -> CriticalPoint:
+    """Kind of a critical point `b` in the interior, where D^2 phi = c dD/db and c > 0 never matters.
+
+    An eigenvalue counts as zero below `tolerance`, relative to 2, or below rounding of the largest one.
+    """
+    jacobian = reduced_jacobian(problem, b)
+    spectrum: Array = np.asarray(np.linalg.eigvalsh(0.5 * (jacobian + jacobian.T)), dtype=np.float64)
+    zero = 2.0 * tolerance + 1e-13 * float(np.abs(spectrum).max())
+    index = int((spectrum < -zero).sum())
+    return CriticalPoint(b, _kind(spectrum, index, zero), index, spectrum)
+
+
+def _kind(spectrum: Array, index: int, zero: float) -> Kind:
+    if (np.abs(spectrum) <= zero).any():
+        return "degenerate"
+    if index == 0:
+        return "minimum"
+    return "maximum" if index == len(spectrum) else "saddle"
+
+
+_ROUNDING = 1e-15
+_ZERO = 1e-7  # |D| in units of the smallest radius, above rounding in the stiff layer
+
+
+def find_equilibrium(problem: Problem, start: Array, steps: int = 200) -> Array | None:
+    """An interior zero of D near `start` (p, 2), by SciPy's trust region; None when none is reached.
+
+    Steps that leave free space (D is nan there) are shortened, so the boundary is never crossed.
+    """
+    unit = float(problem.radii.min())
+    if not np.isfinite(reduced_gradient(problem, start)).all():
+        return None
+    found = least_squares(
+        lambda y: reduced_gradient(problem, unit * y.reshape(start.shape)).ravel() / unit,
+        start.ravel() / unit,
+        lambda y: reduced_jacobian(problem, unit * y.reshape(start.shape)),
+        ftol=_ROUNDING,
+        xtol=_ROUNDING,
+        gtol=_ROUNDING,
+        max_nfev=steps,
+    )
+    return unit * found.x.reshape(start.shape) if np.abs(found.fun).max() < _ZERO else None
+
+
+def swapped_pairs(problem: Problem) -> list[Array]:
+    """Starts close to the saddles in which two robots block each other and the others stand at their goals.
+
+    The two stand on the line through their goals in reversed order, at the distance at which repulsion
+    and attraction balance; only those in the interior of free space.
+    """
+    starts = []
+    for i, j in combinations(range(problem.p), 2):
+        apart = problem.goals[i] - problem.goals[j]
+        far, contact = float(np.linalg.norm(apart)), float(problem.contact[i, j])
+        beta = (far + contact) * contact / problem.k  # gamma / (k alpha), alpha = |b_i - g_i| / delta_ij
+        half = -0.5 * np.sqrt(contact**2 + beta) * apart / far
+        b = problem.goals.copy()
+        b[i], b[j] = (middle := 0.5 * (b[i] + b[j])) + half, middle - half
+        if np.isfinite(reduced_gradient(problem, b)).all():
+            starts.append(b)
+    return starts
+
+
+def equilibria(problem: Problem, starts: Iterable[Array]) -> tuple[CriticalPoint, ...]:
+    """Distinct equilibria reached from the starts, classified, the goal always first."""
+    unit = float(problem.radii.min())
+    found = [classify(problem, problem.goals)]
+    for start in starts:
+        b = find_equilibrium(problem, start)
+        if b is not None and all(np.abs(b - known.b).max() > 1e-4 * unit for known in found):
+            found.append(classify(problem, b))
+    return tuple(found)
+
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class FailingFraction:
+    """failed of `starts` did not arrive; at_most: Clopper and Pearson's one-sided upper bound."""
+
+    k: float
+    starts: int
+    failed: int
+    at_most: float
+
+    def __str__(self) -> str:
+        return (
+            f"k = {self.k:g}: {self.failed} of {self.starts} random starts did not arrive. With "
+            f"{CONFIDENCE:.0%} confidence at most {self.at_most:.3g} of such starts fail (Clopper-Pearson): "
+            "statistics, no proof"
+        )
+
+
+def failing_fraction(
+    problem: Problem, starts: int, seed: int, tell: Callable[[float], None]
+) -> FailingFraction:
+    """Follow the exact flow from random free configurations, drawn from `seed`; the same ones for every k.
+
+    Raises:
+        UsageError: no free configuration was found.
+    """
+    failed = 0
+    for number in range(starts):
+        draw = generator(seed, Purpose.STUDY, tick=number)
+        start = random_configuration(draw, problem.radii, problem.workspace)
+        if start is None:
+            raise UsageError("no free configuration was found to start from: the workspace is too crowded")
+        failed += not integrate(problem, start).arrived
+        tell((number + 1) / starts)
+    return FailingFraction(problem.k, starts, failed, upper_bound(failed, starts))
+
+
+def upper_bound(failed: int, starts: int) -> float:
+    """Clopper and Pearson's upper bound of the failing fraction, one-sided, at CONFIDENCE."""
+    from scipy.stats import binomtest
+
+    return float(binomtest(failed, starts, alternative="less").proportion_ci(CONFIDENCE, "exact").high)

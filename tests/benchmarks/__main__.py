@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 
 from tests.benchmarks.fleets import Measured, measure
-from tests.benchmarks.transport import bare, meshes
+from tests.benchmarks.transport import bare
 from tests.benchmarks.transport.bare import Rate
 
 ROBOTS = (6, 16, 32, 64)
@@ -36,8 +36,6 @@ def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
         "fleet": measure(robots, seconds),
         "fleet, all heard": measure(robots, seconds, interest="all"),
         "fleet, no filter": measure(robots, seconds, "none"),
-        "bare pyzmq": meshes.rate(robots, seconds, "zmq"),
-        "bare pipes": meshes.rate(robots, seconds, "pipes"),
     }
 
 

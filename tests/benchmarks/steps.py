@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from deploy.library.load import resolved
 from deploy.library.random_instances import random_instance
-from deploy.studies.worker import MeteredFleet
+from deploy.studies.execution import MeteredFleet
 from protocol.scenario.model import Link, Scenario
 
 LAWS = {

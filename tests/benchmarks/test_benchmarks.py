@@ -6,7 +6,7 @@ import pytest
 
 from protocol.scenario.model import Network
 from tests.benchmarks import __main__ as bench
-from tests.benchmarks import libraries, links
+from tests.benchmarks import links
 from tests.benchmarks.fleets import Measured, measure
 
 
@@ -25,13 +25,6 @@ def test_the_table_has_a_ratio_for_each() -> None:
     floor_line, fleet_line = bench.table(6, {"bare zenoh": floor, "fleet": fleet}).splitlines()
     assert floor_line.split()[-5:] == ["1000", "1.00", "2.00", "1.00", "66.7"]
     assert fleet_line.split()[-7:] == ["700", "0.70", "4.00", "0.50", "133.3", "0.50", "5.0"]
-
-
-@pytest.mark.process
-def test_libraries_are_measured() -> None:
-    rows = [line.rsplit(maxsplit=3) for line in libraries.lines(2, 1)]
-    assert [row[0].strip() for row in rows[1:]] == ["fork server", "multiprocessing", "interpreters"]
-    assert all(float(number) > 0.0 for row in rows[1:] for number in row[1:])
 
 
 def test_blocks_have_as_many_robots_each_and_stay_apart() -> None:

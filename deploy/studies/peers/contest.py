@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from deploy.studies.statistics import arrived, collided, error, mean, untouched
-from deploy.studies.study import Result, Row, Study
+from deploy.studies.study import Result, Row, Study, arrived, collided, error, mean, untouched
 from protocol.scenario.model import Scenario
 
 REFERENCE = "reciprocal + lines"  # what all others are paired with

@@ -15,9 +15,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from deploy.theory.certify.boxes.scene import Scene, scene_of, whole
-from deploy.theory.certify.boxes.search import grow
+from deploy.theory.certify.boxes import Scene, scene_of, whole
 from deploy.theory.certify.certificate import Certificate, Frontier, Goals, Open, fetch, path_for, store
+from deploy.theory.certify.search import grow
 from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
 from protocol.process.signals import STOP

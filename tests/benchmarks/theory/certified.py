@@ -17,10 +17,10 @@ from deploy.output.bar import bar
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.prove import prove
 from deploy.theory.configurations import random_configuration
-from deploy.theory.exact_flow import arrival_threshold, arrives_from_all
 from deploy.theory.function import Array, Problem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
+from tests.benchmarks.theory.smallest_k import arrival_threshold, arrives_from_all
 
 MARKER = "<!-- measured -->"
 REPORT = Path(__file__).parents[3] / "docs" / "theory" / "certified-k.md"

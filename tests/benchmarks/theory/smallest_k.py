@@ -5,15 +5,15 @@ Run `python -m tests.benchmarks.theory.smallest_k` to print the table of docs/th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from deploy.library.figures import RADIUS, WORKSPACE, figure_3, tightness
 from deploy.library.random_instances import random_starts
-from deploy.theory.exact_flow import arrival_threshold, integrate
-from deploy.theory.function import Problem
+from deploy.theory.exact_flow import integrate
+from deploy.theory.function import Array, Problem
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,26 @@ class Row:
     arrives: float
     nrl_mean: float
     nrl_std: float
+
+
+def arrives_from_all(problem: Problem, starts: Sequence[Array]) -> bool:
+    """Whether the exact flow brings every one of these starts (p, 2) to the goal."""
+    return all(integrate(problem, start).arrived for start in starts)
+
+
+def arrival_threshold(
+    problem: Problem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
+) -> tuple[float, float]:
+    """(k at which some start fails, k at which all arrive), within a factor of `ratio`; ignores problem.k.
+
+    Bisection on log k between `low`, taken to fail, and `high`, taken to arrive. It finds one change from
+    failure to arrival; that arrival is monotone in k is observed, not proven.
+    """
+    while high > ratio * low:
+        middle = float(np.sqrt(low * high))
+        arrives = arrives_from_all(replace(problem, k=middle), starts)
+        low, high = (low, middle) if arrives else (middle, high)
+    return low, high
 
 
 def smallest_k_study(letters: str = "abcde", runs: int = 30, gain: float = 60.0) -> Iterator[Row]:

@@ -1,30 +1,24 @@
-"""The floor: a fleet's lock-step messages with nothing computed, on raw zenoh and on `ZenohBus`.
+"""The floor: a fleet's lock-step messages with nothing computed, on raw zenoh.
 
 Per tick the world sends every robot a measurement; every robot that has it sends its state to all
 others; every robot that has all states sends the world its command; the world waits for all
 commands. Same keys, payload sizes and phases as a real fleet.
-
-    python -m tests.benchmarks.transport.bare --robots 6 16
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from typing import NamedTuple
 
 import zenoh
 
 from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
-from protocol.bus.bus import Presence, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.bus.zenoh import ZenohBus
-from protocol.keys import every_robot, robot_key, robot_token, robot_tokens, world_key
-from protocol.streams import STREAMS
+from protocol.keys import every_robot, robot_key, robot_token, robot_tokens
 
 RUN = "bare"
 _MODULES = (
@@ -54,8 +48,8 @@ class Rate(NamedTuple):
     cpu_ms: float
 
 
-def rate(robots: int, seconds: float = 3.0, bus: Literal["raw", "bus"] = "raw") -> Rate:
-    """Lock-step ticks of `robots` processes through a router, on raw zenoh or on `ZenohBus`."""
+def rate(robots: int, seconds: float = 3.0) -> Rate:
+    """Lock-step ticks of `robots` processes through a router, on raw zenoh."""
     from tests.benchmarks.transport.payloads import payloads  # here, so that the processes do without a fleet
 
     module, say = "tests.benchmarks.transport.bare", payloads(robots)
@@ -63,10 +57,10 @@ def rate(robots: int, seconds: float = 3.0, bus: Literal["raw", "bus"] = "raw") 
         supervisor.start([router(Connection("router"))])
         endpoint = supervisor.report("router", 10.0)
         supervisor.start(
-            Process(f"robot-{i}", f"{module}:{bus}_robot", (endpoint, i, robots, say))
+            Process(f"robot-{i}", f"{module}:raw_robot", (endpoint, i, robots, say))
             for i in range(1, robots + 1)
         )
-        world = Process("world", f"{module}:{bus}_world", (endpoint, robots, seconds, say), reports=True)
+        world = Process("world", f"{module}:raw_world", (endpoint, robots, seconds, say), reports=True)
         supervisor.start([world])
         ticks, frequency = map(float, supervisor.report("world", seconds + 30.0).split())
         cpu = sum(usage.cpu_s for usage in supervisor.usage())
@@ -141,75 +135,3 @@ def raw_world(
 
     report(timed(tick, seconds))
     return 0
-
-
-# -- the same through ZenohBus, every sample by way of `receive`
-
-
-def bus_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
-    """One robot on `ZenohBus`; ends when it is told to."""
-    bus = ZenohBus(Connection(connect=(endpoint,)))
-    measurement = robot_key(RUN, robot, "tick")
-    bus.subscribe(measurement)
-    bus.subscribe(*[robot_key(RUN, i, "state") for i in range(1, robots + 1) if i != robot])
-    state = bus.publisher(STREAMS["state"], robot_key(RUN, robot, "state"))
-    command = bus.publisher(STREAMS["command"], robot_key(RUN, robot, "command"))
-    bus.announce(robot_token(RUN, robot, "1"))
-    heard = 0  # states of this tick; those of the fast come before the own measurement
-    measured = False
-    while True:
-        event = bus.receive(10.0)
-        if not isinstance(event, Sample):
-            return 1
-        if event.key == measurement:
-            state(say.state)
-            measured = True
-        else:
-            heard += 1
-        if measured and heard == robots - 1:
-            heard, measured = 0, False
-            command(say.command)
-
-
-def bus_world(
-    endpoint: str, robots: int, seconds: float, say: Payloads, report: Callable[[str], None]
-) -> int:
-    """The world on `ZenohBus`; reports the rate."""
-    bus = ZenohBus(Connection(connect=(endpoint,)))
-    bus.subscribe(*[robot_key(RUN, i, "command") for i in range(1, robots + 1)])
-    stream = STREAMS["tick"]
-    measurements = [bus.publisher(stream, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
-    bus.watch(robot_tokens(RUN))
-
-    def hear(kind: type[Any]) -> None:
-        for _ in range(robots):
-            if not isinstance(bus.receive(20.0), kind):
-                raise RuntimeError(f"{world_key(RUN, 'clock')}: no {kind.__name__} within 20 s")
-
-    def tick() -> None:
-        for measurement in measurements:
-            measurement(say.tick)
-        hear(Sample)
-
-    hear(Presence)
-    report(timed(tick, seconds))
-    return 0
-
-
-def main() -> None:
-    """Print both rates and their ratio for each number of robots."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--robots", type=int, nargs="+", default=[6, 16, 32, 64])
-    parser.add_argument("--seconds", type=float, default=3.0)
-    options = parser.parse_args()
-    print(f"{'':>6} {'raw zenoh':^19} {'ZenohBus':^19}   ratio")
-    print(f"robots {'ticks/s   cpu ms':>19} {'ticks/s   cpu ms':>19} ticks/s  cpu")
-    for robots in options.robots:
-        raw, bus = rate(robots, options.seconds), rate(robots, options.seconds, "bus")
-        columns = " ".join(f"{each.ticks_per_second:10.1f} {each.cpu_ms:8.2f}" for each in (raw, bus))
-        ratios = f"{bus.ticks_per_second / raw.ticks_per_second:7.2f} {raw.cpu_ms / bus.cpu_ms:4.2f}"
-        print(f"{robots:6d} {columns} {ratios}", flush=True)
-
-
-if __name__ == "__main__":
-    main()

@@ -9,7 +9,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.theory.check.surrounded import surrounded, theorem_for
+from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
 

@@ -18,7 +18,7 @@ from deploy.library.load import load, read
 from deploy.library.names import MAPS, build
 from deploy.maps.occupancy import MOST_CELLS, Mask, Occupancy, read_map
 from deploy.maps.pieces import floor_plan
-from deploy.theory.check.surrounded import surrounded
+from deploy.theory.surrounded import surrounded
 from disknav import Simulation
 from protocol.errors import DocumentError, MapError, ScenarioError
 from protocol.geometry import ConvexPolygon, defect

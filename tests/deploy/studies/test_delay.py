@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.studies.charts.chart import draw_study
+from deploy.studies.charts import draw_study
 from deploy.studies.delay import against, delay
 from deploy.studies.execution import RunLog, execute
 

@@ -14,16 +14,14 @@ from rich.console import Console
 from deploy.library.swaps import swap
 from deploy.software.provenance import provenance
 from deploy.studies.arrival import arrival, crowd, room
-from deploy.studies.charts.chart import draw_study
-from deploy.studies.charts.table import table
+from deploy.studies.charts import draw_study
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, tuning
 from deploy.studies.peers.study import LAWS, peers
-from deploy.studies.perform import Request, perform
+from deploy.studies.perform import Request, perform, table
 from deploy.studies.robustness import Conditions, grid, robustness
 from deploy.studies.scale import scale
-from deploy.studies.statistics import deviation, growth
-from deploy.studies.study import Shard, Study
+from deploy.studies.study import Shard, Study, deviation, growth
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.model import Scenario, Workspace
 

@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from deploy.theory.assumptions import (
+from deploy.theory.bounds import (
     Family,
     chain,
     family,

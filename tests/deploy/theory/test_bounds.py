@@ -7,17 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deploy.theory.assumptions import (
+from deploy.theory.bounds import (
     _bounds,
     _every,
+    best_bounds,
+    bounds,
     family,
     first_status,
+    k1,
     largest_eps,
+    largest_gamma,
     margins,
     second_status,
 )
-from deploy.theory.bounds import best_bounds, bounds, k1, largest_gamma
-from deploy.theory.equilibria import equilibria, swapped_pairs
+from deploy.theory.exact_flow import equilibria, swapped_pairs
 from deploy.theory.function import Problem, gamma, obstacle_functions, reduced_gradient
 from tests.deploy.theory.clusters import circulation, clusters
 from tests.deploy.theory.problems import SIZES, admissible, crowded, free

@@ -3,33 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 import pytest
 
 from deploy.theory.configurations import mirrored_triples
-from deploy.theory.equilibria import classify, find_equilibrium
-from deploy.theory.exact_flow import Field, integrate
-from deploy.theory.function import Array, Problem, obstacle_functions, reduced_gradient, reduced_jacobian
+from deploy.theory.exact_flow import classify, find_equilibrium, integrate
+from deploy.theory.function import Array, Problem, obstacle_functions, reduced_jacobian
 from deploy.theory.tuning import automatic_k
 from tests.deploy.theory.clusters import circulation
 from tests.deploy.theory.potential import log_ratio
 from tests.deploy.theory.problems import admissible, crowded, free
 
 
-@pytest.mark.parametrize("pace", ["common", "own"])
 @pytest.mark.parametrize("unequal", [False, True])
-def test_flow_descends_without_contact_and_arrives(pace: Literal["common", "own"], unequal: bool) -> None:
+def test_flow_descends_without_contact_and_arrives(unequal: bool) -> None:
     problem = crowded(6, unequal, k=60.0)
     for seed in range(3):
-        flow = integrate(problem, free(problem, seed), pace)
+        flow = integrate(problem, free(problem, seed))
         assert flow.arrived
         heights = [log_ratio(problem, b) for b in flow.path]
         assert (np.diff(heights) <= 1e-6).all()
         assert min(obstacle_functions(problem, b).min() for b in flow.path) > 0.0
         assert 1.0 <= flow.nrl < 2.0
-        finer = integrate(problem, free(problem, seed), pace, accuracy=1e-5)
+        finer = integrate(problem, free(problem, seed), accuracy=1e-5)
         assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
 
 
@@ -37,24 +34,6 @@ def test_the_path_ends_where_the_last_robot_arrives() -> None:
     problem = crowded(6, False, k=60.0)
     flow = integrate(problem, free(problem, 1), tolerance=0.1)
     assert np.linalg.norm(flow.path[-1] - problem.goals, axis=1).max() == pytest.approx(0.1, rel=1e-4)
-
-
-def test_own_pace_saturates_each_robot() -> None:
-    problem = crowded(3, False, k=20.0)
-    b = free(problem, 4)
-    lengths = np.linalg.norm(reduced_gradient(problem, b), axis=1)
-    speeds = np.linalg.norm(Field(problem, "own", ease=float(np.median(lengths))).velocity(b), axis=1)
-    assert np.sort(speeds) == pytest.approx([lengths.min() / np.median(lengths), 1.0, 1.0])
-
-
-@pytest.mark.parametrize("ease", [0.01, 4.0, 1000.0])
-@pytest.mark.parametrize("pace", ["common", "own"])
-def test_jacobian_of_the_field(pace: Literal["common", "own"], ease: float) -> None:
-    problem = crowded(3, True, k=20.0)
-    field, b, h = Field(problem, pace, ease), free(problem, 4), 1e-5
-    steps = (h * np.eye(b.size)).reshape(b.size, *b.shape)
-    expected = np.array([(field.velocity(b + s) - field.velocity(b - s)).ravel() / (2 * h) for s in steps]).T
-    np.testing.assert_allclose(field.jacobian(b), expected, rtol=1e-5, atol=1e-6 * np.abs(expected).max())
 
 
 def test_flow_is_the_same_in_any_unit_of_length() -> None:

@@ -14,8 +14,7 @@ from deploy.library.figures import figure_3
 from deploy.library.swaps import swap
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
-from deploy.studies.peers.places import Group, contest, places
-from deploy.studies.peers.study import LAWS, SCANS, peers, settings, with_arguments
+from deploy.studies.peers.study import LAWS, SCANS, Group, contest, peers, places, settings, with_arguments
 from deploy.studies.study import Cell
 from protocol import joining
 from protocol.errors import UsageError

@@ -7,8 +7,8 @@ from types import ModuleType
 
 import numpy as np
 
-from deploy.theory.certify.boxes.contractors import enclose
-from deploy.theory.certify.boxes.scene import Derived, Scene, derived, scene_of
+from deploy.theory.certify.boxes import Derived, Scene, derived, scene_of
+from deploy.theory.certify.contractors import enclose
 from deploy.theory.function import Array
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.known import Known

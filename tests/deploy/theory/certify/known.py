@@ -9,8 +9,7 @@ from functools import cache
 import numpy as np
 
 from deploy.theory.configurations import random_configuration
-from deploy.theory.equilibria import CriticalPoint, classify, find_equilibrium, swapped_pairs
-from deploy.theory.exact_flow import integrate
+from deploy.theory.exact_flow import CriticalPoint, classify, find_equilibrium, integrate, swapped_pairs
 from deploy.theory.function import Array, Problem, gamma, obstacle_functions
 from protocol.draws import Purpose, generator
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from deploy.library.load import read
-from deploy.theory.certify.boxes.scene import scene_of
+from deploy.theory.certify.boxes import scene_of
 from deploy.theory.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
 from deploy.theory.certify.prove import advance, beginning, ladder, prove
-from deploy.theory.certify.verifier.replay import replay
+from deploy.theory.certify.replay import replay
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 

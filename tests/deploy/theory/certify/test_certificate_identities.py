@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from deploy.theory.certify.boxes.scene import scene_of
-from deploy.theory.equilibria import classify
+from deploy.theory.certify.boxes import scene_of
+from deploy.theory.exact_flow import classify
 from deploy.theory.function import Array, Problem, gamma, obstacle_functions, reduced_jacobian
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.forms import J, half_form

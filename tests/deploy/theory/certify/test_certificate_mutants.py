@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from deploy.theory.certify.boxes.scene import derived, scene_of
+from deploy.theory.certify.boxes import derived, scene_of
 from deploy.theory.function import Array
 from tests.deploy.theory.certify import forms
 from tests.deploy.theory.certify.known import Known, blockade, boxes, holds, known
@@ -79,47 +79,47 @@ MUTANTS = {
         "out.beta[q, 1] if most > 0.0",
     ),
     "newton, value": (
-        "newton.py",
+        "search.py",
         "rest = sub(rest, mul((inverse[row, r]",
         "rest = add(rest, mul((inverse[row, r]",
     ),
     "newton, force": (
-        "newton.py",
+        "search.py",
         "_put(slope, two, n + q, here)",
         "_put(slope, two, n + q, (-here[1], -here[0]))",
     ),
     "newton, gamma": (
-        "newton.py",
+        "search.py",
         "slope[n + q, row] = -both[1], -both[0]",
         "slope[n + q, row] = both[0], both[1]",
     ),
     "newton, beta": (
-        "newton.py",
+        "search.py",
         "n + q, two, (-along[1], -along[0]))",
         "n + q, two, along)",
     ),
     "rotation of the fleet": (
-        "turning.py",
+        "curvature.py",
         "if total < 0.0:",
         "if total > 0.0:",
     ),
     "rotation, one coordinate": (
-        "turning.py",
+        "curvature.py",
         "down(-rest / goal)",
         "down(rest / goal)",
     ),
     "circle, pairs": (
-        "turning.py",
+        "curvature.py",
         "up(gain - box[n + r, 0])",
         "up(gain - up(2.0 * box[n + r, 1]))",
     ),
     "circle, walls": (
-        "turning.py",
+        "curvature.py",
         "up(gain + box[n + r, 1])",
         "up(gain - box[n + r, 1])",
     ),
     "circle, bend": (
-        "turning.py",
+        "curvature.py",
         "up(up(gain * far[0]) + bend)",
         "up(up(gain * far[0]) - bend)",
     ),

@@ -10,11 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from deploy.theory.certify.boxes import intervals as i
-from deploy.theory.certify.boxes.intervals import Interval
-from deploy.theory.certify.boxes.newton import solve_into
-from deploy.theory.certify.boxes.scene import derived, lower, scene_of, upper, whole
-from deploy.theory.certify.boxes.turning import stiffness
+from deploy.theory.certify import boxes as i
+from deploy.theory.certify.boxes import Interval, derived, lower, scene_of, upper, whole
+from deploy.theory.certify.curvature import stiffness
+from deploy.theory.certify.search import solve_into
 from tests.deploy.theory.certify.known import known
 
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from flint import arb
 
-from deploy.theory.certify.boxes.newton import contract_newton
-from deploy.theory.certify.boxes.scene import Derived, Scene, derived, scene_of, whole
-from deploy.theory.certify.boxes.search import OPEN, contract, grow, settle
+from deploy.theory.certify.boxes import Derived, Scene, derived, scene_of, whole
 from deploy.theory.certify.certificate import EMPTY, FALLS, Goals, Open
-from deploy.theory.certify.verifier.conditions import Conditions
-from deploy.theory.certify.verifier.replay import Walk
+from deploy.theory.certify.conditions import Conditions
+from deploy.theory.certify.replay import Walk
+from deploy.theory.certify.search import OPEN, contract, contract_newton, grow, settle
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deploy.theory.certify.statistics import failing_fraction, upper_bound
+from deploy.theory.exact_flow import failing_fraction, upper_bound
 from tests.deploy.theory.certify.known import blockade
 
 

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MaxNLocator, NullLocator
 
-from deploy.studies.charts.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
-from deploy.studies.charts.peers import peers
+from deploy.studies.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
+from deploy.studies.peers.chart import peers
 from deploy.studies.study import Row
 from deploy.telemetry.plot.style import FAINT, INK, RC, colour
 

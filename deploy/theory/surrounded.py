@@ -14,10 +14,9 @@ from rich.text import Text
 from agents.law.obstacles import Attraction
 from agents.parts.layout import Layout
 from agents.parts.planner import Planner
-from deploy.theory.check.check import finite
+from deploy.theory.check import finite
 from deploy.theory.configurations import Barrier, barriers
-from deploy.theory.doors import Door, doors
-from deploy.theory.tuning import crowd, gain_for
+from deploy.theory.tuning import Door, crowd, doors, gain_for
 from protocol.geometry import ROOM, Disk, obstructed
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps

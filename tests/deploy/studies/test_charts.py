@@ -14,11 +14,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from deploy.studies.charts.chart import delay, draw_study, robustness
-from deploy.studies.charts.panels import HOLLOW, plain_numbers, runs
-from deploy.studies.charts.peers import peers
-from deploy.studies.peers.places import places
-from deploy.studies.peers.study import LAWS, NAMES
+from deploy.studies.charts import delay, draw_study, robustness
+from deploy.studies.panels import HOLLOW, plain_numbers, runs
+from deploy.studies.peers.chart import peers
+from deploy.studies.peers.study import LAWS, NAMES, places
 from deploy.studies.study import Row
 from deploy.telemetry.plot.style import RC
 

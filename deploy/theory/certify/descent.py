@@ -6,9 +6,10 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from deploy.theory.certify.verifier.balls import (
+from deploy.theory.certify.conditions import (
     INFINITE,
     ZERO,
+    Conditions,
     Ends,
     add,
     ball,
@@ -19,7 +20,6 @@ from deploy.theory.certify.verifier.balls import (
     square,
     sub,
 )
-from deploy.theory.certify.verifier.conditions import Conditions
 
 Array = NDArray[np.float64]
 

@@ -16,9 +16,8 @@ from flint import arb
 
 from deploy.output.bar import bar
 from deploy.theory.certify.certificate import Certificate, Goals
-from deploy.theory.certify.verifier.balls import ZERO, middle
-from deploy.theory.certify.verifier.conditions import Conditions, Rows, whole
-from deploy.theory.certify.verifier.descent import descends, newton
+from deploy.theory.certify.conditions import ZERO, Conditions, Rows, middle, whole
+from deploy.theory.certify.descent import descends, newton
 from protocol.process.signals import STOP, Stopped
 
 _ROUNDS = 8

@@ -16,21 +16,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from deploy.theory.certify.boxes.intervals import (
+from deploy.theory.certify.boxes import (
+    Box,
+    Derived,
     Interval,
+    Scene,
     add,
     compiled,
     divide,
     down,
+    inverted,
+    lower,
     mul,
     root_above,
     root_below,
     square,
     sub,
     up,
+    upper,
     weigh,
 )
-from deploy.theory.certify.boxes.scene import Box, Derived, Scene, inverted, lower, upper
 
 
 @compiled

@@ -1,0 +1,241 @@
+"""Intervals, and the boxes in (b, lambda, kappa) that are searched, with the enclosures derived from one.
+
+With y = b - g, gamma = |y|^2, kappa = 1/k and lambda_q = kappa gamma / beta_q, the critical points of
+phi are the solutions of y_i = sum_j lambda_ij (b_i - b_j) - lambda_0i b_i. At kappa = 0 these are the
+conditions of Karush, Kuhn and Tucker of projecting g on the free space, so kappa = 0 is no exception.
+
+Row 2i + a of a box is axis a of robot i, row 2p + q is lambda_q (pairs row by row, then walls), the
+last row is kappa; columns are lower and upper bound.
+
+Every bound of an interval (low, high) is moved to a representable number beyond the exact one, by
+multiplication: that rests on IEEE 754 round-to-nearest only, not on a rounding mode that a compiler may
+ignore. A bound may be infinite; no operation below forms inf - inf or 0 * inf from bounds that its docstring
+allows. All inner loops of the search are compiled by numba (extra `certify`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import combinations
+from typing import NamedTuple, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.theory.function import Problem
+from protocol.process.installation import missing_library
+
+try:
+    from numba import njit
+except ModuleNotFoundError as error:
+    raise missing_library("a certificate", "numba", "certify") from error
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def compiled(function: F) -> F:
+    """The same function as machine code, kept on disk; strictly IEEE, nothing is reassociated or flushed."""
+    return cast("F", njit(cache=True, error_model="numpy", fastmath=False)(function))
+
+
+Interval = tuple[float, float]
+
+_LESS = 1.0 - 2.0**-52
+_MORE = 1.0 + 2.0**-52
+_TINY = 1e-300  # covers underflow
+
+
+@compiled
+def down(x: float) -> float:
+    """A double below every real number that rounds to x."""
+    return (x * _LESS if x > 0.0 else x * _MORE) - _TINY
+
+
+@compiled
+def up(x: float) -> float:
+    """A double above every real number that rounds to x."""
+    return (x * _MORE if x > 0.0 else x * _LESS) + _TINY
+
+
+@compiled
+def add(a: Interval, b: Interval) -> Interval:
+    """a + b; lower bounds below +inf, upper bounds above -inf."""
+    return down(a[0] + b[0]), up(a[1] + b[1])
+
+
+@compiled
+def sub(a: Interval, b: Interval) -> Interval:
+    """a - b, as `add`."""
+    return down(a[0] - b[1]), up(a[1] - b[0])
+
+
+@compiled
+def mul(a: Interval, b: Interval) -> Interval:
+    """a b, both finite."""
+    s, t, u, v = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
+    return down(min(s, t, u, v)), up(max(s, t, u, v))
+
+
+@compiled
+def weigh(weight: Interval, b: Interval) -> Interval:
+    """weight b, with 0 <= weight, whose upper bound may be +inf, and finite b."""
+    low = b[0] * (weight[1] if b[0] < 0.0 else weight[0])
+    high = b[1] * (weight[1] if b[1] > 0.0 else weight[0])
+    return down(low), up(high)
+
+
+@compiled
+def square(a: Interval) -> Interval:
+    """a^2, finite; never below 0."""
+    s, t = a[0] * a[0], a[1] * a[1]
+    if a[0] <= 0.0 <= a[1]:
+        return 0.0, up(max(s, t))
+    return max(0.0, down(min(s, t))), up(max(s, t))
+
+
+@compiled
+def root_below(x: float) -> float:
+    """A double not above the square root of x; 0 for x <= 0."""
+    return max(0.0, down(math.sqrt(x))) if x > 0.0 else 0.0
+
+
+@compiled
+def root_above(x: float) -> float:
+    """A double not below the square root of x; 0 for x <= 0."""
+    return up(math.sqrt(x)) if x > 0.0 else 0.0
+
+
+@compiled
+def divide(a: Interval, b: Interval) -> Interval:
+    """a / b; 0 is not in b, bounds of a may be infinite and those of b are finite."""
+    s, t, u, v = a[0] / b[0], a[0] / b[1], a[1] / b[0], a[1] / b[1]
+    return down(min(s, t, u, v)), up(max(s, t, u, v))
+
+
+@compiled
+def middle(a: Interval) -> float:
+    """A double inside a finite interval, close to its middle."""
+    return min(max(0.5 * (a[0] + a[1]), a[0]), a[1])
+
+
+Array = NDArray[np.float64]
+Box = NDArray[np.float64]
+
+_LARGEST = float(np.finfo(np.float64).max)
+
+
+class Scene(NamedTuple):
+    """A goal set. goals: (2p,) m; contact: (N, 2) m^2, enclosures of rho_q^2; first, second: (N,) robots.
+
+    Factors q are the p (p - 1) / 2 pairs, then the p walls, for which `second` is -1.
+    """
+
+    goals: NDArray[np.float64]
+    contact: NDArray[np.float64]
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+
+
+class Derived(NamedTuple):
+    """Enclosures derived from a box. apart: (N, 2, 2), d_ij or b_i, axis by bound; pull: (2p, 2), y;
+
+    beta: (N, 2) m^2; work: (N, 2), y . grad beta_q / 2; total: (2, 2), gamma and s = kappa gamma.
+    """
+
+    apart: NDArray[np.float64]
+    pull: NDArray[np.float64]
+    beta: NDArray[np.float64]
+    work: NDArray[np.float64]
+    total: NDArray[np.float64]
+
+
+def scene_of(problem: Problem) -> Scene:
+    """The scene of a goal set; the problem's k does not matter."""
+    p = problem.p
+    pairs = list(combinations(range(p), 2))
+    first = np.array([i for i, _ in pairs] + list(range(p)), dtype=np.int64)
+    second = np.array([j for _, j in pairs] + [-1] * p, dtype=np.int64)
+    contact = np.empty((len(first), 2))
+    for q, (i, j) in enumerate(zip(first, second, strict=True)):
+        reach = float(problem.radii[i]), float(problem.radii[i])
+        if j >= 0:
+            other = float(problem.radii[j])
+            distance = add(reach, (other, other))
+        else:
+            distance = add((problem.workspace, problem.workspace), (-reach[0], -reach[1]))
+        contact[q] = mul(distance, distance)
+    return Scene(np.ascontiguousarray(problem.goals, dtype=np.float64).ravel(), contact, first, second)
+
+
+def derived(scene: Scene) -> Derived:
+    """Room for the enclosures of one box."""
+    n, factors = len(scene.goals), len(scene.first)
+    return Derived(
+        np.zeros((factors, 2, 2)),
+        np.zeros((n, 2)),
+        np.zeros((factors, 2)),
+        np.zeros((factors, 2)),
+        np.zeros((2, 2)),
+    )
+
+
+def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
+    """The box that holds every free configuration, every lambda, and these kappa."""
+    n, factors = len(scene.goals), len(scene.first)
+    box = np.empty((n + factors + 1, 2))
+    for q, i in enumerate(scene.first):
+        if scene.second[q] < 0:
+            reach = np.nextafter(np.sqrt(scene.contact[q, 1]), np.inf)
+            box[2 * i : 2 * i + 2] = -reach, reach
+    box[n : n + factors] = 0.0, np.inf
+    box[-1] = kappa
+    return box
+
+
+@compiled
+def lower(array: NDArray[np.float64], row: int, bound: float) -> None:
+    """Raise a lower bound; nan changes nothing, and what overflowed stands for the largest double."""
+    if bound > array[row, 0]:
+        array[row, 0] = min(bound, _LARGEST)
+
+
+@compiled
+def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
+    """Lower an upper bound, likewise."""
+    if bound < array[row, 1]:
+        array[row, 1] = max(bound, -_LARGEST)
+
+
+@compiled
+def inverted(box: Box, rows: int) -> bool:
+    """Whether one of the first rows is empty."""
+    found = False
+    for row in range(rows):
+        found = found or box[row, 0] > box[row, 1]
+    return found
+
+
+_HUGE = 1e100  # an inverse with such entries is of no use, and its products might overflow
+
+
+@compiled
+def lowest(matrix: Array, vector: Array) -> float:
+    """Smallest eigenvalue of a symmetric matrix, and its vector; +inf where an entry is not finite."""
+    if not np.isfinite(matrix).all():
+        return np.inf
+    values, vectors = np.linalg.eigh(matrix)
+    vector[:] = vectors[:, 0]
+    return float(values[0])
+
+
+@compiled
+def solve_into(matrix: Array, inverse: Array) -> bool:
+    """The inverse. False: singular, or as good as."""
+    if not np.isfinite(matrix).all():
+        return False
+    try:
+        inverse[:] = np.linalg.inv(matrix)
+    except Exception:  # noqa: BLE001  compiled code tells no more of it
+        return False
+    return bool((np.abs(inverse) < _HUGE).all())

@@ -1,1 +1,0 @@
-"""Branch and bound over boxes of configurations, multipliers and 1/k: compiled, rounded outward."""

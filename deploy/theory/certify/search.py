@@ -1,0 +1,285 @@
+"""Branch and bound, depth first: every box is emptied, certified by curvature, or halved.
+
+Interval Newton is that of Hansen and Sengupta in (b, lambda), with kappa as a parameter that is an interval.
+Equations, with b0, lambda0 the midpoint: F_i = b_i - g_i - sum lambda_ij d_ij + lambda_0i b_i and
+F_q = lambda_q beta_q - kappa gamma. For every (b, lambda) in the box F(b, lambda) - F(b0, lambda0) =
+S (b - b0, lambda - lambda0), where the rows of S hold M(lambda0), d_q over the box, lambda0 (d + d0), beta_q
+over the box, and kappa (y + y0). That is tighter than a Jacobian over the box, and exact at contact.
+
+The dense linear algebra is NumPy's: what it finds is a proposal, never a bound.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from deploy.theory.certify.boxes import (
+    Array,
+    Box,
+    Derived,
+    Interval,
+    Scene,
+    add,
+    compiled,
+    derived,
+    divide,
+    inverted,
+    lower,
+    middle,
+    mul,
+    solve_into,
+    square,
+    sub,
+    upper,
+)
+from deploy.theory.certify.certificate import EMPTY, FALLS, Grown, Open
+from deploy.theory.certify.contractors import (
+    contract_balance,
+    contract_distances,
+    contract_torque,
+    contract_work,
+    enclose,
+    enclose_work,
+)
+from deploy.theory.certify.curvature import circles, contract_rotation, falls
+
+_UNBOUNDED = 1e50  # multipliers beyond might overflow below
+
+
+@compiled
+def _point(x: float) -> Interval:
+    return x, x
+
+
+@compiled
+def _put(slope: Array, row: int, column: int, value: Interval) -> None:
+    slope[row, column] = value
+
+
+@compiled
+def _accumulate(array: Array, row: int, column: int, value: Interval) -> None:
+    total = add((array[row, column, 0], array[row, column, 1]), value)
+    array[row, column] = total
+
+
+@compiled
+def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope: Array) -> None:
+    """F at the midpoint `at`, for every kappa of the box, and S."""
+    n, factors = len(scene.goals), len(scene.first)
+    kappa = (box[-1, 0], box[-1, 1])
+    slope[:] = 0.0
+    gamma = (0.0, 0.0)
+    for row in range(n):
+        y = sub(_point(at[row]), _point(scene.goals[row]))
+        value[row] = y
+        gamma = add(gamma, square(y))
+        slope[row, row] = 1.0, 1.0
+        both = mul(kappa, add(y, (out.pull[row, 0], out.pull[row, 1])))
+        for q in range(factors):
+            slope[n + q, row] = -both[1], -both[0]
+    target = mul(kappa, gamma)
+    for q in range(factors):
+        i, j = scene.first[q], scene.second[q]
+        weight = _point(at[n + q])
+        opposite = (-at[n + q], -at[n + q])
+        far = (0.0, 0.0)
+        for a in range(2):
+            one, two = 2 * i + a, 2 * j + a
+            there = _point(at[one]) if j < 0 else sub(_point(at[one]), _point(at[two]))
+            here = (out.apart[q, a, 0], out.apart[q, a, 1])
+            far = add(far, square(there))
+            force = mul(weight, there)
+            along = mul(weight, add(here, there))
+            if j < 0:
+                total = add((value[one, 0], value[one, 1]), force)
+                value[one] = total
+                _accumulate(slope, one, one, weight)
+                _put(slope, one, n + q, here)
+                _accumulate(slope, n + q, one, (-along[1], -along[0]))
+            else:
+                total = sub((value[one, 0], value[one, 1]), force)
+                value[one] = total
+                total = add((value[two, 0], value[two, 1]), force)
+                value[two] = total
+                _accumulate(slope, one, one, opposite)
+                _accumulate(slope, two, two, opposite)
+                _accumulate(slope, one, two, weight)
+                _accumulate(slope, two, one, weight)
+                _put(slope, one, n + q, (-here[1], -here[0]))
+                _put(slope, two, n + q, here)
+                _accumulate(slope, n + q, one, along)
+                _accumulate(slope, n + q, two, (-along[1], -along[0]))
+        contact = (scene.contact[q, 0], scene.contact[q, 1])
+        beta = sub(contact, far) if j < 0 else sub(far, contact)
+        total = sub(mul(weight, beta), target)
+        value[n + q] = total
+        slope[n + q, n + q] = out.beta[q]
+
+
+@compiled
+def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
+    """Contract (b, lambda); nothing happens where a lambda is huge or the midpoint's S singular."""
+    size = len(box) - 1
+    for row in range(size):
+        if not box[row, 1] < _UNBOUNDED:
+            return True
+    at = np.empty(size)
+    for row in range(size):
+        at[row] = middle((box[row, 0], box[row, 1]))
+    value, slope = np.empty((size, 2)), np.empty((size, size, 2))
+    _system(scene, box, out, at, value, slope)
+    centre, inverse = np.empty((size, size)), np.empty((size, size))
+    for row in range(size):
+        for column in range(size):
+            centre[row, column] = 0.5 * (slope[row, column, 0] + slope[row, column, 1])
+    if not solve_into(centre, inverse):
+        return True
+    for row in range(size):
+        _newton_row(box, at, value, slope, inverse, row)
+    return not inverted(box, size)
+
+
+@compiled
+def _newton_row(box: Box, at: Array, value: Array, slope: Array, inverse: Array, row: int) -> None:
+    """One row of C F(b0, lambda0) + C S (x - x0) = 0, solved for its own unknown."""
+    size = len(at)
+    rest = (0.0, 0.0)
+    own = (1.0, 1.0)
+    for r in range(size):
+        rest = sub(rest, mul((inverse[row, r], inverse[row, r]), (value[r, 0], value[r, 1])))
+    for column in range(size):
+        entry = (0.0, 0.0)
+        for r in range(size):
+            if slope[r, column, 0] != 0.0 or slope[r, column, 1] != 0.0:
+                entry = add(
+                    entry, mul((inverse[row, r], inverse[row, r]), (slope[r, column, 0], slope[r, column, 1]))
+                )
+        if column == row:
+            own = entry
+        else:
+            step = sub((box[column, 0], box[column, 1]), (at[column], at[column]))
+            rest = sub(rest, mul(entry, step))
+    if own[0] <= 0.0 <= own[1]:
+        return
+    moved = add((at[row], at[row]), divide(rest, own))
+    lower(box, row, moved[0])
+    upper(box, row, moved[1])
+
+
+OPEN = -1
+
+# Choices that measurements made; none bears on what is proven.
+_ROUNDS = 8
+_WORTH = 0.9  # contract again while the box shrinks below this share
+_NEWTON_BELOW = 0.75  # contact distances that b may span for interval Newton to be tried
+_KAPPA_WIDTH = 0.5  # contact distances that the whole range of kappa counts for when the widest row is sought
+_DEEPEST = 500
+
+
+def grow(scene: Scene, root: Open, kappa: float, nodes: int) -> Grown:
+    """Branch from `root` for at most so many nodes; kappa: the largest of the whole search, for scale."""
+    size = len(root.box)
+    stack = np.empty((_DEEPEST, size, 2))
+    level = np.zeros(_DEEPEST, dtype=np.int64)
+    stack[0], level[0] = root.box, root.level
+    tape = np.empty(nodes, dtype=np.uint8)
+    height, written = _advance(scene, stack, level, derived(scene), tape, kappa)
+    rest = [Open(stack[k].copy(), int(level[k])) for k in range(height - 1, -1, -1)]
+    return Grown(tape[:written].tobytes(), rest)
+
+
+@compiled
+def _advance(
+    scene: Scene,
+    stack: NDArray[np.float64],
+    level: NDArray[np.int64],
+    out: Derived,
+    tape: NDArray[np.uint8],
+    kappa: float,
+) -> tuple[int, int]:
+    """Work on top of the stack until it is empty, or full, or the tape is: (height left, tape written)."""
+    height, written = 1, 0
+    while 0 < height < len(stack) and written < len(tape):
+        box = stack[height - 1]
+        code = settle(scene, box, out)
+        if code != OPEN:
+            tape[written] = code
+            height -= 1
+        else:
+            row = widest(scene, box, kappa)
+            half = 0.5 * (box[row, 0] + box[row, 1])
+            stack[height] = box
+            stack[height - 1, row, 0] = half
+            stack[height, row, 1] = half
+            level[height - 1] += 1
+            level[height] = level[height - 1]
+            tape[written] = row
+            height += 1
+        written += 1
+    return height, written
+
+
+@compiled
+def settle(scene: Scene, box: Box, out: Derived) -> int:
+    """Contract a box in place to what may be a minimum: EMPTY, FALLS, or OPEN when neither could be shown."""
+    if not contract_rotation(scene, box) or not contract(scene, box, out):
+        return EMPTY
+    if _span(scene, box) < _NEWTON_BELOW * np.sqrt(scene.contact[0, 0]) and not (
+        contract_newton(scene, box, out) and contract(scene, box, out)
+    ):
+        return EMPTY
+    if circles(scene, box, out) or falls(scene, box, out):
+        return FALLS
+    return OPEN
+
+
+@compiled
+def contract(scene: Scene, box: Box, out: Derived) -> bool:
+    """First-order contractors until they yield little. False: no critical point but the goal in the box."""
+    sets = 1 << (len(scene.goals) // 2)
+    for _ in range(_ROUNDS):
+        before = _size(scene, box)
+        if not enclose(scene, box, out) or not contract_distances(scene, box, out):
+            return False
+        enclose_work(scene, out)
+        if not contract_work(scene, box, out):
+            return False
+        for members in range(1, sets):
+            if not contract_balance(scene, box, out, members) or not contract_torque(scene, box, members):
+                return False
+        if not _size(scene, box) < _WORTH * before:
+            break
+    return enclose(scene, box, out)
+
+
+@compiled
+def _size(scene: Scene, box: Box) -> float:
+    """Falls when a contraction was worth it."""
+    n, total = len(scene.goals), 0.0
+    for row in range(n):
+        total += box[row, 1] - box[row, 0]
+    for row in range(n, len(box) - 1):
+        total += 0.1 * min(box[row, 1] - box[row, 0], 10.0) * (box[0, 1] - box[0, 0])
+    return total
+
+
+@compiled
+def _span(scene: Scene, box: Box) -> float:
+    """Largest width of b."""
+    width = 0.0
+    for row in range(len(scene.goals)):
+        width = max(width, box[row, 1] - box[row, 0])
+    return width
+
+
+@compiled
+def widest(scene: Scene, box: Box, kappa: float) -> int:
+    """The row to halve: of b or, when its share of [0, kappa] is wide, kappa."""
+    last = len(box) - 1
+    unit = np.sqrt(scene.contact[0, 0])
+    best, row = _KAPPA_WIDTH * unit * (box[last, 1] - box[last, 0]) / kappa, last
+    for candidate in range(len(scene.goals)):
+        if box[candidate, 1] - box[candidate, 0] > best:
+            best, row = box[candidate, 1] - box[candidate, 0], candidate
+    return row

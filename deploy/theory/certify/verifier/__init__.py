@@ -1,1 +1,0 @@
-"""The second opinion: certificates replayed with balls of arbitrary precision (python-flint, Arb)."""

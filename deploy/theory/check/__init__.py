@@ -1,1 +1,0 @@
-"""What `disknav check` says of a scenario: theory, and what is seen in practice."""
