@@ -1,12 +1,67 @@
-"""What a campaign is: one run from one seed, from which alone everything in the run is drawn."""
+"""What a campaign is: one run from one seed, from which alone everything in the run is drawn by dice."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from random import Random
+from typing import NamedTuple, TypeVar
 
-from tests.campaigns.dice import Dice
+T = TypeVar("T")
+_STEPS = 10**6  # of a uniform number
+
+
+class Dice:
+    """Choices from a seed, or given ones; a choice is a whole number, and the least is the simplest.
+
+    Args:
+        seed: of all choices, if none are given.
+        given: the choices; after the last one all are the simplest. They need not fit what is asked for.
+
+    Attributes:
+        choices: that were made so far.
+    """
+
+    def __init__(self, seed: int, given: Sequence[int] | None = None) -> None:
+        self.seed = seed
+        self.choices: list[int] = []
+        self._random = Random(seed)
+        self._given: Iterator[int] | None = None if given is None else iter(given)
+
+    def whole(self, low: int, high: int) -> int:
+        """A whole number from low to high, both included."""
+        if self._given is None:
+            choice = self._random.randint(0, high - low)
+        else:
+            choice = min(next(self._given, 0), high - low)
+        self.choices.append(choice)
+        return low + choice
+
+    def apart(self) -> Dice:
+        """Other dice for what takes thousands of choices, of which none can be simplified by itself."""
+        return Dice(self.whole(0, 2**16))
+
+    def chance(self, probability: float) -> bool:
+        """Whether something of this probability happens."""
+        return self.whole(0, _STEPS - 1) >= round((1.0 - probability) * _STEPS)
+
+    def uniform(self, low: float, high: float) -> float:
+        """A number from low to high."""
+        return low + (high - low) * (self.whole(0, _STEPS) / _STEPS)
+
+    def log_uniform(self, low: float, high: float) -> float:
+        """A positive number whose logarithm is uniform."""
+        return math.exp(self.uniform(math.log(low), math.log(high)))
+
+    def pick(self, options: Sequence[T]) -> T:
+        """One of the options, of which the first is the simplest; what occurs twice is twice as likely."""
+        return options[self.whole(0, len(options) - 1)]
+
+    def shuffled(self, items: Sequence[T]) -> list[T]:
+        """The items in a random order."""
+        left = list(items)
+        return [left.pop(self.whole(0, len(left) - 1)) for _ in items]
 
 
 class Outcome(NamedTuple):

@@ -25,8 +25,7 @@ from deploy.library.swaps import swap
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Order, Scenario
-from tests.campaigns.campaign import Campaign, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 ROBOTS, SECONDS, KILL_EVERY = 16, 600.0, 30.0
 RISE = 0.5  # MB (2^20 bytes) in the second half of a life

@@ -11,8 +11,7 @@ from deploy.run.options import RunOptions, Transport
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
 from tests.campaigns import planted
-from tests.campaigns.campaign import Campaign, Mutant, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.campaigns.observe import PATIENCE, Observation, Violation, observe, violations
 from tests.campaigns.scenarios.draw import drawn
 

@@ -15,8 +15,7 @@ from deploy.run.local import LocalFleet
 from protocol.draws import Purpose, generator
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Link, Partition, ProcessFault, Scenario, Sensing
-from tests.campaigns.campaign import Campaign, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 LIMIT = 120.0  # s of simulated time
 _UNEQUAL = 0.4  # spread of unequal radii

@@ -15,8 +15,7 @@ from deploy.run.local import LocalFleet
 from protocol.draws import Purpose, generator
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Control, Link, Scenario
-from tests.campaigns.campaign import Campaign, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 LIMIT = 120.0  # s of simulated time
 DELAYS = (0.0, 0.0, 0.05, 0.1, 0.2, 0.3)  # s; fresh states twice as often

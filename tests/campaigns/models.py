@@ -14,8 +14,7 @@ from tests.agents.lines.models.mutants import mutant as lines
 from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
-from tests.campaigns.campaign import Campaign, Mutant, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
 

@@ -17,12 +17,11 @@ from agents.parts.layout import Layout
 from agents.parts.planner import Planner
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.theory.check.surrounded import surrounded
+from deploy.theory.surrounded import surrounded
 from protocol.geometry import Disk
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from tests.campaigns.campaign import Campaign, Outcome
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 from world.world import World
 
 SECONDS = 300.0  # of simulated time

@@ -9,11 +9,9 @@ import pytest
 
 from tests.campaigns import catalogue, driver
 from tests.campaigns.__main__ import main
-from tests.campaigns.campaign import Campaign, Mutant, Outcome
+from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.campaigns.catalogue import CAMPAIGNS, find
-from tests.campaigns.dice import Dice
-from tests.campaigns.driver import attempt, execute, outcomes, shrink
-from tests.campaigns.shrinking import Shrinker
+from tests.campaigns.driver import Shrinker, attempt, execute, outcomes, shrink
 
 
 def _sum(dice: Dice) -> Outcome:

@@ -18,7 +18,7 @@ from protocol.messages import State
 from protocol.scenario.file import parse_toml
 from protocol.scenario.model import ProcessFault, Scenario
 from tests.campaigns import planted
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.driver import attempt, shrink
 from tests.campaigns.falsify import LOCAL, hunt, on_processes
 from tests.campaigns.observe import Watch, observe, violations

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from protocol.scenario.file import validated
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.faults import barred, fault_scenario, run
 
 pytestmark = pytest.mark.slow

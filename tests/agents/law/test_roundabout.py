@@ -103,6 +103,8 @@ def test_a_peer_of_one_summary_stands_until_the_next() -> None:
     assert encounters.met(_view(BETWEEN, known), WAY) == []
 
 
+@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_crowd_that_hears_those_near_goes_round_in_time() -> None:
     """Without summaries some go through the middle, and are stopped there: 210 to 250 s."""
     scenario = circle(40, 0.5, seed=200)
@@ -151,12 +153,6 @@ def test_a_turned_way_touches_the_circle_and_has_it_to_its_right(
     if 0.0 < turn < STEEPEST and math.hypot(x, y) > room * radius:
         vx, vy = math.cos(angle + turn), math.sin(angle + turn)
         assert vx * y - vy * x == pytest.approx(room * radius, abs=1e-6)
-
-
-def test_the_place_is_behind_once_it_is_passed() -> None:
-    place = Roundabout(0.0, 0.0, 0.1)
-    assert place.is_ahead((-0.2, 0.1), (1.0, 0.0))
-    assert not place.is_ahead((0.01, 0.1), (1.0, 0.0))
 
 
 def test_only_those_count_who_meet_at_about_the_same_time() -> None:

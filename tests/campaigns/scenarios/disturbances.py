@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from protocol.scenario.model import Actuation, Link, Network, Partition, Point, Sensing, Span
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale, actuation, link, network, sensing
 from tests.campaigns.scenarios.events import Fleet, orders, sensible, stories
 from tests.campaigns.scenarios.places import around, by_points, drawn_together, loads, scattered, things

@@ -9,7 +9,7 @@ from typing import Literal
 from protocol.geometry import Shape
 from protocol.scenario.checks import EVENTS
 from protocol.scenario.model import Journey, Order, Point, ProcessFault, RobotSpec, Thing
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale
 from tests.campaigns.scenarios.places import anywhere, beside, one_thing
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from protocol.geometry import Disk, Shape
 from protocol.scenario.model import Carrying, Part, Point, RobotSpec, Scenario, Thing, Workspace
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 
 _DARTS = 40  # attempts per disk
 _SWEEPS = 200  # of pushing disks apart that darts did not place

@@ -12,7 +12,7 @@ import pytest
 from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
 from protocol.scenario.model import Link, Point, ProcessFault, Scenario, Sensing
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.draw import BUDGET, TICKS, drawn
 from tests.campaigns.scenarios.events import sensible
 from tests.campaigns.scenarios.places import at_the_wall, beside, fits, scattered

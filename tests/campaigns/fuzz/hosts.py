@@ -19,9 +19,8 @@ from deploy.processes.hosts.table import Host, read_any_hosts
 from deploy.processes.spawn import MAX_NEWS, Exited, Report, Started, encode_news
 from deploy.security.roster import Home, Roster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
-from tests.fuzz.mutation import damaged_bytes, damaged_message, damaged_text, damaged_tree
-from tests.fuzz.target import Target
-from tests.fuzz.targets.kept import folder
+from tests.campaigns.fuzz.kept import folder
+from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message, damaged_text, damaged_tree
 
 _HOST = Host("left", "127.0.0.1", ssh="left")
 _NEWS = [

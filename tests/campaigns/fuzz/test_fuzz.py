@@ -10,10 +10,9 @@ import pytest
 
 from protocol.errors import MessageError
 from tests.campaigns.__main__ import main
-from tests.campaigns.dice import Dice
+from tests.campaigns.campaign import Dice
 from tests.campaigns.driver import attempt
-from tests.fuzz.campaign import FUZZ, drawn, target_of
-from tests.fuzz.catalogue import TARGETS
+from tests.campaigns.fuzz.campaign import FUZZ, TARGETS, drawn, target_of
 
 
 @pytest.mark.slow

@@ -20,9 +20,8 @@ from deploy.telemetry.recording.reader import read
 from protocol.codec import DAMAGED
 from protocol.errors import JournalError, RecordingError, UsageError
 from protocol.scenario.model import Time
+from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_tree
 from tests.deploy.telemetry.recording.recorded import record
-from tests.fuzz.mutation import damaged_bytes, damaged_tree
-from tests.fuzz.target import Target
 from tests.world.driving import two
 from world.judge import trajectory
 from world.shell.persistence import records

@@ -1,6 +1,7 @@
 """Damaged inputs by the million, for everything that reads what others wrote.
 
 Inputs are valid ones, taken from real runs and from the library, with bytes, characters or values changed.
+Beyond raising nothing undeclared, what a reader accepts must survive being written and read again.
 """
 
 from __future__ import annotations
@@ -9,10 +10,13 @@ import traceback
 from random import Random
 from typing import Any
 
-from tests.campaigns.campaign import Campaign, Outcome
-from tests.campaigns.dice import Dice
-from tests.fuzz.catalogue import TARGETS
+from tests.campaigns.campaign import Campaign, Dice, Outcome
+from tests.campaigns.fuzz.documents import ORDERS, SCENARIOS
+from tests.campaigns.fuzz.hosts import HOSTS
+from tests.campaigns.fuzz.kept import KEPT
+from tests.campaigns.fuzz.messages import JOINING, KEYS, MESSAGES, PARTICIPANTS
 
+TARGETS = {**MESSAGES, **JOINING, **PARTICIPANTS, **KEYS, **SCENARIOS, **ORDERS, **HOSTS, **KEPT}
 _SCHEDULE = [name for name, target in TARGETS.items() for _ in range(target.share)]
 
 

@@ -1,4 +1,4 @@
-"""Damage done to valid inputs, drawn from `rng`: to bytes, to text, and to trees of plain values."""
+"""What a target of the fuzzer is, and damage to valid inputs: to bytes, to text, and to trees of values."""
 
 from __future__ import annotations
 
@@ -6,10 +6,30 @@ import copy
 import datetime
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from random import Random
 from typing import Any
 
 import msgspec
+
+from protocol.errors import DisknavError
+
+
+@dataclass(frozen=True)
+class Target:
+    """A reader.
+
+    draw: an input; plain values whose `repr` gives them back.
+    read: what it does with that; whether it was accepted.
+    declared: the one kind of exception that may come of it.
+    share: of all inputs, in parts of the sum of all shares; what takes long has a small one.
+    """
+
+    draw: Callable[[Random], Any]
+    read: Callable[[Any], bool]
+    declared: type[DisknavError]
+    share: int
+
 
 _BYTES = (
     0x00,
