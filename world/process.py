@@ -64,7 +64,7 @@ def main(
             )
             _say_where(past)
         with closing(ZenohBus(connection)) as bus:
-            _look_for_others(bus, run, None if past is None else past.journal.head.epoch)
+            look_for_others(bus, run, None if past is None else past.journal.head.epoch)
             node = WorldNode(
                 bus,
                 checked_run(run),
@@ -93,7 +93,7 @@ def main(
     return SUCCESS
 
 
-def _look_for_others(bus: Bus, run: str, epoch: int | None) -> None:
+def look_for_others(bus: Bus, run: str, epoch: int | None = None) -> None:
     """See that there is no other world of this run than the one that is gone on from, of `epoch`.
 
     Raises:

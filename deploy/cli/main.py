@@ -27,13 +27,14 @@ def _run() -> int:
         DisknavError,
         DocumentError,
         KeyGrammarError,
+        RunTakenError,
         StartError,
         UsageError,
     )
     from protocol.process.installation import explained, is_checkout
     from protocol.process.log import LAUNCHER, LOG, begin
 
-    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError
+    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError, RunTakenError
     begin(LAUNCHER)
     if isinstance(sys.stdout, TextIOWrapper):  # characters that the terminal's encoding lacks are escaped
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -13,16 +13,17 @@ class RunProgress(Progress):
     """Shows simulated time, phi and clearance while a run goes on; a context manager."""
 
     def __init__(self, scenario: Scenario, quiet: bool) -> None:
+        console = Console(stderr=True)
         super().__init__(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
             TextColumn("{task.fields[figures]}"),
             TimeElapsedColumn(),
-            console=Console(stderr=True),
+            console=console,
             refresh_per_second=5,
             transient=True,
-            disable=quiet,
+            disable=quiet or not console.is_terminal,  # in a file it would be an empty line
         )
         self._task = self.add_task(scenario.name, total=scenario.time.limit, figures="starting")
 

