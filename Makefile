@@ -93,8 +93,9 @@ bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measur
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.campaigns fuzz
 
-proof: $(READY)  ## prove the pair protocol with two solvers; some minutes
+proof: $(READY)  ## prove the safety kernel with two solvers, and refute it without each of its rules; some minutes
 	$(BIN)/python -m tests.proof --cvc5
+	$(BIN)/python -m tests.proof --mutants
 
 figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in out/; half an hour, goes on after Ctrl-C
 	@mkdir -p out

@@ -19,11 +19,11 @@ from collections.abc import Sequence
 from typing import Final, Protocol, final
 
 from agents.lines.boundary import Boundary
-from agents.lines.line import HalfPlane
 from agents.lines.polygon import Polygon
 from agents.lines.safe_velocity import nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
+from protocol.line import HalfPlane
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.model import Scenario
 

@@ -16,8 +16,8 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.polygon import DIRECTIONS, SIDES, Polygon, around
+from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 
 HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored

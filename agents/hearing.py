@@ -1,57 +1,68 @@
-"""What a robot hears of its peers: from whom, when it is due, and what is still missing.
+"""What a robot hears of its peers: from which, when it is due, and what is still missing.
 
-Line messages are taken over only while no command is outstanding: what is heard when a tick is not open
-waits for the next.
+Sender and tick of a State alone decide whether it is heard, never when it arrives. Line messages are taken
+over only while no command is outstanding: what is heard when a tick is not open waits for the next.
 """
 
 from __future__ import annotations
 
+from typing import Final
+
 from agents.lines.separating_lines import SeparatingLines
-from agents.peers.attention import Attention
-from agents.peers.awaited import Awaited
-from agents.peers.far import places_of
+from agents.peers.far import Arrivals, places_of
 from agents.peers.fleet import fleet_of
 from agents.peers.link import Link
 from agents.peers.neighbours import Neighbours
-from agents.peers.state import PeerState, from_afar
-from protocol.crowd.interest import period, turn
+from agents.peers.state import PeerState
 from protocol.messages import Summary, Tick, Vector
 from protocol.scenario.model import Scenario
 
+_NEVER: Final = 2**62
 
-class Hearing:
-    """The ear of one incarnation of one robot.
+
+class PeerInbox:
+    """The inbox of one life of one robot.
 
     Args:
         scenario: the run.
         robot: own id.
-        lockstep: whether the world waits for it.
+        lines: are told what peers say of them.
+        lockstep: whether the world waits for it. Where it does not, a tick that it misses is no pause.
 
     Attributes:
         neighbours: what is known of peers.
-        lines: are told what peers say of them; until there are any, all that is said has to wait.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, *, lockstep: bool) -> None:
+    def __init__(self, scenario: Scenario, robot: int, lines: SeparatingLines, *, lockstep: bool) -> None:
         self.neighbours = Neighbours(fleet_of(scenario.robots).radii, everybody=not scenario.hears_near)
-        self.lines: SeparatingLines | None = None
-        self._robot, self._tick = robot, -1
-        self._period = period(scenario) if scenario.hears_near else 0  # ticks, of summaries
-        self._link, self._awaited = Link(scenario, robot), Awaited(robot)
-        self._attention = Attention(turn(scenario, robot), lockstep=lockstep)
+        self._lines = lines
+        self._robot, self._tick, self._lockstep = robot, -1, lockstep
+        self._link = Link(scenario, robot)
+        self._far = Arrivals(scenario, robot) if scenario.hears_near else None
+        self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is heard
+        self._newest: dict[int, int] = {}  # tick of the newest State that arrived, by peer
+        self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not
 
     def open(self, tick: Tick) -> None:
         """A tick begins: hear whom it says, and what was late."""
-        self._tick = tick.tick
         self._attend(tick)
-        self._awaited.begin(tick.tick, self._attention.near if tick.active is None else tick.active)
-        for letter in tick.letters:  # by way of the world; the link's faults are between robots all the same
-            radius = self.neighbours.radii.get(letter.robot)
-            if radius is not None:
-                self._link.put(from_afar(self._robot, letter, radius))
+        self._tick = tick.tick
+        self._awaited = {peer for peer in self._since if self._newest.get(peer, -1) < tick.tick}
+        if self._far is not None:
+            self._far.open(tick.tick)
         self._take(tick.tick - 1)
         self._open = True
+
+    def _attend(self, tick: Tick) -> None:
+        """In lock-step what was said in a tick in which this robot took no part is not heard: nobody waited
+        until it had it, so that when it arrives is a matter of the wall clock."""
+        before, now = self._since, tick.tick
+        if self._lockstep and now > self._tick + 1:
+            before = {}
+        self._since = {peer: before.get(peer, now) for peer in tick.active if peer != self._robot}
+        if self._since.keys() != before.keys():
+            self._newest = {peer: newest for peer, newest in self._newest.items() if newest >= now}
 
     def close(self) -> None:
         """The tick's Command is due: take over what has come in time."""
@@ -59,18 +70,20 @@ class Hearing:
         self._take(self._tick)
 
     def reconsider(self, tick: Tick) -> None:
-        """The same tick again: somebody who took part no longer does, and is not waited for."""
-        if tick.active is not None:
-            self._awaited.reduce(tick.active)
+        """The same tick again: a robot that took part no longer does, and is not waited for."""
+        self._awaited.intersection_update(tick.active)
 
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""
-        tick, lines = state.tick, self.lines
-        self._awaited.arrived(state.robot, tick)  # news or not: a false incarnation must hold up nobody
+        robot, tick = state.robot, state.tick
+        if tick > self._newest.get(robot, -1):
+            self._newest[robot] = tick
+        if tick >= self._tick:
+            self._awaited.discard(robot)  # news or not: a false incarnation must hold up nobody
         if not self._link.is_news(state):
             return
-        if self._open and tick <= self._tick and self._link.ideal and lines is not None:
-            self._learn(lines, state)  # as `close` would in a moment
+        if self._open and tick <= self._tick and self._link.ideal:
+            self._learn(state)  # as `close` would in a moment
         else:
             self._link.put(state)
 
@@ -80,53 +93,36 @@ class Hearing:
         Raises:
             MessageError: it is not made as a summary is.
         """
-        self._attention.on_summary(places_of(summary))
+        if self._far is not None:
+            self._far.on_summary(places_of(summary))
 
     def look_afar(self, position: Vector, radius: float) -> None:
         """Take in the newest summary that is due, if it is news to the own disk (m)."""
-        picture = self._attention.new_picture(self.neighbours.radii)
-        if picture is None or self.lines is None:
+        picture = None if self._far is None else self._far.new_picture(self.neighbours.radii)
+        if picture is None:
             return
-        self.lines.survey(picture)
-        known = {self._robot, *self._attention.near, *self.neighbours.standing}
+        known = {self._robot, *self.neighbours.known, *self.neighbours.standing}
         self.neighbours.picture = picture
         self.neighbours.far = picture.field(position, radius, known)
 
     @property
     def complete(self) -> bool:
-        """Whether the States of all whom this robot hears in this tick have arrived, and the summary due."""
-        return not self._awaited.robots and self._attention.has_summary
+        """Whether the States of all that are heard in this tick have arrived, and the summary due."""
+        return not self._awaited and (self._far is None or self._far.has_summary)
 
     @property
     def missing(self) -> list[int]:
-        """Whose States have not arrived."""
-        return sorted(self._awaited.robots)
-
-    @property
-    def everybody(self) -> bool:
-        """Whether nobody has said who is near."""
-        return self._attention.everybody
-
-    def _attend(self, tick: Tick) -> None:
-        """Hear those who are near, as the world says ahead of time; where all hear all it has no say."""
-        turned = self._attention.turn(tick.tick)  # first, as the world does: what was announced may be due
-        if tick.near is not None and self._period:
-            self._attention.announce(tick.tick, tick.near, summed_up=tick.tick % self._period == 0)
-        if turned:
-            self.neighbours.attend(self._attention.near)
-            if self.lines is not None:
-                self.lines.attend(self._attention.near)
+        """Robots whose States have not arrived."""
+        return sorted(self._awaited)
 
     def _take(self, tick: int) -> None:
         """Take over all States that are due by `tick`."""
-        if self.lines is not None:
-            for state in self._link.take(tick):
-                self._learn(self.lines, state)
+        for state in self._link.take(tick):
+            self._learn(state)
 
-    def _learn(self, lines: SeparatingLines, state: PeerState) -> None:
-        if state.is_letter:
-            lines.on_letter(state)
-        elif self._attention.counts(state.robot, state.tick):
-            state.size(self.neighbours.radii[state.robot])
-            self.neighbours.on_state(state)
-            lines.on_state(state)
+    def _learn(self, state: PeerState) -> None:
+        if state.tick < self._since.get(state.robot, _NEVER):
+            return
+        state.size(self.neighbours.radii.get(state.robot, 0.0))
+        if self.neighbours.on_state(state):
+            self._lines.on_state(state)

@@ -12,22 +12,21 @@ from typing import Final
 
 from agents.bodies import body_of
 from agents.estimate import Estimate
-from agents.hearing import Hearing
+from agents.hearing import PeerInbox
 from agents.law import GuardedLaw, View
 from agents.law.pace import turn_of
 from agents.parts.carrier import PartCarrier
-from agents.peers.fleet import fleet_of
 from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd.interest import period
+from protocol.kernel.records import NO
 from protocol.messages import (
     LARGEST,
     Answer,
     Command,
     Handling,
     Health,
-    Letter,
     Proposal,
     Report,
     Roster,
@@ -43,10 +42,7 @@ NAMED: Final = 100  # robots that a complaint names at most: a Command has a lim
 
 
 class Robot:
-    """One incarnation of one robot.
-
-    It stands still until the first Tick has told it the roster: only then does it know whether
-    it began the run, and so knows the initial lines.
+    """One life of one robot. It stands still until the ledger has granted it a region.
 
     Args:
         scenario: the run; k already a number.
@@ -71,12 +67,11 @@ class Robot:
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
-        self._roster = KnownRoster(robot, incarnation)
-        self._kept = 0  # version of the roster that this incarnation keeps to
-        self.hearing = Hearing(scenario, robot, lockstep=lockstep)
+        self._roster = KnownRoster(robot, scenario.shapes)
+        self._filter = SafetyFilter(scenario, robot, spec.radius, self._body)
+        self.hearing = PeerInbox(scenario, robot, self._filter.lines, lockstep=lockstep)
         self._law, self._turn = GuardedLaw(scenario, robot), turn_of(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
-        self._filter: SafetyFilter | None = None  # as soon as the roster is known
         self._reports = scenario.is_external
         self._desired = self._moved = STILL
         self._blind = True  # whether nothing is known of how far it went in the last tick
@@ -95,10 +90,13 @@ class Robot:
         self._ordered = self._ordered if tick.goal is None else tick.goal
         self.goal = self._first_goal if self._ordered is None else self._ordered
         self._halted = tick.halted
-        sense = tick.sense if sense is None else sense
-        self._sense(sense)
+        self._sense(tick.sense if sense is None else sense)
         if tick.roster is not None:
             self._follow(tick.roster)
+        if tick.grants is not None:
+            self._filter.lines.hear(tick.grants, self.hearing.neighbours.radii)
+            self.hearing.neighbours.attend(self._filter.lines.peers)
+        self._filter.locate(self.tick, self._estimate, blind=self._blind)
         self.hearing.open(tick)
         if self._mover is not None:
             self._move_parts(self._mover, self._ordered)
@@ -125,35 +123,15 @@ class Robot:
             self._estimate.update(self.tick, sense)
             self._body.on_motion(sense.motion)
         self._moved = STILL if sense is None else sense.displacement
-        if self._filter is not None:
-            self._filter.locate(self.tick, self._estimate, blind=self._blind)
 
     def _follow(self, roster: Roster) -> None:
         """Follow a roster that may be a newer one."""
-        news = self._roster.update(roster)
-        for member in news:
+        first = self._roster.version == 0
+        for member in self._roster.update(roster):
             self.hearing.neighbours.on_member(member)
-        if self._filter is None:
-            self._filter = self._first_filter(self._roster)
-            self.hearing.lines = self._filter.lines
-            self._filter.locate(self.tick, self._estimate, blind=self._blind)
-            news = []
-        self._filter.on_roster(news, self._roster.things)
-
-    def _first_filter(self, roster: KnownRoster) -> SafetyFilter:
-        """What this incarnation obeys from the first roster on."""
-        radii, own = fleet_of(self._scenario.robots).radii, roster.member(self.robot)
-        if own is not None and own.radius != radii.get(self.robot):
-            radii = {**radii, self.robot: own.radius}  # an earlier life may have taken up a part
-        return SafetyFilter(
-            self._scenario,
-            self.robot,
-            self.incarnation,
-            radii,
-            self._body,
-            roster.members,
-            roster.founding,
-        )
+        own = self._roster.member(self.robot)
+        if first and own is not None and own.radius != self._filter.radius:
+            self._filter.resize(own.radius)  # an earlier life may have taken up a part
 
     def _state(self) -> State:
         """What this robot says of itself."""
@@ -164,7 +142,7 @@ class Robot:
         if position is not None:
             gamma = (position[0] - self.goal[0]) ** 2 + (position[1] - self.goal[1]) ** 2
             slice_norm = self._law.slice_norm(position, self.goal)
-            if self._filter is not None and self._filter.obeyed:
+            if self._filter.obeyed:
                 proposals, answers = self._filter.lines.entries(self._desired)
         return State(
             self.robot,
@@ -194,39 +172,38 @@ class Robot:
         """Close the tick; returns the Command to publish."""
         self.hearing.close()
         self._desired, velocity = STILL, STILL
-        letter: Letter | None = None
         handles: Handling | None = None
         filter_, position = self._filter, self._estimate.position
-        if filter_ is not None:
-            if position is not None:
-                self.hearing.look_afar(position, filter_.radius)
-            letter = self._letter(filter_)  # before the velocity, which has to keep to all that is offered
-            if filter_.keeps_clear:
-                self._kept = self._roster.version
-            if self._mover is not None:
-                handles = self._fit_to_load(self._mover, filter_)
-            if position is not None and not self._halted:
-                self._desired = self._wish(position)
-                velocity = filter_.velocity(self._desired, self._estimate)
-        report, norm = self._report() if self._reports else None, self._summed_up()
+        if position is not None:
+            self.hearing.look_afar(position, filter_.radius)
+        if self._mover is not None:
+            handles = self._fit_to_load(self._mover, filter_)
+        if position is not None and not self._halted:
+            self._desired = self._wish(position)
+            velocity = filter_.velocity(self._desired, self._estimate)
+        lines = filter_.lines
         return Command(
             self.robot,
             self.incarnation,
             self.tick,
             velocity,
             self.epoch,
-            self._kept,
+            self._roster.version,
             (),
-            report,
-            letter,
+            self._report() if self._reports else None,
+            lines.version,
+            lines.region,
+            lines.firsts(),
             handles,
-            norm,
+            self._summed_up(),
         )
 
     def complaint(self) -> Command:
         """In place of a Command that cannot be given: whose States are missing."""
         lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(self.robot, self.incarnation, self.tick, STILL, self.epoch, self._kept, lacking)
+        return Command(
+            self.robot, self.incarnation, self.tick, STILL, self.epoch, self._roster.version, lacking
+        )
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law asks for; of a mover, straight to where it aims."""
@@ -247,7 +224,7 @@ class Robot:
             goal=self.goal,
             displacement=self._moved,
             neighbours=self.hearing.neighbours,
-            things=() if self._filter is None else self._filter.things.shapes,
+            things=self._roster.shapes,
         )
 
     def _report(self) -> Report | None:
@@ -255,30 +232,21 @@ class Robot:
         position, bound = self._known_place()
         return None if position is None or self._estimate.lost else Report(position, bound)
 
-    # -- far peers
+    # -- for the summary
 
     def _summed_up(self) -> float | None:
         """What the next tick's summary is to say of this robot's pace, if there is one."""
         position = self._estimate.position
-        if self.hearing.everybody or position is None or (self.tick + 1) % period(self._scenario):
+        if position is None or not self._scenario.hears_near or (self.tick + 1) % period(self._scenario):
             return None
         return self._law.slice_norm(position, self.goal)
-
-    def _letter(self, filter_: SafetyFilter) -> Letter | None:
-        """What is to be said to far peers, if anything."""
-        if self.hearing.everybody or not filter_.obeyed:
-            return None
-        proposals, answers = filter_.lines.letters()
-        if not proposals and not answers:
-            return None
-        return Letter(self.robot, self.incarnation, self.tick, proposals, answers)
 
     # -- parts
 
     def _move_parts(self, mover: PartCarrier, ordered: Vector | None) -> None:
         """Decide what to do about parts in this tick; who was ordered elsewhere leaves them alone."""
         position, heard = self._estimate.position, self.hearing.neighbours
-        if position is None or self._filter is None:
+        if position is None or not self._roster.version:
             return
         mover.look(self.tick, position, self._roster, heard.heard(), list(heard.standing.values()), ordered)
         self.goal = mover.goal
@@ -291,10 +259,10 @@ class Robot:
         """
         own = self._roster.member(self.robot)
         told = filter_.radius if own is None else own.radius
-        wanted, held = max(told, mover.radius), mover.held if told < mover.radius else 0
-        is_kept = wanted <= filter_.radius and filter_.things.held in (0, held)
+        wanted, held = max(told, mover.radius), -mover.held if told < mover.radius else NO
+        is_kept = wanted <= filter_.radius and filter_.lines.held in (NO, held)
         if not (is_kept or told >= wanted or filter_.has_room(wanted, held, self._estimate)):
-            wanted, held = max(told, self._spec.radius), 0
+            wanted, held = max(told, self._spec.radius), NO
         filter_.lines.wanted = mover.radius
         if wanted != filter_.radius and not self._law.failure:
             self._law = self._law_of_disk(wanted)
@@ -344,7 +312,7 @@ class Robot:
         heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
         _, bound = self._known_place()
         filter_ = self._filter
-        lines = filter_.lines.obeyed_lines() if filter_ is not None and filter_.obeyed else ()
+        lines = filter_.lines.obeyed_lines() if filter_.obeyed else ()
         return Health(
             self.robot,
             self.incarnation,

@@ -16,11 +16,12 @@ from msgspec import Meta
 
 from protocol.geometry import ConvexPolygon, Disk, Shape, defect
 
-VERSION = 5
+VERSION = 6
 HIGHEST_ID: Final = 999_999_999
 
 Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
+DiskId = Annotated[int, Meta(ge=-HIGHEST_ID, le=HIGHEST_ID)]
 Epoch = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 LARGEST: Final = 1e15  # no number of a run comes near it, and sums of its squares are far from overflow
 Real = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]  # NaN is within no bounds
@@ -31,6 +32,9 @@ Cosine = Annotated[float, Meta(ge=-UNIT, le=UNIT)]
 Vector = tuple[Real, Real]
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
 Line = Annotated[tuple[Id, Cosine, Cosine, Real], Meta(extra={"names": ("peer", "nx", "ny", "limit")})]
+
+Edge = Annotated[tuple[Cosine, Cosine, Real], Meta(extra={"names": ("nx", "ny", "offset")})]
+Round = Annotated[tuple[Real, Real, Size], Meta(extra={"names": ("x", "y", "radius")})]
 
 
 class Message(
@@ -43,8 +47,8 @@ class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A separating line that the owner (lower id) offers to `peer`; it repeats the newest until answered."""
 
     peer: Id  # the follower, the higher id of the pair
-    peer_incarnation: Count  # the life of the follower that is meant
-    number: Count  # counts up per pair; anything not newer is ignored
+    binding: Count  # number of the binding of the two
+    number: Count  # counts up per binding; anything not newer is ignored
     nx: Cosine  # x of the unit normal n, which points from owner to follower
     ny: Cosine  # y of n
     offset: Real  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
@@ -54,19 +58,52 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """What the follower (higher id) tells the owner `peer` of their line."""
 
     peer: Id  # the owner, the lower id of the pair
-    peer_incarnation: Count  # the life of the owner that is meant
-    held: Count  # number of the line that the follower obeys, 0 for none
+    binding: Count  # number of the binding of the two
+    held: Count  # number of the line that the follower obeys, 0 for the first
     seen: Count  # highest number that it has answered
 
 
-class Letter(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What a robot says of lines to far peers, by way of the world."""
+class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """The first line of a binding, for which this end was asked, and which it obeys from now on."""
 
-    robot: Id  # who speaks
-    incarnation: Count  # its life
-    tick: Count  # in which it is written
-    proposals: tuple[Proposal, ...] = ()  # lines that this robot owns
-    answers: tuple[Answer, ...] = ()  # what it tells the owners of others
+    binding: Count  # number of the binding
+    nx: Cosine  # x of the unit normal n, which points from the lower id to the higher
+    ny: Cosine  # y of n
+    offset: Real  # m, as of a Proposal
+
+
+class Binding(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """A binding in force, as the ledger tells it to the life at one end."""
+
+    number: Count  # version of the ledger that began it
+    peer: DiskId  # the disk at the other end: a robot, or less than 0 an obstacle
+    first: Edge | None = None  # m, first line; None: this end is asked for one
+    points: tuple[Vector, ...] = ()  # m, where the other end stands: centre or corners; empty if it may move
+    radius: Size = 0.0  # m, of a disk that stands there, its error bound included
+    static: bool = False  # whether it stands as long as the binding is in force
+
+    def __post_init__(self) -> None:
+        if len(self.points) > 1 and (problem := defect(self.points)):
+            raise ValueError(f"the place of disk {self.peer} {problem}")
+        if self.static and not self.points:
+            raise ValueError(f"disk {self.peer} stands, and has no place")
+
+    @property
+    def place(self) -> Shape | None:
+        """Where the other end stands."""
+        if len(self.points) == 1:
+            return Disk(self.points[0][0], self.points[0][1], self.radius)
+        return ConvexPolygon(self.points) if self.points else None
+
+
+class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """All that the ledger has to say to one life, as a whole."""
+
+    life: Count  # number of this life in the ledger
+    version: Count  # of the ledger
+    number: Count  # of the newest region granted
+    region: Round | None  # m, the disk in which to stay; None: anywhere
+    bindings: tuple[Binding, ...]  # all that are in force and concern this life
 
 
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -89,7 +126,6 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
     radius: Size  # m, of the disk
     position: Vector | None = None  # m, centre of a disk that appears or stands
     bound: Size = 0.0  # m, the centre is at most this far from `position`
-    founding: Count = 0  # the life that began the run at its start and knows the initial lines, 0 for none
 
     def __post_init__(self) -> None:
         if self.position is None and self.status in ("appearing", "standing"):
@@ -162,7 +198,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # who is addressed
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    active: tuple[Id, ...] | None  # who take part, and whose State is to be awaited; None: all who are near
+    active: tuple[Id, ...]  # robots that take part and are heard, whose States are to be awaited
     epoch: Epoch = 0  # of the coordinator
     sense: Sense | None = None  # None: its base speaks for itself
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
@@ -170,8 +206,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
-    near: tuple[Id, ...] | None = None  # whom to hear from two ticks on; None: as before, at first everybody
-    letters: tuple[Letter, ...] = ()  # what far peers say of lines to this robot alone
+    grants: Grants | None = None  # unless this life has taken them in: what it obeys
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -222,12 +257,19 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
     epoch: Epoch = 0  # of the coordinator that admitted this life
-    roster: Count = 0  # newest version of the roster that this life keeps to from this command on
+    roster: Count = 0  # newest version of the roster that this life has heard
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
-    letter: Letter | None = None  # to far peers; the world hands each its part
+    version: Count = 0  # of the ledger, newest that this life has taken in
+    region: Count = 0  # number of the region that it obeys; 0 for none: it stands
+    firsts: tuple[FirstLine, ...] = ()  # lines for which it was asked, until the ledger tells them
     handles: Handling | None = None  # a part to be taken up or put down
     slice: Size | None = None  # m, norm of the own slice D_i, for the summary of the next tick
+
+    @property
+    def may_move(self) -> bool:
+        """Whether its life may move its robot from then on; one that obeys no region stands."""
+        return self.region != 0 or self.velocity != (0.0, 0.0)
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):

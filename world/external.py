@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from protocol.errors import UsageError
 from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
+from protocol.scenario.starts import SHARE, room_at_start
 from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)
@@ -24,6 +25,7 @@ class External:
         plant: the robots' disks as they are reported.
         sensors: none.
         bounds: by how much places are off, m, by robot id.
+        founding_bounds: by how much robots may be off their starts as they begin a run.
         largest_bound: of all reports so far, m.
     """
 
@@ -31,6 +33,7 @@ class External:
         self.plant = Reported(scenario)
         self.sensors: dict[int, Sensor] = {}
         self.bounds: dict[int, float] = {}
+        self.founding_bounds = {robot: SHARE * room_at_start(scenario, robot)[0] for robot in scenario.ids}
         self.largest_bound: float | None = 0.0
         self._step, self._speed = (
             scenario.time.step,
@@ -67,9 +70,11 @@ class External:
     def hear(self, command: Command) -> None:
         """A robot commands itself in a tick, and says where it was as that began, if it knows."""
         robot, tick, report = command.robot, command.tick, command.report
-        self._heard[robot] = max(tick, self._tick)  # sent by then, however late the tick that it is of
+        sent = max(tick, self._tick)  # by then, however late the tick that it is of
+        if command.may_move:  # only such a Command gives a lease
+            self._heard[robot] = sent
         if tick >= self._stopped and command.velocity == STILL:  # it takes in no earlier Tick any more
-            self._still.setdefault(robot, self._heard[robot])
+            self._still.setdefault(robot, sent)
         if report is not None:
             self._reports[robot] = tick, report
             self.largest_bound = max(self.largest_bound or 0.0, report.bound)
@@ -87,9 +92,11 @@ class External:
         resting = {}
         for robot, (tick, report) in self._reports.items():
             leased = self._lease + self._stops[robot]  # s after the newest Command
-            heard = self._heard[robot]
-            if (self._tick - heard - _HURRIED) * self._step >= leased:
-                moved = (heard + 1 - tick) * self._step + leased
+            heard = self._heard.get(robot)
+            if heard is None:
+                self.bounds[robot], resting[robot] = report.bound, report.position
+            elif (self._tick - heard - _HURRIED) * self._step >= leased:
+                moved = max(0, heard + 1 - tick) * self._step + leased
                 self.bounds[robot] = report.bound + self._farthest(robot, moved)
                 resting[robot] = report.position
         return resting

@@ -19,11 +19,13 @@ class Simulation:
         plant: what moves the disks.
         sensors: of position, by robot id.
         bounds: by how much `places` are off, m, by robot id: not at all.
+        founding_bounds: the same as a run begins.
         largest_bound: None, for the places are the truth.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self.bounds: Mapping[int, float] = MappingProxyType({})
+        self.founding_bounds = self.bounds
         self.largest_bound: float | None = None
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}

@@ -105,9 +105,11 @@ class World:
         if coordinator.told is not None:
             return coordinator.told
         coordinator.noted(Opened())
-        if not coordinator.opens(self.simulation.places, self):
+        simulation = self.simulation
+        if not coordinator.opens(simulation.places, simulation.founding_bounds, self):
             return coordinator.tell_fenced()
-        return coordinator.open(self.simulation.sense(self.tick))
+        sensed = simulation.sense(self.tick)
+        return coordinator.open(sensed, simulation.resting(), simulation.bounds)
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""

@@ -11,6 +11,7 @@ from typing import Protocol
 from protocol.errors import JoinError, UsageError
 from protocol.messages import Command, Sense, Tick, Vector
 from protocol.scenario.model import Scenario
+from protocol.scenario.starts import SHARE, room_at_start
 
 
 class Base(Protocol):
@@ -96,31 +97,15 @@ def base_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Bas
     return None
 
 
-_SHARE = 0.99  # of the room, which leaves more than rounding takes
-
-
 def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> str:
-    """Why a robot at `place`, m, or up to `bound` beside it, cannot begin a run; "" if it can.
-
-    The first line with a peer lies halfway between the two starting disks; to things and to what encloses the
-    workspace there is all the room.
-    """
+    """Why a robot at `place`, m, or up to `bound` beside it, cannot begin a run; "" if it can."""
     own = scenario.spec(robot)
-    room, what = -scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary"
-    for other in scenario.robots:
-        if other.id != robot:
-            gap = math.dist(own.start, other.start) - own.radius - other.radius
-            if 0.5 * gap < room:
-                room, what = 0.5 * gap, f"robot {other.id}"
-    for number, shape in scenario.shapes.items():
-        gap = shape.distance(*own.start) - own.radius
-        if gap < room:
-            room, what = gap, f"thing {number}"
+    room, what = room_at_start(scenario, robot)
     away = math.dist(place, own.start)
-    if away + bound <= _SHARE * room:
+    if away + bound <= SHARE * room:
         return ""
     x, y = own.start
     return (
         f"stands {away:.3g} m from its start ({x:g}, {y:g}), known to {bound:.2g} m; "
-        f"put it within {max(0.0, _SHARE * room - bound):.2g} m, because of {what}"
+        f"put it within {max(0.0, SHARE * room - bound):.2g} m, because of {what}"
     )

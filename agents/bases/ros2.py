@@ -78,7 +78,8 @@ class Ros2Base:
         return anew
 
     def obey(self, command: Command, now: float) -> None:
-        self._lease.sent(command.tick, now)
+        if command.may_move:  # else the coordinator may take its robot for static at once
+            self._lease.sent(command.tick, now)
         velocity = _STILL if self._blind else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         self.due = now

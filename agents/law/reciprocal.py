@@ -23,8 +23,8 @@ from typing import Final, final
 from agents.law.additions import AugmentedLaw
 from agents.law.api import View
 from agents.law.roundabout import Encounters, Roundabout, roundabout, together
-from agents.lines.line import HalfPlane
 from protocol.geometry import Disk
+from protocol.line import HalfPlane
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 

@@ -1,4 +1,4 @@
-"""What encloses the fleet, handed out like everything else that is obeyed: as half-planes.
+"""What a disk must not leave, workspace and region, handed out like all that is obeyed: as half-planes.
 
 A centre x that moves by d stays inside if n.(x + d) <= W for every direction n, W the largest distance from
 the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
@@ -15,9 +15,9 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, HalfPlane, room_of
 from agents.lines.polygon import Polygon
 from protocol.geometry import Disk, Shape
+from protocol.line import ROUNDING, HalfPlane, room_of
 
 _WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left
 
@@ -25,31 +25,36 @@ _WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are 
 @final
 @mypyc_attr(acyclic=True)
 class RoundBoundary:
-    """A circle around the origin.
+    """A circle.
 
     Args:
-        radius: the largest distance W of the own centre from the origin, m.
+        radius: the largest distance W of the own centre from that of the circle, m.
+        x, y: centre of the circle, m.
     """
 
-    __slots__ = ("radius",)
+    __slots__ = ("cx", "cy", "radius")
 
-    def __init__(self, radius: float) -> None:
-        self.radius = radius
+    def __init__(self, radius: float, x: float = 0.0, y: float = 0.0) -> None:
+        self.radius, self.cx, self.cy = radius, x, y
 
     def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
         """The tangent behind which the corner of `shape` around (x, y) lies that sticks out most, if that is
         worth a cut."""
         far, fx, fy = self.radius + _WORTH * shape.radius, 0.0, 0.0
+        x, y = x - self.cx, y - self.cy
         for index, vx in enumerate(shape.xs):
             px, py = x + vx, y + shape.ys[index]
             distance = math.hypot(px, py)
             if distance > far:
                 far, fx, fy = distance, px, py
-        return None if fx == fy == 0.0 else HalfPlane(fx / far, fy / far, self.radius)
+        if fx == fy == 0.0:
+            return None
+        nx, ny = fx / far, fy / far
+        return HalfPlane(nx, ny, self.radius + nx * self.cx + ny * self.cy)
 
     def contains(self, x: float, y: float, bound: float) -> bool:
         """Whether all within `bound` (m) of (x, y) is inside."""
-        return math.hypot(x, y) + bound + ROUNDING <= self.radius
+        return math.hypot(x - self.cx, y - self.cy) + bound + ROUNDING <= self.radius
 
     def cut(
         self,
@@ -70,6 +75,7 @@ class RoundBoundary:
             tolerance: share of the distance from the origin by which a violation does not count.
         """
         extra = noise * math.hypot(dx, dy)
+        x, y = x - self.cx, y - self.cy
         if shape is None:
             return self._cut_of_point(x, y, dx, dy, extra, tolerance)
         rim = self.radius - shape.margin - 2.0 * ROUNDING
@@ -167,13 +173,49 @@ class StraightBoundary:
         return found
 
 
-Boundary = RoundBoundary | StraightBoundary
+@final
+@mypyc_attr(acyclic=True)
+class BothBoundaries:
+    """Two of them at once: the workspace, and a region in it.
+
+    Args:
+        room: the workspace.
+        region: a circle.
+    """
+
+    __slots__ = ("region", "room")
+
+    def __init__(self, room: RoundBoundary | StraightBoundary, region: RoundBoundary) -> None:
+        self.room, self.region = room, region
+
+    def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
+        """As of either."""
+        return self.room.beyond(x, y, shape) or self.region.beyond(x, y, shape)
+
+    def cut(
+        self,
+        x: float,
+        y: float,
+        shape: Polygon | None,
+        dx: float,
+        dy: float,
+        *,
+        noise: float = 0.0,
+        tolerance: float = 0.0,
+    ) -> HalfPlane | None:
+        """As of either."""
+        return self.room.cut(x, y, shape, dx, dy, noise=noise, tolerance=tolerance) or self.region.cut(
+            x, y, shape, dx, dy, noise=noise, tolerance=tolerance
+        )
 
 
-def boundary_of(room: Shape, radius: float) -> Boundary:
+Boundary = RoundBoundary | StraightBoundary | BothBoundaries
+
+
+def boundary_of(room: Shape, radius: float) -> RoundBoundary | StraightBoundary:
     """What a room leaves to the centre of a disk of `radius`, m."""
     if isinstance(room, Disk):
-        return RoundBoundary(room.radius - radius)
+        return RoundBoundary(room.radius - radius, room.x, room.y)
     return StraightBoundary([HalfPlane(nx, ny, offset - radius) for nx, ny, offset in room.sides])
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, SURE, HalfPlane
 from agents.lines.polygon import Polygon
 from protocol.bodies.sweep import Sweep
+from protocol.line import ROUNDING, SURE, HalfPlane
 
 
 @final
@@ -48,6 +49,14 @@ class OwnSet:
         """Whether the centre is surely in a half-plane, and stays there until every command that is out has
         ended; for a disk that is larger by `growth`, m, than the one that the half-plane is for."""
         return side.slack(self.x, self.y) - growth >= self.passed(side.nx, side.ny) + SURE
+
+    def within(self, x: float, y: float, radius: float) -> bool:
+        """Whether the set, and all that it passes, is surely in the disk of that radius around (x, y), m."""
+        mx, my, spread = self.x, self.y, self.bound
+        if self.swept is not None:
+            ax, ay = self.swept.middle
+            mx, my, spread = mx + ax, my + ay, spread + self.swept.spread
+        return math.hypot(mx - x, my - y) + spread + 2.0 * ROUNDING <= radius
 
     def kept_in(self, nx: float, ny: float, limit: float) -> HalfPlane:
         """Where the own position must stay so that all of the set stays in that half-plane."""

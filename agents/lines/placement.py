@@ -1,25 +1,24 @@
 """Where the owner puts the next line of a pair.
 
-Nothing here can be unsafe: the ledger offers only lines that the own disk satisfies, and the
-follower adopts only those that its own disk satisfies.
+Nothing here can be unsafe: an owner offers only lines that the own body satisfies, and a follower adopts only
+those that its own body satisfies.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.line import ROUNDING, SURE, Line
+from protocol.line import ROUNDING, SURE, Line
 from protocol.messages import Vector
 
 Span = tuple[Vector, Vector]  # a point of each of two segments
 
 _BISECTIONS: Final = 8
 _NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
-_MOST: Final = 0.99  # of a gap, that is kept as berths
+_MOST: Final = 0.99  # of a gap, that is kept as standoffs
 
 
 @final
@@ -61,7 +60,7 @@ def fit_line(
     begin: float = 0.0,
     end: float = 0.0,
     share: float = 0.5,
-    berth: float = 0.0,
+    standoff: float = 0.0,
 ) -> Line | None:
     """The line that lets both do what they want for the longest time.
 
@@ -70,16 +69,16 @@ def fit_line(
     is then, if it goes on as it was seen to, to where its desired velocity leads. The line separates the two
     swept areas, and leaves the owner `share` of the gap between them. If they meet, all times are
     the same largest fraction of what they should be, so two that drive at each other share the gap in
-    proportion to what each wants of it. Either keeps a `berth` (m), the owner first: where the gap seen is
+    proportion to what each wants of it. Either keeps a `standoff` (m), the owner first: where the gap seen is
     less than two, one at least can make room.
 
     None when the disks were not seen apart, and will not be if both do as they want.
     """
     mine = theirs = 0.0
-    if berth > 0.0:
+    if standoff > 0.0:
         gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
         room = max(0.0, _MOST * (gap - _NEED))
-        mine, theirs = min(berth, room), min(berth, max(0.0, room - berth))
+        mine, theirs = min(standoff, room), min(standoff, max(0.0, room - standoff))
     need = owner.radius + follower.radius + _NEED + mine + theirs
     span = _closest(owner, follower, ahead, begin, end)
     if _length(span) < need:
@@ -99,14 +98,6 @@ def fit_line(
     nx, ny = (bx - ax) / length, (by - ay) / length
     edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED + mine
     return Line(nx, ny, edge + share * (length - need))
-
-
-def initial_line(
-    robot: int, peer: int, starts: Mapping[int, tuple[float, float]], radii: Mapping[int, float]
-) -> Line | None:
-    """The line between two robots at the start, the same for both."""
-    owner, follower = sorted((robot, peer))
-    return fit_line(Disk(*starts[owner], radii[owner]), Disk(*starts[follower], radii[follower]))
 
 
 def _halfway(span: Span, mine: float, theirs: float) -> Line | None:

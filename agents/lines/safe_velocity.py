@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from agents.lines.boundary import Boundary
-from agents.lines.line import HalfPlane, room_of
 from agents.lines.polygon import Polygon
+from protocol.line import HalfPlane, room_of
 from protocol.messages import Vector
 
 _CUTS: Final = 12  # half-planes of the boundary that are tried

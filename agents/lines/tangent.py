@@ -1,80 +1,49 @@
-"""Something that stands: a fenced peer's disk, or a thing. Nobody moves it, so no line has to be agreed."""
+"""A line that touches something that stands, and faces a robot: no line has to be agreed with what nobody
+moves."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
-from agents.lines.line import HalfPlane
-from agents.lines.own_set import OwnSet
 from protocol.geometry import Shape
+from protocol.line import Line
 from protocol.messages import Vector
 
 
-class Tangent:
-    """Keeps to the tangent half-plane between the own present position and a shape, renewed every tick.
+def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | None:
+    """The line between (x, y), m, and what stands; None if (x, y) is in it.
 
-    A new tangent is taken only when the own disk surely satisfies it; until then the last one stays
-    in force, first of all an obeyed half-plane behind which the shape is.
+    Of what is more than `near` (m) away, the disk around it counts.
 
     Args:
-        shape: what stands.
-        own_radius: radius of this robot, m.
-        obeyed: half-planes for the own centre that were obeyed so far.
-
-    Attributes:
-        shape: as given.
-        radius: of the own disk that keeps to it, m.
-        half_plane: where the own centre stays; None while the own disk is not known to be clear.
+        low: whether the robot is the low end of the binding.
     """
-
-    def __init__(self, shape: Shape, own_radius: float, obeyed: Iterable[HalfPlane] = ()) -> None:
-        self.shape, self.radius = shape, own_radius
-        self._around = shape.around
-        self.half_plane: HalfPlane | None = None  # not known to be clear of it, so stand still
-        for side in obeyed:
-            if shape.limit(side.nx, side.ny, own_radius) >= side.limit:
-                self.half_plane = side
-                break
-
-    def renew(self, own: OwnSet, far: float = 0.0) -> None:
-        """Turn the half-plane towards the own position.
-
-        Of what is more than `far` (m) out of reach, the disk around it does.
-        """
-        around, x, y = self._around, own.x, own.y
-        dx, dy = around.x - x, around.y - y
+    around = shape.around
+    dx, dy = around.x - x, around.y - y
+    distance = math.hypot(dx, dy)
+    target: Shape = around
+    if shape is not around and distance - around.radius <= near:
+        target = shape
+        px, py = shape.nearest(x, y)
+        dx, dy = px - x, py - y
         distance = math.hypot(dx, dy)
-        target: Shape = around
-        if self.shape is not around and distance - around.radius - self.radius - own.bound <= far:
-            target = self.shape
-            px, py = self.shape.nearest(x, y)
-            dx, dy = px - x, py - y
-            distance = math.hypot(dx, dy)
-        if distance == 0.0:
-            return
-        nx, ny = dx / distance, dy / distance
-        tangent = HalfPlane(nx, ny, target.limit(nx, ny, self.radius))
-        if own.satisfies(tangent):
-            self.half_plane = tangent
+    if distance == 0.0:
+        return None
+    nx, ny = dx / distance, dy / distance
+    edge = target.limit(nx, ny, 0.0)
+    return Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
 
-    def resize(self, own_radius: float) -> None:
-        """This robot is another disk: the same line, for the centre of that."""
-        side = self.half_plane
-        if side is not None and own_radius != self.radius:
-            self.half_plane = HalfPlane(side.nx, side.ny, side.limit + self.radius - own_radius)
-        self.radius = own_radius
 
-    def lacking(self, x: float, y: float, room: float) -> Vector:
-        """How far to back off from (x, y), m, to be clear of it by `room`, m."""
-        px, py = self.shape.nearest(x, y)
-        if px == x and py == y:
-            px, py = self._around.x, self._around.y
-        dx, dy = x - px, y - py
-        distance = math.hypot(dx, dy)
-        lacking = room + self.radius - self.shape.distance(x, y)
-        if lacking <= 0.0:
-            return 0.0, 0.0
-        if distance == 0.0:
-            return lacking, 0.0
-        return lacking * dx / distance, lacking * dy / distance
+def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
+    """How far to back off from (x, y), m, to be `room` (m) from what stands."""
+    px, py = shape.nearest(x, y)
+    if px == x and py == y:
+        px, py = shape.around.x, shape.around.y
+    dx, dy = x - px, y - py
+    distance = math.hypot(dx, dy)
+    lacking = room - shape.distance(x, y)
+    if lacking <= 0.0:
+        return 0.0, 0.0
+    if distance == 0.0:
+        return lacking, 0.0
+    return lacking * dx / distance, lacking * dy / distance

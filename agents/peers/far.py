@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from functools import lru_cache
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from mypy_extensions import mypyc_attr
@@ -18,8 +18,10 @@ from numpy.typing import NDArray
 
 from agents.peers.far_field import FarField, far_field
 from protocol.codec import decode
+from protocol.crowd.interest import LEAD, period, turn
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, AnyMessage, Summary, Vector
+from protocol.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 
@@ -154,6 +156,62 @@ class FarPicture:
         index = [said.index[robot] for robot in known if robot in said.index]
         terms = (said.x, said.y, radius + self._sizes, said.gammas, said.slices)
         return far_field(self.tick, position, *terms, index)
+
+
+_EARLY: Final = 8  # summaries that are kept until they are due: more wait after a long pause only
+
+
+@final
+class Arrivals:
+    """Summaries on their way to one robot: the tick alone decides when one is taken in."""
+
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        self._period, self._turn = period(scenario), turn(scenario, robot)
+        self._said = self._due = -1  # tick of the newest summary; of that which has to be there
+        self._take = 0  # from that tick on, the summary of `_said` has to be there
+        self._arrived: dict[int, Places] = {}
+        self._picture: FarPicture | None = None  # taken in last
+
+    def open(self, tick: int) -> None:
+        """A tick begins."""
+        if self._said >= 0 and tick >= self._take and self._due != self._said:
+            self._due = self._said
+            self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self._due}
+        if tick % self._period == 0:
+            self._said, self._take = tick, tick + LEAD + self._turn
+
+    def on_summary(self, places: Places) -> None:
+        """One has arrived."""
+        if places.tick <= self._taken or places.tick < self._due:
+            return
+        self._arrived[places.tick] = places
+        if len(self._arrived) > _EARLY:
+            del self._arrived[sorted(self._arrived)[-2]]  # the oldest may be due, and the newest is soon
+
+    @property
+    def has_summary(self) -> bool:
+        """Whether the summary that is due in this tick has arrived, if one is; or a later one."""
+        return self._due < 0 or self._taken >= self._due or max(self._arrived, default=-1) >= self._due
+
+    @property
+    def _taken(self) -> int:
+        """Tick of the summary that was taken in last."""
+        return -1 if self._picture is None else self._picture.tick
+
+    def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
+        """The summary that is due, once for each.
+
+        Args:
+            radii: of all robots, m.
+        """
+        if self._due <= self._taken:
+            return None
+        coming = sorted([tick for tick in self._arrived if tick >= self._due])
+        if not coming:
+            return None
+        self._picture = FarPicture(self._arrived[coming[0]], radii, self._picture)
+        self._arrived = {tick: self._arrived[tick] for tick in coming[1:]}
+        return self._picture
 
 
 def _numbers(payload: bytes) -> Array:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from protocol.messages import Vector
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import RobotSpec
 
@@ -17,16 +16,14 @@ class Fleet(NamedTuple):
     Attributes:
         ids: of all.
         radii: of their disks, m.
-        starts: of their centres, m.
     """
 
     ids: frozenset[int]
     radii: Mapping[int, float]
-    starts: Mapping[int, Vector]
 
 
 @keeps_newest
 def fleet_of(robots: tuple[RobotSpec, ...]) -> Fleet:
     """The fleet of a scenario's robots."""
     radii = {robot.id: robot.radius for robot in robots}
-    return Fleet(frozenset(radii), radii, {robot.id: robot.start for robot in robots})
+    return Fleet(frozenset(radii), radii)

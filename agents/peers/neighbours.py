@@ -11,12 +11,11 @@ from protocol.messages import Member
 
 
 class Neighbours:
-    """Peers as last heard. A State is newer when its incarnation is newer, or its tick within the same
-    incarnation.
+    """Peers as last heard. Of each only the life counts that the roster names.
 
     Args:
-        radii: radius (m) of everybody, by id; it is not changed.
-        everybody: whether all are heard until somebody is said to be near; else nobody is.
+        radii: radius (m) of all robots, by id; it is not changed.
+        everybody: whether all robots are heard; else one that lives again may be too far off to be heard.
 
     Attributes:
         standing: disks that stand, or that will appear in a place kept free, by id.
@@ -29,65 +28,52 @@ class Neighbours:
         self.standing: dict[int, Member] = {}
         self.picture: FarPicture | None = None
         self.far = NOTHING
-        self._attends = False  # whether some are not heard
-        self._gone: dict[int, int] = {}  # newest incarnation that has left; its States may be late
         self.radii = radii
-        self._hears = everybody  # whether anybody is heard yet
-        self._states: dict[int, PeerState | None] = dict.fromkeys(radii if everybody else ())
+        self._everybody = everybody
+        self._members: dict[int, Member] = {}
+        self._states: dict[int, PeerState | None] = {}
 
     def state(self, peer: int) -> PeerState | None:
         """The newest State of a peer."""
         return self._states.get(peer)
 
     def on_state(self, state: PeerState) -> bool:
-        """Take over a peer's State if it is news; False when it is not."""
-        known = self._states.get(state.robot)
-        if known is not None and not is_newer(state, known):
+        """Take over a peer's State if it is news of its present life; False when it is not."""
+        known, member = self._states.get(state.robot), self._members.get(state.robot)
+        if member is not None and (member.status != "live" or member.incarnation != state.incarnation):
             return False
-        if self._gone and state.incarnation <= self._gone.get(state.robot, 0):
+        if known is not None and (known.incarnation, known.tick) >= (state.incarnation, state.tick):
             return False
         self._states[state.robot] = state
         if self.standing:
-            self._rise(state)
+            self.standing.pop(state.robot, None)
         return True
-
-    def _rise(self, state: PeerState) -> None:
-        """A fenced robot whose newer incarnation speaks is no obstacle any more."""
-        fenced = self.standing.get(state.robot)
-        if fenced is not None and state.incarnation > fenced.incarnation:
-            del self.standing[state.robot]
 
     def on_member(self, member: Member) -> None:
         """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
-        self._meet(member)
-        state = self.state(member.robot)
-        if state is not None and state.incarnation > member.incarnation:
-            return
+        robot = member.robot
+        self._members[robot] = member
+        if self.radii.get(robot) != member.radius:
+            self.radii = {**self.radii, robot: member.radius}  # the others share the one given
         if member.status in ("standing", "appearing"):
-            self.standing[member.robot] = member
-        elif member.status == "live" and self._attends:
-            self.standing.pop(member.robot, None)  # it may be too far off to be heard
+            self.standing[robot] = member
+            self._states.setdefault(robot, None)
+        elif member.status == "live" and not self._everybody:
+            self.standing.pop(robot, None)
         elif member.status == "gone":
-            self.standing.pop(member.robot, None)
-            self._gone[member.robot] = member.incarnation
-            self._forget(member.robot)
+            self.standing.pop(robot, None)
+            self._states.pop(robot, None)
 
-    def _meet(self, member: Member) -> None:
-        """Have a place for a peer that the scenario did not name; its radius is the roster's."""
-        if self.radii.get(member.robot) != member.radius:
-            self.radii = {**self.radii, member.robot: member.radius}  # the others share the one given
-        if self._hears or member.status != "live":
-            self._states.setdefault(member.robot)
+    def attend(self, heard: Iterable[int]) -> None:
+        """Know the States of these, and of no other robot."""
+        kept = sorted({*heard, *self.standing})
+        if kept != list(self._states):
+            self._states = {peer: self._states.get(peer) for peer in kept}
 
-    def attend(self, near: Iterable[int]) -> None:
-        """Know the States of those who are near, and of nobody else."""
-        kept = sorted(peer for peer in {*near, *self.standing} if peer in self.radii)
-        self._attends = self._hears = True
-        self._states = {peer: self._states.get(peer) for peer in kept}
-
-    def _forget(self, peer: int) -> None:
-        if peer in self._states:
-            self._states[peer] = None
+    @property
+    def known(self) -> Iterable[int]:
+        """Peers whose States are kept, once there are any."""
+        return self._states.keys()
 
     def heard(self) -> list[PeerState]:
         """The newest States of all who have been heard."""
@@ -123,10 +109,3 @@ class Neighbours:
     def _stands_at(self, peer: int) -> tuple[float, float] | None:
         member = self.standing.get(peer)
         return None if member is None else member.position
-
-
-def is_newer(state: PeerState, known: PeerState) -> bool:
-    """Whether `state` is of a newer incarnation than `known`, or of a later tick of the same incarnation."""
-    if state.incarnation == known.incarnation:
-        return state.tick > known.tick
-    return state.incarnation > known.incarnation

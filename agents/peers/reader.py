@@ -101,12 +101,12 @@ class PeerReader:
         found: tuple[Proposal, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(6)
-            peer, life, number = _identity(cursor), cursor.count(), cursor.count()
+            peer, binding, number = _identity(cursor), cursor.count(), cursor.count()
             nx, ny, offset = cursor.number(), cursor.number(), cursor.number()
             if not (abs(nx) <= UNIT and abs(ny) <= UNIT and abs(offset) <= LARGEST):
                 raise IndexError("no line")
             if peer == self._robot:
-                found = (*found, Proposal(peer, life, number, nx, ny, offset))
+                found = (*found, Proposal(peer, binding, number, nx, ny, offset))
         return found
 
     def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
@@ -114,9 +114,9 @@ class PeerReader:
         found: tuple[Answer, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(4)
-            peer, life, held, seen = _identity(cursor), cursor.count(), cursor.count(), cursor.count()
+            peer, binding, held, seen = _identity(cursor), cursor.count(), cursor.count(), cursor.count()
             if peer == self._robot:
-                found = (*found, Answer(peer, life, held, seen))
+                found = (*found, Answer(peer, binding, held, seen))
         return found
 
     def _any(self, payload: bytes) -> PeerState:

@@ -1,11 +1,12 @@
-"""The roster as one robot knows it: the newest version that it has heard. Decisions about incarnations are
-the coordinator's; this robot only follows its versions, and never an older one than it already knows."""
+"""The roster as one robot knows it: a directory of disks, obstacles and parts, for laws and carriers. What a
+robot obeys does not depend on it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import final
 
+from protocol.geometry import Shape
 from protocol.messages import Member, PartPlace, Roster, Thing
 from protocol.process.newest import keeps_newest
 
@@ -18,31 +19,40 @@ def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
 
 @final
 class KnownRoster:
-    """The newest roster heard by one incarnation of one robot.
+    """The newest roster heard by one life of one robot.
 
     Args:
         robot: own id.
-        incarnation: own incarnation.
+        listed: shapes of the scenario's obstacles, by number.
 
     Attributes:
         version: of it; 0 as long as there is none.
-        members: everybody that it names, by id, in its order.
+        members: every robot that it names, by id, in its order.
         things: that came or went, as it says.
         parts: where each is.
+        shapes: of all obstacles that are there, or are to appear.
     """
 
-    def __init__(self, robot: int, incarnation: int) -> None:
+    def __init__(self, robot: int, listed: Mapping[int, Shape]) -> None:
         self.version = 0
         self.things: tuple[Thing, ...] = ()
         self.parts: tuple[PartPlace, ...] = ()
-        self._robot, self._incarnation = robot, incarnation
+        self._robot, self._listed = robot, listed
         self.members: Mapping[int, Member] = {}
+        self.shapes: list[Shape] = list(listed.values())
 
     def update(self, roster: Roster) -> list[Member]:
         """Take over a roster if it is newer; what it says anew of others, in the order of their ids."""
         if roster.version <= self.version:
             return []
         before, self.members = self.members, _by_id(roster.members)
+        if roster.things != self.things:
+            shapes = dict(self._listed)
+            for thing in roster.things:
+                shapes.pop(thing.number, None)
+                if thing.status != "gone":
+                    shapes[thing.number] = thing.shape
+            self.shapes = list(shapes.values())
         self.version, self.things, self.parts = roster.version, roster.things, roster.parts
         return [
             each
@@ -53,12 +63,6 @@ class KnownRoster:
     def member(self, robot: int) -> Member | None:
         """What it says of an id."""
         return self.members.get(robot)
-
-    @property
-    def founding(self) -> bool:
-        """Whether this incarnation was there before the first tick, and so knows the initial lines."""
-        own = self.members.get(self._robot)
-        return own is not None and own.founding == self._incarnation > 0
 
 
 def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:

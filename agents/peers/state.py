@@ -7,7 +7,7 @@ from typing import NamedTuple, final
 
 from mypy_extensions import mypyc_attr
 
-from protocol.messages import Answer, Claim, Letter, Proposal, State, Vector
+from protocol.messages import Answer, Claim, Proposal, State, Vector
 from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 
@@ -36,7 +36,6 @@ class PeerState(Peer):
         vx, vy: the velocity that its law asks for, m/s.
         radius: the peer's, m; see `size`.
         claim: which part it fetches or carries.
-        is_letter: whether it came by way of the world, from one who is far.
 
     Attributes: as given.
     """
@@ -46,7 +45,6 @@ class PeerState(Peer):
         "bound",
         "claim",
         "incarnation",
-        "is_letter",
         "placed",
         "proposals",
         "robot",
@@ -73,7 +71,6 @@ class PeerState(Peer):
         radius: float = 0.0,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
-        is_letter: bool = False,
         claim: Claim | None = None,
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
@@ -81,7 +78,7 @@ class PeerState(Peer):
         self.radius, self.bound, self.gamma, self.slice = radius, bound, gamma, slice_norm
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
-        self.is_letter, self.claim = is_letter, claim
+        self.claim = claim
 
     def size(self, told: float) -> None:
         """To be called as it is heard: the peer's disk is of the radius that the roster of that tick says, m,
@@ -156,18 +153,3 @@ def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:
     )
     found.size(radius)
     return found
-
-
-def from_afar(robot: int, letter: Letter, radius: float) -> PeerState:
-    """What `letter` says to `robot`; for the rest see `PeerState`."""
-    return PeerState(
-        letter.robot,
-        letter.incarnation,
-        letter.tick,
-        False,
-        *(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        radius=radius,
-        proposals=tuple([each for each in letter.proposals if each.peer == robot]),
-        answers=tuple([each for each in letter.answers if each.peer == robot]),
-        is_letter=True,
-    )

@@ -219,7 +219,7 @@ class RobotNode:
             self._on_tick(core, message)
         elif isinstance(message, Summary):
             self._on_summary(core, message)
-        elif isinstance(message, State) and core.hearing.everybody:
+        elif isinstance(message, State) and not core.scenario.hears_near:
             self._rejected["identity"] += 1  # of nobody who takes part
 
     def _on_summary(self, core: Robot, summary: Summary) -> None:
@@ -250,9 +250,9 @@ class RobotNode:
     def _open(self, core: Robot, tick: Tick) -> None:
         """A tick begins: say where this robot is."""
         if tick.roster is not None:
-            self._peers.on_roster(tick.roster, everybody=core.hearing.everybody)
-        if tick.near is not None and core.scenario.hears_near:
-            self._peers.attend(tick.near)
+            self._peers.on_roster(tick.roster, everybody=not core.scenario.hears_near)
+        if tick.grants is not None and core.scenario.hears_near:
+            self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick, self._world.heard)
         self._said_state = encode(core.begin(tick, sense))
         if len(core.troubles) > self._noted:

@@ -78,9 +78,11 @@ _WORDS: dict[type, str] = {
     msgspec.inspect.BytesType: "binary",
 }
 _INNER = (
-    messages.Letter,
     messages.Proposal,
     messages.Answer,
+    messages.FirstLine,
+    messages.Binding,
+    messages.Grants,
     messages.Sense,
     messages.BaseMotion,
     messages.Roster,

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.estimate import HISTORY, Estimate
-from agents.lines.line import HalfPlane
 from agents.lines.polygon import SIDES
+from protocol.line import HalfPlane
 from protocol.messages import Sense
 from world.plants.disturbance import truncated_normal
 

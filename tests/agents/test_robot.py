@@ -148,34 +148,21 @@ def test_a_life_that_there_is_not_holds_up_nobody() -> None:
 
 def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     """A line that fitted where it was taken to be need not fit where it is."""
-    _, fleet = robots()
+    world, fleet = robots()
     robot, owner = fleet[IDS[-1]], IDS[0]
-    opened = said()[0][0]
     place = SCENARIO.spec(robot.robot).start
-    tick = replace(opened, robot=robot.robot, sense=Sense(place, 0, 0.0, (0.0, 0.0)))
+    tick = replace(world.open_tick()[robot.robot], sense=Sense(place, 0, 0.0, (0.0, 0.0)))
     robot.begin(tick)
     robot.command()
-    assert robot._filter is not None
-    end = robot._filter.lines._pairs[owner].end
-    held = end.obeyed
+    (bond,) = (each for each in robot._filter.lines._each if each.peer == owner)
+    held = bond.bound.obeyed
     robot.begin_anew()
-    robot.begin(replace(tick, tick=1, roster=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
+    robot.begin(replace(tick, tick=1, roster=None, grants=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
     (line,) = held
-    offer = Proposal(robot.robot, robot.incarnation, 1, line.nx, line.ny, line.offset)
+    offer = Proposal(robot.robot, bond.bound.number, 1, line.nx, line.ny, line.offset)
     state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(offer,))
     robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
-    assert (end.seen, end.held_number, end.obeyed) == (1, 0, held)
-
-
-def test_where_all_hear_all_nobody_is_told_whom_to_hear() -> None:
-    scenario = load("swap-3")
-    world = World(scenario)
-    for robot in scenario.ids:
-        world.coordinator.join(robot)
-    robot = Robot(scenario, 1, 1)
-    for _ in range(4):
-        told = world.open_tick()[1]
-        robot.begin(replace(told, near=(2,)))
-        assert robot.hearing.everybody
-        world.close_tick()
+    end = bond.bound.lines
+    assert end is not None
+    assert (end.seen, end.held_number, end.obeyed()) == (1, 0, held)

@@ -9,7 +9,6 @@ from types import ModuleType
 from tests.agents.bodies import mutants as bodies
 from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
 from tests.agents.bodies.ride import Product as RideProduct
-from tests.agents.lines.models import walk
 from tests.agents.lines.models.mutants import mutant as lines
 from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.product import Product
@@ -76,7 +75,6 @@ def _naive() -> tuple[int, str]:
     return 10, ""
 
 
-WALK = Campaign(partial(_of_lines, walk), 100_000, partial(_line_mutants, "walk"))
 SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, "skirmish"))
 AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))
 BODIES = Campaign(_ride, 30_000, _ride_mutants)

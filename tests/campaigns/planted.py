@@ -21,8 +21,7 @@ Fault = Callable[[Modules, pytest.MonkeyPatch], None]
 _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity"),
     "agents.bodies",
-    *("agents.lines.ends", "agents.lines.robot_pair"),
-    *("agents.lines.negotiation.entries", "agents.lines.negotiation.near", "agents.lines.negotiation.far"),
+    *("protocol.kernel.pair", "protocol.kernel.robot", "agents.lines.bond", "agents.lines.negotiation"),
     "agents.lines.separating_lines",
     *(
         "agents.peers.roster",
@@ -70,28 +69,15 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A follower adopts every line that it is offered, though its own disk is on the wrong side."""
-    follower = modules["agents.lines.ends"].Follower
+    follower = modules["protocol.kernel.pair"].Follower
     before = follower.on_proposal
-    follower.on_proposal = lambda self, peer_life, life, number, line, fits: before(  # noqa: ARG005
-        self, peer_life, life, number, line, lambda _: True
-    )
+    follower.on_proposal = lambda self, number, line, fits: before(self, number, line, True)  # noqa: ARG005
 
 
-def trusting_initial_lines(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """Every life takes itself for one that was there at the start."""
-    modules["agents.peers.roster"].KnownRoster.founding = True
-
-
-def forgetting_the_dead(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """An owner drops all lines towards a follower that lives anew."""
-    owner = modules["agents.lines.ends"].Owner
-    before = owner._begin
-
-    def begin(self: Any, peer_life: int) -> None:
-        before(self, peer_life)
-        self._inherited = ()
-
-    owner._begin = begin
+def obeying_late(modules: Modules, _: pytest.MonkeyPatch) -> None:
+    """An owner obeys a line that it proposed only once it is answered."""
+    owner = modules["protocol.kernel.pair"].Owner
+    owner.obeyed = lambda self: [self.held]
 
 
 def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
@@ -100,7 +86,7 @@ def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A robot moves before it has a line towards every peer."""
+    """A robot moves before it obeys a region."""
     modules["agents.lines.separating_lines"].SeparatingLines.ready = True
 
 
@@ -119,29 +105,28 @@ def hearing_all_that_is_said_again(modules: Modules, _: pytest.MonkeyPatch) -> N
 
 def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A peer is the disk of the roster that is known as its State arrives."""
-    hearing = modules["agents.hearing"].Hearing
+    hearing = modules["agents.hearing"].PeerInbox
     before = hearing.on_state
 
     def on_state(self: Any, state: Any) -> None:
         state.size(self.neighbours.radii[state.robot])
         before(self, state)
 
-    def learn(self: Any, lines: Any, state: Any) -> None:
-        if self._attention.counts(state.robot, state.tick):
-            self.neighbours.on_state(state)
-            lines.on_state(state)
+    def learn(self: Any, state: Any) -> None:
+        if state.tick >= self._since.get(state.robot, 2**62) and self.neighbours.on_state(state):
+            self._lines.on_state(state)
 
     hearing.on_state, hearing._learn = on_state, learn
 
 
 def hearing_what_nobody_waited_for(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot hears what was said before its life, or while it was paused, if it still arrives."""
-    hearing = modules["agents.hearing"].Hearing
+    hearing = modules["agents.hearing"].PeerInbox
     before = hearing._attend
 
     def attend(self: Any, tick: Any) -> None:
         before(self, tick)
-        self._attention._absent = -1
+        self._since = dict.fromkeys(self._since, 0)
 
     hearing._attend = attend
 
@@ -163,8 +148,7 @@ FAULTS: dict[Fault, int] = {  # those that random scenarios show, and a seed fro
     half_the_error: 4,
     trusting_the_estimate: 49,
     adopting_blindly: 137,
-    trusting_initial_lines: 17,
-    forgetting_the_dead: 28,
+    obeying_late: 0,
     growing_blindly: 787,
     not_waiting: 0,
     drawing_as_it_comes: 0,

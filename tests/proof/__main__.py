@@ -1,7 +1,7 @@
-"""Prove the pair protocol: `python -m tests.proof`.
+"""Prove the safety kernel: `python -m tests.proof`.
 
-Every rule of the model keeps every conjunct of the invariant, and is possible; and the product's source does
-what the rules do.
+Every rule, read from its source, keeps every conjunct of the invariant, and is possible: a state is found in
+which it is executed.
 """
 
 from __future__ import annotations
@@ -13,28 +13,46 @@ from collections.abc import Callable, Iterable
 from multiprocessing import get_context
 from typing import Any
 
-from tests.proof.engine.find import Universe, find
-from tests.proof.engine.prove import Obligation, contradicts_for_cvc5, prove
-from tests.proof.pair.invariant import PAIR
-from tests.proof.pair.source import cases, deviations
+from tests.proof import mutants
+from tests.proof.prove import TEMPLATE, example, prove, prove_by_cvc5
+from tests.proof.steps import cases
 
-SMALL = Universe(PAIR, 3, 4)
-
-
-def by_z3(rule: str) -> list[Obligation]:
-    """What z3 says of a rule."""
-    return prove(PAIR, PAIR.rules[rule])
+CASES = {case.rule: case for case in cases()}
 
 
-def by_cvc5(rule: str) -> list[Obligation]:
-    """What cvc5 says of a rule."""
-    return prove(PAIR, PAIR.rules[rule], contradicts_for_cvc5)
+def by_z3(rule: str) -> list[str]:
+    """What z3 does not prove of a rule."""
+    return [
+        f"z3 does not prove: {rule} keeps {each.conjunct}" for each in prove(CASES[rule]) if not each.proved
+    ]
 
 
-def is_possible(rule: str) -> bool:
-    """Whether a state was found with the whole invariant, in which a rule was executed and kept it."""
-    example = find(PAIR, PAIR.rules[rule], SMALL)
-    return example is not None and not example.broken
+def by_cvc5(rule: str) -> list[str]:
+    """What cvc5 does not prove."""
+    found = [each.proved for each in prove_by_cvc5(CASES[rule])]
+    return (
+        [] if all(found) else [f"cvc5 does not prove: {rule}, in {found.count(False)} ways of {len(found)}"]
+    )
+
+
+def is_possible(rule: str) -> list[str]:
+    """Whether a state with the whole invariant was found, in which a rule was executed and kept it."""
+    found = example(CASES[rule])
+    possible = found is not None and not found.invalid and not found.refused and not found.broken
+    return [] if possible else [f"not possible: {rule}"]
+
+
+def is_needed(name: str) -> list[str]:
+    """Whether a state was found in which the invariant breaks without this precondition or rule."""
+    change = next((each for each in mutants.CHANGES if each.name == name), None)
+    found = mutants.refute_without(name) if change is None else mutants.refute_changed(change)
+    print(
+        f"  {name}: " + (f"{found.rule} breaks {found.conjunct!r}" if found else "nothing breaks"), flush=True
+    )
+    if found is None:
+        return [] if name in mutants.HARMLESS else [f"not refuted: {name}"]
+    certain = not found.example.invalid and found.conjunct in found.example.broken
+    return [] if certain and name not in mutants.HARMLESS else [f"not as expected: {name}"]
 
 
 def main() -> int:
@@ -42,54 +60,32 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.proof", description=__doc__)
     parser.add_argument("rules", nargs="*", help="only rules with these words in their names")
     parser.add_argument("--cvc5", action="store_true", help="ask cvc5, too")
-    options = parser.parse_args()
-    rules = [name for name in PAIR.rules if not options.rules or any(word in name for word in options.rules)]
-    print(f"{len(PAIR.rules)} rules, {len(PAIR.conjuncts)} conjuncts")
-    wrong = _proved("z3", by_z3, rules)
-    if options.cvc5:
-        wrong += _proved("cvc5", by_cvc5, rules)
-    begun = time.perf_counter()
-    impossible = [
-        rule for rule, possible in zip(rules, _all(is_possible, rules), strict=True) if not possible
-    ]
-    print(
-        f"possible: {len(rules) - len(impossible)} of {len(rules)} rules, {time.perf_counter() - begun:.0f} s"
+    parser.add_argument(
+        "--mutants", action="store_true", help="only refute the kernel without each of its rules"
     )
-    wrong += [f"not possible: {rule}" for rule in impossible]
-    if not options.rules:
-        wrong += _read()
+    options = parser.parse_args()
+
+    def wanted(names: Iterable[str]) -> list[str]:
+        return [name for name in names if not options.rules or any(word in name for word in options.rules)]
+
+    if options.mutants:
+        wrong = _all("refuted", is_needed, wanted(mutants.names()))
+    else:
+        rules = wanted(CASES)
+        print(f"{len(rules)} rules, {len(TEMPLATE)} conjuncts")
+        wrong = _all("proved by z3", by_z3, rules) + _all("possible", is_possible, rules)
+        wrong += _all("proved by cvc5", by_cvc5, rules) if options.cvc5 else []
     print("\n".join(wrong))
     return 1 if wrong else 0
 
 
-def _all(ask: Callable[[str], Any], rules: Iterable[str]) -> Iterable[Any]:
+def _all(what: str, ask: Callable[[str], list[str]], names: list[str]) -> list[Any]:
+    begun = time.perf_counter()
     with get_context("fork").Pool(2) as pool:
-        yield from pool.imap(ask, rules)
-
-
-def _read() -> list[str]:
-    """Read the source; what it does that no rule does."""
-    begun = time.perf_counter()
-    found = [each for case in cases() for each in deviations(case)]
-    wrong = [each for each in found if each]
-    seconds = time.perf_counter() - begun
-    print(f"source: {len(found) - len(wrong)} of {len(found)} ways as ruled, {seconds:.0f} s")
-    return wrong
-
-
-def _proved(solver: str, ask: Callable[[str], list[Obligation]], rules: list[str]) -> list[str]:
-    """Ask a solver of each rule; what it does not prove."""
-    begun = time.perf_counter()
-    found = [each for obligations in _all(ask, rules) for each in obligations]
-    seconds, slowest = sum(each.seconds for each in found), max(found, key=lambda each: each.seconds)
-    proved = sum(each.proved for each in found)
-    print(
-        f"{solver}: {proved} of {len(found)} obligations proved, {time.perf_counter() - begun:.0f} s"
-        f" ({seconds:.0f} s of a core, at most {slowest.seconds:.2f} s: {slowest.rule}, {slowest.conjunct})"
-    )
-    return [
-        f"{solver} does not prove: {each.rule} keeps {each.conjunct}" for each in found if not each.proved
-    ]
+        found = pool.map(ask, names, chunksize=1)
+    right = sum(not each for each in found)
+    print(f"{what}: {right} of {len(names)}, {time.perf_counter() - begun:.0f} s", flush=True)
+    return [each for wrong in found for each in wrong]
 
 
 if __name__ == "__main__":

@@ -10,13 +10,15 @@ from protocol.messages import (
     LARGEST,
     Answer,
     BaseMotion,
+    Binding,
     Claim,
     Clock,
     Command,
+    FirstLine,
     GoalStatus,
+    Grants,
     Handling,
     Health,
-    Letter,
     Member,
     Message,
     Proposal,
@@ -47,7 +49,7 @@ def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
 
 downs = several(st.builds(Standing, ids, counts, vectors))
 members = several(
-    st.builds(Member, ids, counts, st.sampled_from(["live", "gone"]), sizes, positions, sizes, counts)
+    st.builds(Member, ids, counts, st.sampled_from(["live", "gone"]), sizes, positions, sizes)
     | st.builds(Member, ids, counts, st.sampled_from(["appearing", "standing"]), sizes, vectors, sizes)
 )
 rosters = st.none() | st.builds(Roster, counts, members)
@@ -59,7 +61,16 @@ claims = st.none() | st.builds(Claim, ids, sizes, sizes)
 states = st.builds(
     State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, epochs, proposals, answers, claims
 )
-letters = st.builds(Letter, ids, counts, counts, proposals, answers)
+disks = st.integers(-999_999_999, 999_999_999)
+lines = st.tuples(cosines, cosines, numbers)
+bindings = several(
+    st.builds(Binding, counts, disks, st.none() | lines)
+    | st.builds(Binding, counts, disks, st.none() | lines, st.tuples(vectors), sizes, st.booleans())
+)
+grants = st.none() | st.builds(
+    Grants, counts, counts, counts, st.none() | st.tuples(numbers, numbers, sizes), bindings
+)
+firsts = several(st.builds(FirstLine, counts, cosines, cosines, numbers))
 handlings = st.none() | st.builds(Handling, ids, sizes, positions)
 ANY: dict[str, st.SearchStrategy[Any]] = {
     "tick": st.builds(
@@ -67,7 +78,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         ids,
         counts,
         counts,
-        st.none() | several(ids),
+        several(ids),
         epochs,
         senses,
         rosters,
@@ -75,8 +86,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         st.booleans(),
         st.booleans(),
         heard=st.none() | counts,
-        near=st.none() | several(ids),
-        letters=several(letters),
+        grants=grants,
     ),
     "state": states,
     "command": st.builds(
@@ -89,7 +99,9 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         counts,
         several(ids),
         report=st.none() | st.builds(Report, vectors, sizes),
-        letter=st.none() | letters,
+        version=counts,
+        region=counts,
+        firsts=firsts,
         handles=handlings,
         slice=st.none() | sizes,
     ),
@@ -135,9 +147,16 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
 }
 
 _DOWN = (Standing(2, 1, (0.3, 0.4)),)
-_ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0, 1)))
+_ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0)))
+_GRANTS = Grants(
+    5,
+    9,
+    8,
+    (0.5, 0.25, 0.1),
+    (Binding(7, 3, (1.0, 0.0, 0.4)), Binding(6, -2, None, ((0.1, 0.2),), 0.05, True)),
+)
 ONE: dict[str, Message] = {
-    "tick": Tick(1, 2, 3, (1, 3), sense=Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER),
+    "tick": Tick(1, 2, 3, (1, 3), sense=Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER, grants=_GRANTS),
     "state": State(
         1,
         2,

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from protocol.bus.local import LocalNetwork
 from protocol.keys import parse
-from protocol.messages import Command, Vector
+from protocol.messages import Command, FirstLine, Tick, Vector
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from world.world import World
 
@@ -41,12 +42,22 @@ def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> Non
     told = world.open_tick()
     assert not world.coordinator.lives.awaited
     for robot in world.coordinator.active:
-        velocity = (velocities or {}).get(robot, (0.0, 0.0))
-        roster = told[robot].roster
-        kept = 0 if roster is None else roster.version
-        assert world.accept(Command(robot, told[robot].incarnation, world.tick, velocity, roster=kept))
+        assert world.accept(obeying(told[robot], (velocities or {}).get(robot, (0.0, 0.0))))
     assert not world.coordinator.waiting
     world.close_tick()
+
+
+def obeying(told: Tick, velocity: Vector = (0.0, 0.0), *, clear: bool = True, **said: Any) -> Command:
+    """A Command of a robot that obeys all that it was told, also first lines for which it is asked; unless it
+    is not `clear` of what they are for, and says nothing of it."""
+    roster, grants = told.roster, told.grants
+    if grants is not None and clear:
+        asked = [each.number for each in grants.bindings if each.first is None]
+        firsts = tuple(FirstLine(number, 1.0, 0.0, 0.0) for number in asked)
+        region = grants.number if grants.number > grants.life else 0
+        said = {"version": grants.version, "region": region, "firsts": firsts, **said}
+    version = 0 if roster is None else roster.version
+    return Command(told.robot, told.incarnation, told.tick, velocity, roster=version, **said)
 
 
 def toward(world: World, setting: Scenario) -> dict[int, Vector]:

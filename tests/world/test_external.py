@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from protocol.messages import Command, Report
+from agents.bases.base import base_of
+from agents.bases.drive import Drive
+from deploy.library.load import load
+from protocol.messages import Command, Report, Tick
 from protocol.scenario.body import Body
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from protocol.scenario.model import World as Plant
@@ -52,16 +55,40 @@ def test_an_emergency_stop_has_succeeded_once_every_base_had_the_time_to_brake()
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(4)
     assert outside.moving() == frozenset(), "no base has ever been told to move"
-    outside.hear(Command(1, 1, 4, (0.0, 0.0), report=Report((0.05, 0.0), 2e-3)))
+    outside.hear(Command(1, 1, 4, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
     outside.stop(5)
     outside.sense(5)
     assert outside.moving() == {1}, "it may be told to move in the tick that was open"
-    outside.hear(Command(1, 1, 4, (0.0, 0.0)))
+    outside.hear(Command(1, 1, 4, (0.0, 0.0), region=1))
     outside.sense(6)
-    outside.hear(Command(1, 1, 5, (0.0, 0.0), report=Report((0.05, 0.0), 2e-3)))
+    outside.hear(Command(1, 1, 5, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
     braked = 7 + int((body.hold + 0.2 / 0.5) / 0.1)
     for tick in range(6, braked):
         outside.sense(tick)
         assert outside.moving() == {1}
     outside.sense(braked + 1)
     assert outside.moving() == frozenset()
+
+
+def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even if the Command that was heard last is of before it obeyed a region, and all since are lost."""
+    leases: list[float] = []
+    monkeypatch.setattr(Drive, "command", lambda *told: leases.append(told[-1]))
+    scenario = load("turtlebots-2", ["world.plant=external"], 1)
+    robot = scenario.ids[0]
+    base, outside = base_of(scenario, robot), External(scenario)
+    assert base is not None
+    waits = Command(robot, 1, 4, (0.0, 0.0), report=Report(scenario.spec(robot).start, 2e-3))
+    moves = Command(robot, 1, 5, (0.1, 0.0), region=7)
+    for now, command in ((0.4, waits), (0.5, moves)):
+        outside.sense(command.tick)
+        base.begin(Tick(robot, 1, command.tick, scenario.ids, heard=command.tick - 1), now)
+        base.obey(command, now)
+    outside.hear(waits)
+    assert robot in outside.resting()
+    assert leases[-1] < 0.5, "it does not move"
+    outside.hear(moves)
+    base.begin(Tick(robot, 1, 6, scenario.ids, heard=5), 0.6)
+    base.obey(moves, 0.6)
+    assert robot not in outside.resting()
+    assert leases[-1] > 0.6, "it may move"

@@ -7,17 +7,27 @@ import math
 from dataclasses import replace
 from random import Random
 
-import msgspec
 import pytest
 
-from agents.lines.ends import Owner
-from agents.lines.line import Line
-from agents.lines.negotiation.near import OUTSTANDING
+from agents.lines.negotiation import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
+from protocol.kernel.pair import Owner
 from protocol.keys import robot_key, world_key
-from protocol.messages import HIGHEST_ID, AnyMessage, Health, Letter, Proposal, Result, Standing, State
+from protocol.line import Line
+from protocol.messages import (
+    HIGHEST_ID,
+    AnyMessage,
+    Binding,
+    Command,
+    FirstLine,
+    Grants,
+    Health,
+    Result,
+    Standing,
+    State,
+)
 from protocol.scenario.file import validated
 from protocol.scenario.model import (
     Control,
@@ -68,19 +78,31 @@ def crowd() -> Scenario:
     )
 
 
+def bound(ids: tuple[int, ...], robot: int) -> Grants:
+    """What a life of one robot is told that is bound to all others."""
+    listed = [
+        Binding(LIFE + robot + peer, peer, (1.0, 0.0, 0.0 if robot < peer else -0.1))
+        for peer in ids
+        if peer != robot
+    ]
+    return Grants(LIFE, LIFE + 2 * HIGHEST_ID + 2, LIFE + 2 * HIGHEST_ID + 1, None, tuple(listed))
+
+
 def cut_off(place: int) -> SeparatingLines:
     """The lines of one of many after a long partition: all that it owns is unanswered, answers are due."""
-    ledger = SeparatingLines(IDS[place], LIFE, dict.fromkeys(IDS, 0.04), speed=0.1, period=0.05)
-    ledger.locate(LIFE, POINT, 1e-3)
-    for n, pair in enumerate(ledger._pairs.values()):
-        pair.accept(PeerState(pair.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04))
-        pair.answers_left = 3
-        if isinstance(pair.end, Owner):
-            pair.end.number = LIFE
+    lines = SeparatingLines(IDS[place], 0.04, speed=0.1, period=0.05)
+    lines.hear(bound(IDS, IDS[place]), dict.fromkeys(IDS, 0.04))
+    lines.locate(LIFE, POINT, 1e-3)
+    for n, bond in enumerate(lines._lines.values()):
+        bond.hear(PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04), LIFE)
+        bond.answers_left = 3
+        owner = bond.bound.lines
+        if isinstance(owner, Owner):
+            owner.number = owner.seen = LIFE
             for turn in range(OUTSTANDING):
-                pair.end.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn))
-        pair.renew()
-    return ledger
+                owner.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn), True)
+        bond.renew()
+    return lines
 
 
 @pytest.mark.parametrize("place", [0, 1, 250, 500, 750, MOST - 1])
@@ -101,7 +123,7 @@ def test_a_health_message_fits_after_any_partition(place: int) -> None:
     rejected = dict.fromkeys(REASONS, LIFE)
     health = Health(IDS[place], LIFE, LIFE, 0.1, LIFE, LIFE, rejected, heard, lines)
     assert_fits(health, robot_key("r", IDS[place], "health"))
-    assert {line[0] for line in lines} == set(IDS[place + 1 :])
+    assert {line[0] for line in lines} == set(IDS) - {IDS[place]}
 
 
 def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
@@ -110,7 +132,7 @@ def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
     x, y = POINT
     for peer, nx, ny, limit in shown:
         place = peer - IDS[1]
-        slacks = [
+        slacks = [-x] + [
             100.0 + turn - math.cos(place + turn) * x - math.sin(place + turn) * y
             for turn in range(OUTSTANDING)
         ]
@@ -119,30 +141,39 @@ def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
 
 def test_the_newest_proposal_alone_settles_a_pair() -> None:
     """What is not repeated need not be."""
-    owner, follower = ledger(1), ledger(2)
+    owner, follower = lines_of(1), lines_of(2)
     tell(owner, 1, State(2, 1, 0, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0)))
-    pair = owner._pairs[2]
-    assert isinstance(pair.end, Owner)
+    ((_, bond),) = owner._lines.items()
+    assert isinstance(bond.bound.lines, Owner)
     for number in range(OUTSTANDING):
-        pair.end.propose(Line(1.0, 0.0, 0.1 + 0.001 * number))
-    pair.renew()
+        bond.bound.lines.propose(Line(1.0, 0.0, 0.1 + 0.001 * number), True)
+    bond.renew()
     newest = owner.entries((0.0, 0.0))[0][-1]
     tell(follower, 2, State(1, 1, 1, (-0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(newest,)))
     _, answers = follower.entries((0.0, 0.0))
     tell(owner, 1, State(2, 1, 1, (0.5, 0.0), 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(), answers=answers))
-    assert [line.offset for line in pair.end.obeyed] == [newest.offset]
-    assert pair.settled
+    assert [line.offset for line in bond.bound.obeyed] == [newest.offset]
+    assert bond.settled
     assert follower.ready
 
 
-def ledger(robot: int) -> SeparatingLines:
-    made = SeparatingLines(robot, 1, {1: 0.04, 2: 0.04}, speed=0.1, period=0.05)
+def lines_of(robot: int) -> SeparatingLines:
+    made = SeparatingLines(robot, 0.04, speed=0.1, period=0.05)
+    made.hear(bound((1, 2), robot), {1: 0.04, 2: 0.04})
     made.locate(0, (-0.5, 0.0) if robot == 1 else (0.5, 0.0), 0.0)
     return made
 
 
 def tell(listener: SeparatingLines, own: int, state: State) -> None:
     listener.on_state(addressed_to(own, state, 0.04))
+
+
+def test_a_command_with_all_first_lines_fits() -> None:
+    lines = SeparatingLines(IDS[0], 0.04, speed=0.1, period=0.05)
+    for peer in IDS[1:]:
+        lines._firsts[LIFE + peer] = FirstLine(LIFE + peer, *POINT, 0.123456789)
+    said = Command(IDS[0], LIFE, LIFE, POINT, 7, LIFE, (), None, LIFE, LIFE, lines.firsts())
+    assert_fits(said, robot_key("r", IDS[0], "command"))
 
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
@@ -186,10 +217,10 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     assert "at a time" in lives.things.refusal(DISK, [])
     lives.take_away(MOST + MOST_THINGS)
     assert "corners" in lives.things.refusal(ROUNDISH, [])
-    offer = Proposal(IDS[0], LIFE, LIFE, *POINT, 0.123456789)
-    letters = tuple(Letter(peer, LIFE, LIFE, (offer,)) for peer in IDS[1:])
     told = run.world.open_tick()[IDS[0]]
-    assert_fits(msgspec.structs.replace(told, near=IDS[1:], letters=letters), robot_key("r", IDS[0], "tick"))
+    assert told.grants is not None
+    assert len(told.grants.bindings) >= MOST_THINGS
+    assert_fits(told, robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
 
 

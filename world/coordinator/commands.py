@@ -28,7 +28,8 @@ class Commands:
         lacking: robots whose States are missing to one that cannot command, by robot.
         missed: commands that never came, over all active robots and ticks.
         refused: commands that were not taken, by reason: late, early, incarnation (of another
-            life), fenced, inactive, duplicate, unknown.
+            life), fenced, inactive, duplicate, unknown, ledger (it obeys what was never
+            granted).
     """
 
     def __init__(self, lives: Lives, external: bool = False) -> None:
@@ -74,7 +75,7 @@ class Commands:
         self.velocities[command.robot] = command.velocity
         self.handles[command.robot] = command.handles
         self._lives.of[command.robot].heard = self._tick
-        self._lives.acknowledge(command.robot, command.roster)
+        self._lives.acknowledge(command)
         return True
 
     def _heard_late(self, command: Command) -> bool:
@@ -82,7 +83,7 @@ class Commands:
         news = command.tick > life.heard
         if news:
             life.heard = command.tick
-            self._lives.acknowledge(command.robot, command.roster)
+            self._lives.acknowledge(command)
         return news
 
     def _refusal(self, command: Command) -> str:
@@ -97,4 +98,4 @@ class Commands:
             return "late" if command.tick < self._tick else "early"
         if command.robot not in self.waiting:
             return "duplicate" if command.robot in self.velocities else "inactive"
-        return ""
+        return "ledger" if self._lives.keeper.refuses(command) else ""

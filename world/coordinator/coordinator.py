@@ -14,7 +14,6 @@ from mypy_extensions import mypyc_attr
 
 from protocol.messages import (
     Command,
-    Letter,
     Sense,
     Summary,
     Tick,
@@ -22,9 +21,8 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
-from world.coordinator.crowd.forwarding import Forwarding
-from world.coordinator.crowd.interest import Interest
 from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
+from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives
 from world.coordinator.membership import Membership
 from world.coordinator.missions import Missions
@@ -68,7 +66,6 @@ class Coordinator:
         self.membership = Membership(scenario, self.lives, self.missions)
         self.parts = Parts(scenario, self.lives)
         self._interest = Interest(scenario) if scenario.hears_near else None
-        self._forwarding = Forwarding()
         self.schedule = Schedule(scenario)
 
     def noted(self, taken: Input) -> None:
@@ -164,19 +161,11 @@ class Coordinator:
         if self.told is not None:
             self.told = {other: self._without(robot, told) for other, told in self.told.items()}
 
-    def _heard(self, told: Tick) -> tuple[int, ...]:
-        """Whom a robot hears in the open tick, by what it is told."""
-        if told.active is None:
-            assert self._interest is not None
-            return self._interest.near(told.robot)
-        return told.active
-
     def _without(self, robot: int, told: Tick) -> Tick:
         """The same, but for a robot that takes no part any more."""
-        heard = self._heard(told)
-        if robot not in heard:
+        if robot not in told.active:
             return told
-        return msgspec.structs.replace(told, active=tuple([each for each in heard if each != robot]))
+        return msgspec.structs.replace(told, active=tuple([each for each in told.active if each != robot]))
 
     # -- a tick
 
@@ -189,18 +178,19 @@ class Coordinator:
         """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
         lacking, self.commands.lacking = self.commands.lacking, {}
         told = self.told or {}
-        heard_by = Counter(peer for robot in self.active for peer in self._heard(told[robot]))
+        heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
         return blamed(heard_by, self.commands.waiting, lacking)
 
-    def opens(self, places: Mapping[int, Vector], operated: Operated) -> bool:
+    def opens(self, places: Mapping[int, Vector], bounds: Mapping[int, float], operated: Operated) -> bool:
         """Whether the tick begins: the scenario's orders and process faults happen, and nobody is awaited.
 
         Args:
             places: of all disks, m.
+            bounds: by how much these may be off as a run begins, m, where they may.
             operated: who carries out orders.
         """
         if not self.lives.founded and not self.lives.awaited:
-            self.lives.found(places)
+            self.lives.found(places, bounds)
         if not self.lives.founded:
             return False
         note, self.note = self.note, None  # the scenario will ask for the same again
@@ -218,20 +208,32 @@ class Coordinator:
         fenced = [robot for robot in awaited if of[robot].fenced]
         return {robot: told for robot, told in self._tell(self.lives.up).items() if robot in fenced}
 
-    def open(self, sensed: Mapping[int, Sense]) -> dict[int, Tick]:
-        """Begin the tick, with what every robot senses: what is to be told."""
+    def open(
+        self,
+        sensed: Mapping[int, Sense],
+        resting: Mapping[int, Vector],
+        bounds: Mapping[int, float] = MappingProxyType({}),
+    ) -> dict[int, Tick]:
+        """Begin the tick: what is to be told.
+
+        Args:
+            sensed: what every robot senses.
+            resting: robots that do not move until they hear another command, and where they are, m.
+            bounds: by how much that may be off, m, where it may.
+        """
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
+        self.lives.begin(resting, bounds)
         if self._interest is not None:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
-        self.told = self._tell(self.active, sensed, self._forwarding.deliver(), self._interest)
+        self.lives.keeper.advance({} if self._interest is None else self._interest.places)
+        self.told = self._tell(self.active, sensed, self._interest)
         return self.told
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self.commands.accept(command)
         if taken:
-            self._forwarding.send(command)
             if self._interest is not None:
                 self._interest.accept(command)
             self.noted(command)
@@ -274,26 +276,26 @@ class Coordinator:
         self,
         active: tuple[int, ...],
         sensed: Mapping[int, Sense] = MappingProxyType({}),
-        letters: Mapping[int, tuple[Letter, ...]] = MappingProxyType({}),
         interest: Interest | None = None,
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
-        roster_for, goal, since = self.lives.roster_for, self.missions.goal, self.missions.since
-        everybody = frozenset(active)
+        lives, goal, since = self.lives, self.missions.goal, self.missions.since
+        everybody, bound = frozenset(active), self.lives.keeper.bound
         leased = self.scenario.is_external
         return {
             robot: Tick(
                 robot,
                 life.incarnation,
                 self.tick,
-                active if interest is None else interest.heard(robot, life.incarnation, self.tick, everybody),
+                active
+                if interest is None
+                else interest.heard(robot, life.incarnation, self.tick, bound(robot), everybody),
                 sense=sensed.get(robot),
-                roster=roster_for(robot),
+                roster=lives.roster_for(robot),
                 goal=goal(robot) if life.is_new or life.heard < since(robot) else None,
                 halted=self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,
-                near=None if interest is None else interest.tell(robot, life.incarnation, self.tick),
-                letters=letters.get(robot, ()),
+                grants=lives.grants_for(robot),
             )
-            for robot, life in self.lives.listeners()
+            for robot, life in lives.listeners()
         }

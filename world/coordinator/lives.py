@@ -13,9 +13,10 @@ from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import JoinError
-from protocol.geometry import Shape
-from protocol.messages import Member, PartPlace, Standing, Vector
+from protocol.geometry import Disk, Shape
+from protocol.messages import Command, Grants, PartPlace, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
+from world.coordinator.keeper import Keeper
 from world.coordinator.life import Life, Status
 from world.coordinator.roster import Roster
 from world.coordinator.surroundings import Surroundings
@@ -30,7 +31,7 @@ class Lives:
     Args:
         scenario: the run.
         incarnations: newest of every robot in earlier runs, 0 if absent.
-        version: newest of the roster in earlier runs.
+        version: newest of roster and ledger in earlier runs.
         returning: s for which a robot that was fenced may yet come back.
     """
 
@@ -44,6 +45,8 @@ class Lives:
         self._earlier = dict(incarnations)
         self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
         self._roster = Roster(version)
+        self.keeper = Keeper(scenario, version)
+        self._begun: dict[int, int] = {}  # incarnation that has begun in the ledger, by robot
         self.things = Surroundings(scenario)
         self._name = scenario.name
         self._radii = {spec.id: spec.radius for spec in scenario.robots}
@@ -73,28 +76,62 @@ class Lives:
 
     @property
     def version(self) -> int:
-        """Newest version of the roster; a following run counts on from there."""
-        return self._roster.version
+        """Newest version of roster and ledger; a following run counts on from there."""
+        return max(self._roster.version, self.keeper.version)
 
     @property
     def founded(self) -> bool:
         """Whether the first tick has begun: who joins from then on is a newcomer."""
         return self._roster.founded
 
-    def found(self, places: Mapping[int, Vector]) -> None:
-        """The first tick begins with everybody who has joined; `places` is where all disks are, m."""
+    def found(self, places: Mapping[int, Vector], bounds: Mapping[int, float]) -> None:
+        """The first tick begins with all that have joined; disks are within `bounds` of `places`, m."""
         lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
         self._roster.found(lives, places, self._radii)
+        disks = {
+            robot: Disk(*places[robot], radius + bounds.get(robot, 0.0))
+            for robot, radius in sorted(self._radii.items())
+        }
+        self.keeper.found(disks, self.things.standing)
+
+    def begin(self, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> None:
+        """Lives that have joined begin in the ledger, once those before them are over and their disks stand.
+
+        Args:
+            resting: robots that do not move until they hear another command, and where they are, m.
+            bounds: by how much that may be off, m, where it may.
+        """
+        for robot, life in self.of.items():
+            if not life.joined or life.fenced or self._begun.get(robot) == life.incarnation:
+                continue
+            if self.keeper.lives(robot):
+                if robot not in resting:
+                    continue
+                self._stand(robot, resting[robot], bounds.get(robot, 0.0))
+            self.keeper.rejoin(robot)
+            self._begun[robot] = life.incarnation
+
+    def _stand(self, robot: int, position: Vector, bound: float) -> None:
+        """The life of a robot is over in the ledger."""
+        self.keeper.fence(robot, Disk(*position, self._roster.radius(robot) + bound))
+
+    def grants_for(self, robot: int) -> Grants | None:
+        """What the newest life of a robot has to be told of what it obeys."""
+        life = self.of[robot]
+        return self.keeper.news(robot) if self._begun.get(robot) == life.incarnation else None
 
     def announce(self, shape: Shape) -> int:
         """A thing is to appear, once everybody live keeps clear of it; its number."""
         number = self.things.announce(shape)
+        self.keeper.announce(-number, shape)
         self._roster.follow_things(self.things.changes)
         return number
 
     def take_away(self, number: int) -> bool:
         """A thing is gone, or does not appear after all; whether there was one."""
         known = self.things.take_away(number)
+        if known:
+            self.keeper.remove(-number)
         self._roster.follow_things(self.things.changes)
         return known
 
@@ -103,7 +140,7 @@ class Lives:
         self._roster.follow_parts(parts)
 
     def resize(self, robot: int, radius: float) -> None:
-        """The disk of a robot has another radius, m; see `roster`, rule 4."""
+        """The disk of a robot has another radius, m; which it keeps clear of everything."""
         self._roster.resize(robot, radius)
 
     def radius_of(self, robot: int) -> float:
@@ -112,24 +149,22 @@ class Lives:
 
     def settle(self) -> bool:
         """Put up what everybody keeps clear of; whether anything stands now that did not."""
-        if not self.things.appearing or not self._roster.all_keep_clear():
-            return False
-        disks = [
-            (each.position, each.radius + each.bound)
-            for each in self._roster.standing
-            if each.position is not None
-        ]
-        settled = self.things.settle(disks)
+        settled = [number for number in self.things.appearing if self.keeper.appear(-number)]
+        for number in settled:
+            self.things.put_up(number)
         self._roster.follow_things(self.things.changes)
-        return settled
+        return bool(settled)
 
     def roster_for(self, robot: int) -> messages.Roster | None:
-        """What the newest life of `robot` has to be told of the roster; None once it keeps to all of it."""
+        """What the newest life of `robot` has to be told of the roster; None once it has heard it."""
         return self._roster.news(robot)
 
-    def acknowledge(self, robot: int, version: int) -> None:
-        """The newest life of a robot keeps to a version of the roster."""
-        self._roster.acknowledge(robot, self.of[robot].incarnation, version)
+    def acknowledge(self, command: Command) -> None:
+        """Take in what the newest life of a robot has heard, and what it obeys."""
+        robot, life = command.robot, self.of[command.robot]
+        self._roster.acknowledge(robot, life.incarnation, command.roster)
+        if self._begun.get(robot) == life.incarnation:
+            self.keeper.acknowledge(command)
 
     @property
     def awaited(self) -> frozenset[int]:
@@ -164,12 +199,14 @@ class Lives:
         """Another robot's disk is to appear at its start."""
         self._radii[spec.id] = spec.radius
         self._roster.announce(spec.id, spec.radius, spec.start)
+        self.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
 
     def settle_robots(self, tick: int, awaited: Collection[int] = ()) -> list[int]:
         """Robots whose disks appear at the start of `tick`, and stand until their processes join; those
         of the `awaited` must before the run goes on."""
-        settled = self._roster.settle(self._is_free)
+        settled = [robot for robot in self._roster.appearing if self.keeper.appear(robot)]
         for robot in settled:
+            self._roster.put_up(robot)
             known = self.of.get(robot)
             incarnation = known.incarnation if known else self._earlier.get(robot, 0)
             life = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
@@ -181,6 +218,9 @@ class Lives:
     def remove(self, tick: int, robot: int, position: Vector) -> None:
         """A robot is over at the end of `tick`, and its disk is taken away."""
         life = self.of[robot]
+        if self.keeper.lives(robot):
+            self._stand(robot, position, 0.0)
+        self.keeper.remove(robot)
         if self._roster.is_live(robot):
             self._roster.fence(robot, position)
             self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
@@ -191,15 +231,10 @@ class Lives:
         """The process of a robot that was removed knows it."""
         self.of[robot].joined = False
 
-    def _is_free(self, member: Member) -> bool:
-        """Whether no thing stands in the way of a disk."""
-        assert member.position is not None
-        reach = member.radius + member.bound
-        return all(shape.distance(*member.position) >= reach for shape in self.things.standing.values())
-
     def withdraw(self, robot: int) -> None:
         """A disk that was announced does not appear."""
         self._roster.withdraw(robot)
+        self.keeper.remove(robot)
 
     def status_of(self, robot: int) -> str:
         """What the roster says of an id: live, appearing, standing, gone; "" if nothing."""
@@ -261,6 +296,8 @@ class Lives:
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
+            if self.keeper.lives(robot):
+                self._stand(robot, position, bound)
             if self._roster.is_live(robot):
                 self._roster.fence(robot, position, bound)
             self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))

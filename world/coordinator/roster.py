@@ -1,19 +1,12 @@
-"""The roster: every id that ever was in the run, whether its disk may move, will appear, stands or is gone.
+"""The roster: a directory of all robots that ever were in the run, of obstacles that came or went, of parts.
 
-Everything about lives is decided here, and robots only follow its versions, which only grow:
-
-1. Founding lives are those admitted before the first tick; they alone know the initial lines. Whoever is
-   not there by then stands, and its later life is a newcomer.
-2. A disk appears only after every live robot has acknowledged the version that announces its place, and
-   while no disk stands there. To be admitted with that version is no acknowledgement.
-3. A disk is gone only after it was fenced, and taken away.
-4. A disk grows only once its robot keeps the larger one clear of everything; it may shrink at any time.
+It says what is there, for laws, carriers and monitors; its versions only grow. What robots obey the ledger
+says.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 from msgspec.structs import replace
 from mypy_extensions import mypyc_attr
@@ -37,7 +30,8 @@ class Roster:
     def __init__(self, version: int = 0) -> None:
         self.version = version
         self._members: dict[int, Member] = {}
-        self._kept: dict[int, tuple[int, int]] = {}  # life and version that it keeps to, by robot
+        self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
+        self._newest: messages.Roster | None = None
         self._things: tuple[Thing, ...] = ()
         self._parts: tuple[PartPlace, ...] = ()
 
@@ -50,6 +44,11 @@ class Roster:
     def standing(self) -> tuple[Member, ...]:
         """The disks that never move again in their present life."""
         return tuple(each for each in self._members.values() if each.status == "standing")
+
+    @property
+    def appearing(self) -> tuple[int, ...]:
+        """Robots whose disks are announced."""
+        return tuple(each.robot for each in self._members.values() if each.status == "appearing")
 
     @property
     def ids(self) -> int:
@@ -68,7 +67,7 @@ class Roster:
     def found(
         self, lives: Mapping[int, int], places: Mapping[int, Vector], radii: Mapping[int, float]
     ) -> None:
-        """Begin the run (rule 1).
+        """Begin the run: a robot that is not there by then stands.
 
         Args:
             lives: incarnation of every robot that is there.
@@ -78,14 +77,14 @@ class Roster:
         for robot in sorted(radii):
             life = lives.get(robot, 0)
             self._members[robot] = (
-                Member(robot, life, "live", radii[robot], founding=life)
+                Member(robot, life, "live", radii[robot])
                 if life
                 else Member(robot, 0, "standing", radii[robot], places[robot])
             )
         self.version += 1
 
     def admit(self, robot: int, incarnation: int) -> None:
-        """A later life of a robot takes part from now on; it must get a line with everybody before it moves.
+        """A later life of a robot takes part from now on.
 
         Raises:
             RosterError: its disk is not in the workspace, or the life is not a new one.
@@ -105,7 +104,7 @@ class Roster:
         self._put(replace(member, status="standing", position=position, bound=bound))
 
     def announce(self, robot: int, radius: float, position: Vector, bound: float = 0.0) -> None:
-        """A disk is to appear; nothing is there until `settle` says so (rule 2).
+        """A disk is to appear; nothing is there until `put_up` says so.
 
         Raises:
             RosterError: the robot is in the workspace already.
@@ -123,7 +122,7 @@ class Roster:
         self._put(replace(self._members[robot], status="gone", position=None, bound=0.0))
 
     def remove(self, robot: int) -> None:
-        """A standing disk was taken out of the workspace (rule 3).
+        """A standing disk was taken out of the workspace.
 
         Raises:
             RosterError: it was not fenced.
@@ -131,31 +130,16 @@ class Roster:
         member = self._member(robot)
         if member.status != "standing":
             raise RosterError(f"robot {robot} cannot be removed: its disk is {member.status}; fence it first")
-        self._put(replace(member, status="gone", position=None, bound=0.0, founding=0))
+        self._put(replace(member, status="gone", position=None, bound=0.0))
 
     def acknowledge(self, robot: int, incarnation: int, version: int) -> None:
-        """A life keeps to `version` from now on."""
-        life, known = self._kept.get(robot, (0, 0))
-        if (incarnation, version) > (life, known) and version <= self.version:
-            self._kept[robot] = (incarnation, version)
+        """A life has heard a version."""
+        if (incarnation, version) > self._heard.get(robot, (0, 0)) and version <= self.version:
+            self._heard[robot] = (incarnation, version)
 
-    def settle(self, is_free: Callable[[Member], bool] = lambda _: True) -> list[int]:
-        """Robots whose announced disk may be put in its place now (rule 2); they stand from here on.
-
-        Args:
-            is_free: whether nothing but robots is in the way of a disk.
-        """
-        settled = []
-        for member in tuple(self._members.values()):
-            if (
-                member.status == "appearing"
-                and self.all_keep_clear()
-                and is_free(member)
-                and self._is_free(member)
-            ):
-                self._put(replace(member, status="standing"))
-                settled.append(member.robot)
-        return settled
+    def put_up(self, robot: int) -> None:
+        """A disk that was announced is in its place, and stands from here on."""
+        self._put(replace(self._member(robot), status="standing"))
 
     def follow_things(self, things: tuple[Thing, ...]) -> None:
         """Things came, are to come, or went: say so in a new version, once the run is founded."""
@@ -181,29 +165,19 @@ class Roster:
         return self._member(robot).radius
 
     def news(self, robot: int) -> messages.Roster | None:
-        """The roster, if the newest life of `robot` has not acknowledged it."""
+        """The roster, if the newest life of `robot` has not heard it."""
         member = self._members.get(robot)
-        if member is not None and self._kept.get(robot) == (member.incarnation, self.version):
+        if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None
         return self.message
 
     @property
     def message(self) -> messages.Roster:
         """The present version."""
-        members = tuple(self._members[robot] for robot in sorted(self._members))
-        return messages.Roster(self.version, members, self._things, self._parts)
-
-    def all_keep_clear(self) -> bool:
-        """Whether everybody live has acknowledged the present version."""
-        return all(
-            self._kept.get(each.robot) == (each.incarnation, self.version)
-            for each in self._members.values()
-            if each.status == "live"
-        )
-
-    def _is_free(self, member: Member) -> bool:
-        """Whether no standing disk is in the way."""
-        return all(_apart(member, other) for other in self.standing)
+        if self._newest is None or self._newest.version != self.version:
+            members = tuple(self._members[robot] for robot in sorted(self._members))
+            self._newest = messages.Roster(self.version, members, self._things, self._parts)
+        return self._newest
 
     def _member(self, robot: int) -> Member:
         if robot not in self._members:
@@ -213,13 +187,6 @@ class Roster:
     def _put(self, member: Member) -> None:
         self._members[member.robot] = member
         self.version += 1
-
-
-def _apart(one: Member, other: Member) -> bool:
-    if one.position is None or other.position is None:
-        return False
-    contact = one.radius + other.radius + one.bound + other.bound
-    return math.dist(one.position, other.position) >= contact
 
 
 def _names(robots: Iterable[int]) -> str:

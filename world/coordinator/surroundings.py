@@ -1,5 +1,6 @@
 """What stands in the workspace and is no robot: what the scenario lists, and what comes and goes while the
-fleet runs. It comes as a robot's disk does, by the roster's second rule, and goes once it was taken away."""
+fleet runs. It comes as a robot's disk does, once all keep clear of its place, and goes once it was taken
+away."""
 
 from __future__ import annotations
 
@@ -79,21 +80,9 @@ class Surroundings:
         self.appearing.pop(number, None)
         return known
 
-    def settle(self, disks: Iterable[tuple[Vector, float]]) -> bool:
-        """Everybody keeps clear of what is announced: put it up where no disk stands; whether any was.
-
-        Args:
-            disks: centre and radius of those that stand, error bounds included, m.
-        """
-        fixed = list(disks)
-        free = [
-            number
-            for number, shape in self.appearing.items()
-            if all(shape.distance(*centre) >= radius for centre, radius in fixed)
-        ]
-        for number in free:
-            self.standing[number] = self.appearing.pop(number)
-        return bool(free)
+    def put_up(self, number: int) -> None:
+        """What was announced stands."""
+        self.standing[number] = self.appearing.pop(number)
 
 
 def present(listed: Mapping[int, Shape], changes: Iterable[Thing]) -> tuple[Thing, ...]:

@@ -9,7 +9,7 @@ import pytest
 
 from agents.bases.drive import Drive, Lease
 from agents.bases.senses import Senses
-from agents.lines.line import ROUNDING
+from protocol.line import ROUNDING
 from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
 from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet

@@ -14,11 +14,11 @@ from random import Random
 from types import ModuleType
 from typing import Any
 
-from agents.lines.line import HalfPlane
 from agents.lines.polygon import around
 from agents.peers.state import PeerState
 from protocol.bodies.kinematics import turned
-from protocol.messages import BaseMotion, Member, Proposal
+from protocol.line import HalfPlane
+from protocol.messages import BaseMotion, Binding, Grants, Proposal
 from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted
 
@@ -35,7 +35,8 @@ Vector = tuple[float, float]
 _MODULES = (
     "protocol.bodies.kinematics",
     "protocol.bodies.sweep",
-    *(f"agents.lines.{name}" for name in ("line", "own_set", "boundary", "ends", "tangent", "robot_pair")),
+    *(f"protocol.{name}" for name in ("line", "kernel.records", "kernel.pair", "kernel.robot", "region")),
+    *(f"agents.lines.{name}" for name in ("own_set", "boundary", "tangent", "bond", "negotiation")),
     "agents.lines.separating_lines",
     "agents.lines.safe_velocity",
     "agents.bodies",
@@ -107,21 +108,16 @@ class Ride:
 
     def _lines(self) -> Any:
         """Lines with three peers, half a metre away."""
-        starts: dict[int, Vector] = {OWN: (0.0, 0.0)}
-        for peer in PEERS:
+        bindings = []
+        for peer in PEERS:  # which own the lines
             angle = self.rng.uniform(0.0, math.tau)
-            starts[peer] = (0.5 * math.cos(angle), 0.5 * math.sin(angle))
-        members = {peer: Member(peer, 1, "live", self.radius, founding=1) for peer in PEERS}
-        return self.product.lines.SeparatingLines(
-            OWN,
-            1,
-            dict.fromkeys(starts, self.radius),
-            speed=self.speed,
-            period=self.period,
-            reach=self.filter.reach,
-            members=members,
-            starts=starts,
+            normal = (-math.cos(angle), -math.sin(angle))
+            bindings.append(Binding(10 + peer, peer, (*normal, -0.25)))
+        lines = self.product.lines.SeparatingLines(
+            OWN, self.radius, speed=self.speed, period=self.period, reach=self.filter.reach
         )
+        lines.hear(Grants(1, 9, 8, None, tuple(bindings)), dict.fromkeys(PEERS, self.radius))
+        return lines
 
     def tick(self) -> float:
         """Go through a tick; the most by which the body is beyond what it must obey in it, m."""
@@ -157,7 +153,7 @@ class Ride:
         """Everything that is obeyed."""
         away = math.hypot(self.x, self.y) or 1.0
         wall = HalfPlane(self.x / away, self.y / away, self.boundary.radius)
-        return [wall, *(side for pair in self.lines._each for side in pair.half_planes)]
+        return [wall, *(side for bond in self.lines._each for side in bond.half_planes)]
 
     def _said(self, askew: float) -> BaseMotion:
         """What the base says of itself; its direction is off."""
@@ -177,8 +173,9 @@ class Ride:
         if self.filter.swept is not None and rng.random() < 0.7:
             slack += self.filter.swept.extent(nx, ny)
         offset = -(nx * self.x + ny * self.y + slack + self.radius)
-        offer = Proposal(OWN, 1, self.number, -nx, -ny, offset)
-        numbers = (rng.choice(PEERS), 1, self.now, True, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0)
+        peer = rng.choice(PEERS)
+        offer = Proposal(OWN, 10 + peer, self.number, -nx, -ny, offset)
+        numbers = (peer, 1, self.now, True, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0)
         state = PeerState(*numbers, radius=self.radius, proposals=(offer,))
         self.lines.on_state(state)
 
@@ -192,7 +189,7 @@ class Ride:
     def _moved(self, velocity: Vector | None) -> float:
         """Execute a tick."""
         worst = -math.inf
-        sides = [side for pair in self.lines._each for side in pair.half_planes]
+        sides = [side for bond in self.lines._each for side in bond.half_planes]
         for dx, dy in self.base.move(velocity, self.now):
             self.x += dx
             self.y += dy

@@ -6,9 +6,9 @@ import pytest
 
 from agents.bodies import InertialBody, Limits
 from agents.lines.boundary import RoundBoundary
-from agents.lines.line import HalfPlane
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance
+from protocol.line import HalfPlane
 from protocol.messages import BaseMotion
 from protocol.scenario.body import PRESETS, Body
 from world.plants.integrator import STANDING, SimulatedBase

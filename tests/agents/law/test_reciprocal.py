@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from agents.law import View
 from agents.law.additions import AugmentedLaw
 from agents.law.reciprocal import ReciprocalLaw, nearest, reciprocal
-from agents.lines.line import HalfPlane
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.load import load, resolved
 from deploy.library.random_instances import random_instance
 from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
+from protocol.line import HalfPlane
 from protocol.messages import Vector
 from protocol.scenario.model import Control, Link, ProcessFault, RobotSpec, Scenario, Workspace
 from tests.agents.scaling import scaled

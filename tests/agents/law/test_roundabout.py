@@ -27,7 +27,7 @@ from deploy.library.load import resolved
 from deploy.library.swaps import circle
 from deploy.run.local import LocalFleet
 from protocol.messages import Member, Summary, Vector
-from world.coordinator.crowd.interest import runs
+from world.coordinator.interest import runs
 
 RADIUS, PERIOD, AHEAD, BETWEEN = 0.25, 0.5, 20.0, 2
 WAY = (1.0, 0.0)
@@ -71,7 +71,7 @@ def test_near_and_far_the_same_are_met_as_on_straight_ways(place: Vector, veloci
     assume(abs(gap) > 1e-2)
     near = Neighbours({2: RADIUS})
     near.on_state(PeerState(2, 1, BETWEEN, True, *place, 0.0, 0.0, 0.0, *velocity, radius=RADIUS))
-    far = Neighbours({2: RADIUS}, everybody=False)
+    far = Neighbours({2: RADIUS})
     far.picture = _picture({1: (0.0, 0.0), 2: place}, {1: WAY, 2: velocity})
     for known in near, far:
         met = Encounters(1, RADIUS, PERIOD, AHEAD).met(_view(BETWEEN + age, known), WAY)
@@ -93,7 +93,7 @@ def test_who_is_heard_too_counts_once_and_who_stands_does_not() -> None:
 
 
 def test_a_peer_of_one_summary_stands_until_the_next() -> None:
-    known = Neighbours({2: RADIUS}, everybody=False)
+    known = Neighbours({2: RADIUS})
     first = FarPicture(places_of(_said(0, {1: (0.0, 0.0), 2: (3.0, 0.0)})), {1: RADIUS, 2: RADIUS})
     known.picture = first
     encounters = Encounters(1, RADIUS, PERIOD, AHEAD)

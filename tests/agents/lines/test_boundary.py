@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
-from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.polygon import Polygon, around
+from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense
 from tests.interpreted import interpreted
 from world.plants.disturbance import truncated_normal

@@ -50,17 +50,17 @@ def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_se
 
 
 @given(place, place, *[velocity] * 4, seconds, st.floats(0.0, 0.1))
-def test_a_berth_is_left_on_either_side_as_far_as_there_is_any_and_first_to_the_owner(
-    x: float, y: float, vx: float, vy: float, wx: float, wy: float, ahead: float, berth: float
+def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_the_owner(
+    x: float, y: float, vx: float, vy: float, wx: float, wy: float, ahead: float, standoff: float
 ) -> None:
     me, peer = Disk(0.0, 0.0, RADIUS, vx, vy), Disk(x, y, RADIUS, wx, wy)
     gap = math.hypot(x, y) - 2.0 * RADIUS
     assume(gap > 1e-8)
-    line = fit_line(me, peer, ahead=ahead, end=ahead, berth=berth)
+    line = fit_line(me, peer, ahead=ahead, end=ahead, standoff=standoff)
     assert line is not None
     room = 0.98 * gap
-    assert line.gap(0.0, 0.0) >= RADIUS + min(berth, room) - 1e-9
-    assert -line.gap(x, y) >= RADIUS + min(berth, max(0.0, room - berth)) - 1e-9
+    assert line.gap(0.0, 0.0) >= RADIUS + min(standoff, room) - 1e-9
+    assert -line.gap(x, y) >= RADIUS + min(standoff, max(0.0, room - standoff)) - 1e-9
 
 
 def test_behind_one_that_drives_off_the_line_follows_it() -> None:

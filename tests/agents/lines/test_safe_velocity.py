@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.lines.boundary import RoundBoundary, StraightBoundary
-from agents.lines.line import ROUNDING, HalfPlane
 from agents.lines.safe_velocity import safe_velocity, wedge
+from protocol.line import ROUNDING, HalfPlane
 
 PERIOD, SPEED, ROOM = 0.05, 0.1, 0.26
 REACH = PERIOD * SPEED

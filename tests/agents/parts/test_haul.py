@@ -62,18 +62,7 @@ MUTANTS = (
     Mutant(
         "lines-of-the-larger-disk",
         "half-planes are those of the disk that it is",
-        (
-            Edit(
-                "agents.lines.robot_pair",
-                "self.own_radius = own_radius\n        if self.disk",
-                "if self.disk",
-            ),
-        ),
-    ),
-    Mutant(
-        "tangents-of-the-larger-disk",
-        "tangents to things, too",
-        (Edit("agents.lines.things", "tangent.resize(radius)", "pass"),),
+        (Edit("agents.lines.bond", "            self.own_radius = own_radius\n", "            pass\n"),),
     ),
 )
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from agents.peers.roster import KnownRoster, has_ended
-from protocol.messages import Member, Roster
+from protocol.geometry import Disk
+from protocol.messages import Member, Roster, Thing
 
-FIRST = Roster(1, (Member(1, 1, "live", 0.1, founding=1), Member(2, 1, "live", 0.1, founding=1)))
-LATER = Roster(3, (FIRST.members[0], Member(2, 1, "standing", 0.1, (0.5, 0.0), founding=1)))
+FIRST = Roster(1, (Member(1, 1, "live", 0.1), Member(2, 1, "live", 0.1)))
+LATER = Roster(3, (FIRST.members[0], Member(2, 1, "standing", 0.1, (0.5, 0.0))))
 
 
 def test_only_what_a_newer_roster_says_anew_of_others_is_news() -> None:
-    known = KnownRoster(1, 1)
+    known = KnownRoster(1, {})
     assert known.update(FIRST) == [FIRST.members[1]]
     assert known.update(FIRST) == []
     assert known.update(LATER) == [LATER.members[1]]
@@ -20,13 +21,12 @@ def test_only_what_a_newer_roster_says_anew_of_others_is_news() -> None:
     assert known.version == 4
 
 
-def test_only_the_life_that_began_the_run_is_a_founding_one() -> None:
-    first, second = KnownRoster(1, 1), KnownRoster(1, 2)
-    assert not first.founding
-    for known in (first, second):
-        known.update(FIRST)
-    assert first.founding
-    assert not second.founding
+def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> None:
+    listed, came = {1: Disk(0.0, 0.0, 0.1), 2: Disk(1.0, 0.0, 0.1)}, Thing(3, "appearing", ((2.0, 0.0),), 0.2)
+    known = KnownRoster(1, listed)
+    assert known.shapes == list(listed.values())
+    known.update(Roster(2, (), (Thing(1, "gone"), came)))
+    assert known.shapes == [listed[2], came.shape]
 
 
 def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from protocol.crowd.interest import inner, period
+from protocol.crowd.interest import period, slack_of
 from protocol.scenario.model import Network, Scenario
 from tests.benchmarks.links import homes, in_blocks, measure
 from world.close_pairs import close_pairs
@@ -46,7 +46,7 @@ def load(scenario: Scenario, hosts: int) -> Load:
     ids = [spec.id for spec in scenario.robots]
     places = np.array([complex(*spec.start) for spec in scenario.robots])
     radii = np.array([spec.radius for spec in scenario.robots])
-    pairs = np.stack(close_pairs(places, radii, inner(scenario))).T.tolist()
+    pairs = np.stack(close_pairs(places, radii, 2.0 * slack_of(scenario))).T.tolist()
     crossed = {
         (one, at[ids[other]])
         for i, j in pairs

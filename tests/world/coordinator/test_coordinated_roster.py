@@ -1,4 +1,4 @@
-"""The roster: who may be admitted, fenced, announced and removed, and what must be known before."""
+"""The roster: what may follow what, and what each robot is told of it."""
 
 from __future__ import annotations
 
@@ -22,18 +22,9 @@ def status(roster: Roster, robot: int) -> str:
     return next(member.status for member in roster.message.members if member.robot == robot)
 
 
-def all_acknowledge(roster: Roster, *robots: int, life: int = 1) -> None:
-    for robot in robots:
-        roster.acknowledge(robot, life, roster.version)
-
-
 def test_whoever_is_not_there_when_the_run_is_founded_stands_at_its_start():
     members = founded(1, 3).message.members
-    assert [(each.robot, each.status, each.founding) for each in members] == [
-        (1, "live", 1),
-        (2, "standing", 0),
-        (3, "live", 1),
-    ]
+    assert [(each.robot, each.status) for each in members] == [(1, "live"), (2, "standing"), (3, "live")]
     assert members[1].position == PLACES[2]
 
 
@@ -62,49 +53,14 @@ def test_a_roster_is_told_until_the_present_life_has_acknowledged_it():
     assert roster.news(1) == roster.message
 
 
-def test_a_later_life_is_no_founding_one():
-    roster = founded(1, 2, 3)
-    roster.fence(2, (1.5, 0.0))
-    roster.admit(2, 2)
-    member = roster.message.members[1]
-    assert (member.incarnation, member.status, member.founding, member.position) == (2, "live", 1, None)
-
-
-def test_a_disk_appears_only_once_everybody_live_keeps_to_its_place():
+def test_a_disk_that_was_announced_stands_once_it_is_put_up():
     roster = founded(1, 2, 3)
     roster.announce(9, 0.1, HERE)
-    assert roster.settle() == []
-    all_acknowledge(roster, 1, 3)
-    assert roster.settle() == []
-    all_acknowledge(roster, 2)
-    assert roster.settle() == [9]
-    assert status(roster, 9) == "standing"
-    assert roster.settle() == []
+    assert roster.appearing == (9,)
+    roster.put_up(9)
+    assert (roster.appearing, status(roster, 9)) == ((), "standing")
     roster.admit(9, 1)
     assert status(roster, 9) == "live"
-
-
-def test_an_acknowledgement_of_an_earlier_life_or_version_does_not_count():
-    roster = founded(1, 2, 3)
-    all_acknowledge(roster, 1, 2, 3)
-    roster.announce(9, 0.1, HERE)
-    all_acknowledge(roster, 1, 2, 3)
-    roster.admit(2, 2)
-    all_acknowledge(roster, 1, 3)
-    assert roster.settle() == []  # to be admitted with that version is no acknowledgement
-    all_acknowledge(roster, 2, life=2)
-    assert roster.settle() == [9]
-
-
-def test_nothing_appears_where_a_disk_stands_and_who_stands_is_not_asked():
-    roster = founded(1, 2, 3)
-    roster.fence(3, (5.15, 0.0))
-    roster.announce(9, 0.1, HERE)
-    all_acknowledge(roster, 1, 2)
-    assert roster.settle() == []
-    roster.remove(3)
-    all_acknowledge(roster, 1, 2)
-    assert roster.settle() == [9]
 
 
 def test_only_what_stands_can_be_removed_and_it_may_come_back():
@@ -117,7 +73,7 @@ def test_only_what_stands_can_be_removed_and_it_may_come_back():
         roster.admit(2, 2)
     roster.announce(2, 0.3, HERE)
     member = roster.message.members[1]
-    assert (member.status, member.incarnation, member.radius, member.founding) == ("appearing", 1, 0.3, 0)
+    assert (member.status, member.incarnation, member.radius) == ("appearing", 1, 0.3)
     roster.withdraw(2)
     assert status(roster, 2) == "gone"
 

@@ -37,7 +37,7 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     assert world.coordinator.lives.standing == (Standing(2, 1, stood),)
     told = world.open_tick()
     assert told[1].roster == told[2].roster  # it may still listen
-    assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood, founding=1)
+    assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood)
     assert told[1].active == told[2].active == (1,)
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
     advance_to(world, 20)
@@ -254,18 +254,16 @@ def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
         assert (world.coordinator.lives.awaited, told) == ({2}, {})
         world.coordinator.join(2)
         told = world.open_tick()
-    founding = {member.robot: member.founding for member in told[1].roster.members}
-    assert founding == {1: 1, 2: 1}  # the second life of a tick is none of those that begin it
     assert world.coordinator.active == ((1, 2) if event == "restart" else (1,))
 
 
-def test_a_pause_from_the_start_ends_in_the_founding_life():
+def test_a_pause_from_the_start_ends_in_the_first_life():
     faults = (ProcessFault(2, 0.0, "pause"), ProcessFault(2, 2 * STEP, "resume"))
     world = joined(two(process=faults, time=PATIENT))
     advance_to(world, 2)
     told = world.open_tick()
     assert (world.coordinator.active, world.coordinator.lives.incarnations) == ((1, 2), {1: 1, 2: 1})
-    assert told[2].roster.members[1].founding == 1
+    assert told[2].grants.number > told[2].grants.life
 
 
 def test_scheduled_faults_give_the_same_trajectory_again():

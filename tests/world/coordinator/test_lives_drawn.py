@@ -57,7 +57,7 @@ class OneLife:
             lives.announce_robot(SPEC)
             lives.settle_robots(self._tick, [1] if event != name else [])
         elif name == "found":
-            lives.found({1: HERE})
+            lives.found({1: HERE}, {})
         elif name == "join":
             lives.join(1, self._tick)
         elif name == "fence":
@@ -92,7 +92,7 @@ class OneDisk:
             "[*]": [("found", 0), ("found", 1), ("announce", 0)],
             "live": [("fence", 0), ("admit", 0)],
             "standing": [("admit", 0), ("remove", 0)],
-            "appearing": [("settle", 0), ("withdraw", 0)],
+            "appearing": [("put_up", 0), ("withdraw", 0)],
             "gone": [("announce", 0)],
         }[self.state]
 
@@ -104,8 +104,6 @@ class OneDisk:
             roster.announce(1, 0.03, HERE)
         elif name == "admit":
             roster.admit(1, roster.message.members[0].incarnation + 1)
-        elif name == "settle":
-            roster.settle()
         elif name == "fence":
             roster.fence(1, HERE)
         else:

@@ -8,7 +8,7 @@ import pytest
 
 from protocol.messages import Command, Handling, PartPlace, Vector
 from protocol.scenario.model import Operation, Part, RobotSpec, Time, Workspace
-from tests.world.driving import joined, scenario
+from tests.world.driving import joined, obeying, scenario
 from world.world import World
 
 SMALL, LARGE = 0.04, 0.05
@@ -33,15 +33,11 @@ def world() -> World:
 def tick(
     found: World, asks: dict[int, Handling] | None = None, *, kept: bool = True, silent: tuple[int, ...] = ()
 ) -> None:
-    """A tick in which robots ask for something, and keep to the newest roster or to none."""
+    """A tick in which robots ask for something, and keep clear of what is to appear or not."""
     told = found.open_tick()
     for robot in found.coordinator.active:
         if robot not in silent:
-            version = found.coordinator.lives.version if kept else 0
-            life = told[robot].incarnation
-            asked = (asks or {}).get(robot)
-            command = Command(robot, life, found.tick, (0.0, 0.0), roster=version, handles=asked)
-            assert found.accept(command)
+            assert found.accept(obeying(told[robot], clear=kept, handles=(asks or {}).get(robot)))
     found.close_tick()
 
 
@@ -90,6 +86,7 @@ def test_a_part_is_put_down_once_all_keep_clear_and_its_carrier_stays_large_unti
     tick(found, {1: PUT}, kept=False)
     assert (where(found).carrier, radius(found, 1)) == (1, LARGE)
     tick(found, {1: PUT})
+    tick(found, {1: PUT})
     assert (where(found), radius(found, 1)) == (PartPlace(1, 2), SMALL)
     assert not found.coordinator.parts.pending
 
@@ -136,8 +133,8 @@ def test_whoever_is_added_is_with_a_part_the_larger_of_its_own_disk_and_that() -
     larger = RobotSpec(1, 1.5 * LARGE, (0.095, 0.13), (0.3, 0.3))
     guest = RobotSpec(3, SMALL, (0.095, -0.095), (0.3, -0.3))
     assert all(found.operate(Operation(add=spec)).accepted for spec in (larger, guest))
-    tick(found)
-    tick(found)
+    for _ in range(4):
+        tick(found)
     for robot in (1, 3):
         found.coordinator.join(robot)
     tick(found, {1: Handling(1, 1.5 * LARGE)})

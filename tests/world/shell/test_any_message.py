@@ -16,7 +16,7 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Sample
 from protocol.codec import encode
 from protocol.keys import ROBOT_STREAMS
-from protocol.messages import Tick
+from protocol.messages import VERSION, Tick
 from protocol.streams import STREAMS
 from tests.protocol.sample_messages import ANY
 
@@ -104,7 +104,7 @@ def test_a_member_that_stands_nowhere_is_refused() -> None:
     robot, world = fleet().robots[1].node, fleet().world
     assert isinstance(robot, RobotNode)
     roster = [99, [[1, 1, "live", 0.04], [2, 1, "standing", 0.04, None]]]
-    array = ["tick/5", 1, 1, world.world.tick + 1, [1, 2], world._epoch, None, False, roster]
+    array = [f"tick/{VERSION}", 1, 1, world.world.tick + 1, [1, 2], world._epoch, None, False, roster]
     before = robot._rejected["shape"]
     robot.handle(Sample("disknav/local/robot/1/tick", msgspec.msgpack.encode(array)))
     assert robot._rejected["shape"] == before + 1
@@ -120,7 +120,7 @@ def test_a_tick_of_an_earlier_life_does_not_shorten_whom_a_robot_awaits() -> Non
     core.incarnation = 2  # a life of this process began within the tick
     here.world_bus.node = None
     node._commanded = False
-    core.hearing._awaited.begin(core.tick, (1, 2, 3, 4))
+    core.hearing._awaited = {2, 3, 4}
     node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
     assert core.hearing.missing == [2, 3, 4]
     node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 2, core.tick, (1, 2), core.epoch))))

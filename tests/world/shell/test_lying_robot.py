@@ -16,7 +16,7 @@ from agents.robot import Robot
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.codec import decode, encode
-from protocol.errors import MessageError
+from protocol.errors import JoinError, MessageError
 from protocol.messages import (
     HIGHEST_ID,
     LARGEST,
@@ -24,7 +24,7 @@ from protocol.messages import (
     Answer,
     Claim,
     Command,
-    Letter,
+    FirstLine,
     Proposal,
     Sense,
     State,
@@ -105,7 +105,7 @@ def test_whatever_a_state_may_say_stops_nobody_else(law: str) -> None:
     [
         {"slice": LARGEST},
         {"roster": MOST},
-        {"letter": Letter(LIAR, 1, MOST, **lines(UNIT, UNIT, LARGEST))},
+        {"firsts": tuple(FirstLine(number, UNIT, UNIT, LARGEST) for number in (0, 1, 9, MOST))},
     ],
 )
 def test_whatever_a_command_may_say_stops_nobody_else(field: dict[str, Any]) -> None:
@@ -115,6 +115,17 @@ def test_whatever_a_command_may_say_stops_nobody_else(field: dict[str, Any]) -> 
     report = told(LocalFleet(SWAP), turn)
     assert {each["robot"] for each in report["faults"]["given_up"]} <= {LIAR}
     assert set(report["arrived"]) >= {1, 3, 4}, (report["verdict"], report["reason"])
+
+
+@pytest.mark.parametrize("field", ["version", "region"])
+def test_a_command_that_obeys_what_was_never_granted_is_refused(field: str) -> None:
+    def turn(message: Any) -> Any:
+        return msgspec.structs.replace(message, **{field: MOST}) if isinstance(message, Command) else message
+
+    fleet = LocalFleet(SWAP)
+    with pytest.raises(JoinError, match="given up 2 times"):
+        told(fleet, turn)
+    assert fleet.world.world.coordinator.commands.refused["ledger"] > 0
 
 
 @pytest.mark.parametrize(

@@ -8,22 +8,22 @@ from typing import Any
 
 from tests.interpreted import Edit, interpreted
 
+_KERNEL = [
+    "protocol.line",
+    "protocol.crowd.interest",
+    *(f"protocol.kernel.{name}" for name in ("records", "pair", "robot", "ledger")),
+    "protocol.region",
+]
 _LINES = [
     f"agents.lines.{name}"
     for name in (
-        "line",
         "own_set",
         "boundary",
         "placement",
-        "ends",
         "tangent",
-        "robot_pair",
-        "initial_lines",
-        "negotiation.entries",
-        "negotiation.near",
-        "negotiation.far",
+        "bond",
+        "negotiation",
         "separating_lines",
-        "things",
     )
 ]
 _ROBOT = [
@@ -35,13 +35,17 @@ _ROBOT = [
     *("agents.hearing", "agents.robot"),
 ]
 _WORLD = [
-    *(f"world.coordinator.{name}" for name in ("roster", "lives", "commands", "parts", "coordinator")),
+    *(
+        f"world.coordinator.{name}"
+        for name in ("roster", "keeper", "lives", "commands", "parts", "coordinator")
+    ),
     *("world.plants.plant", "world.plants.integrator", "world.simulation", "world.world"),
 ]
-# As if the models' little room were large: lines rest in it until somebody comes near.
+
+# As if the models' little room were large: robots stay in regions that do not fill it.
 LARGE_ROOM = (
-    Edit("agents.lines.separating_lines", "AHEAD: Final = 20.0", "AHEAD: Final = 0.0"),
-    Edit("agents.safety_filter", "urgent=urgent(scenario) if", "urgent=0.02 if"),
+    Edit("protocol.crowd.interest", "_LEAST: Final = 6", "_LEAST: Final = 1"),
+    Edit("protocol.crowd.interest", "_BOUNDS: Final = 3.0", "_BOUNDS: Final = 0.5"),
 )
 
 
@@ -53,13 +57,8 @@ class Product:
     """
 
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
-        names = [*_LINES, *_ROBOT, *_WORLD]
+        names = [*_KERNEL, *_LINES, *_ROBOT, *_WORLD]
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.placement: Any = modules["agents.lines.negotiation.near"]  # where `fit_line` is looked up
-        self.Line: Any = modules["agents.lines.line"].Line
-        self.ROUNDING: float = modules["agents.lines.line"].ROUNDING
-        self.SeparatingLines: Any = modules["agents.lines.separating_lines"].SeparatingLines
-        self.KnownRoster: Any = modules["agents.peers.roster"].KnownRoster
+        self.Line: Any = modules["protocol.line"].Line
         self.Robot: Any = modules["agents.robot"].Robot
-        self.Roster: Any = modules["world.coordinator.roster"].Roster
         self.World: Any = modules["world.world"].World

@@ -1,11 +1,229 @@
-"""Rules of the safety protocol. The models have to find a violation without each (`test_mutants`); without
-others, of lives and rosters, the proof of the product does (`tests/proof`)."""
+"""Rules of safety as the product runs them: the models have to find a violation without each
+(`test_mutants`). Without each rule of the kernel the proof does (`tests/proof`)."""
 
 from __future__ import annotations
 
-from tests.agents.lines.models.mutants.far import AFTERWARDS, FAR
-from tests.agents.lines.models.mutants.itself import ITSELF
-from tests.agents.lines.models.mutants.pair import PAIR
-from tests.agents.lines.models.mutants.surroundings import SURROUNDINGS
+from tests.agents.lines.models.mutants.mutant import Mutant
+from tests.agents.lines.models.product import LARGE_ROOM
+from tests.interpreted import Edit
 
-MUTANTS = (*PAIR, *ITSELF, *SURROUNDINGS, *FAR, *AFTERWARDS)
+_BOND = "agents.lines.bond"
+_BOUNDARY = "agents.lines.boundary"
+_COMMANDS = "world.coordinator.commands"
+_ESTIMATE = "agents.estimate"
+_FILTER = "agents.safety_filter"
+_HEARING = "agents.hearing"
+_KEEPER = "world.coordinator.keeper"
+_LEDGER = "protocol.kernel.ledger"
+_LINES = "agents.lines.separating_lines"
+_LIVES = "world.coordinator.lives"
+_OWN_SET = "agents.lines.own_set"
+_PAIR = "protocol.kernel.pair"
+_PLANT = "world.plants.integrator"
+_ROBOT = "protocol.kernel.robot"
+_ROSTER = "agents.peers.roster"
+_TANGENT = "agents.lines.tangent"
+
+ITSELF = (
+    Mutant(
+        "settled-commands",
+        "lines are taken over only while no command is under way",
+        (Edit(_HEARING, "if self._open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),),
+        first=340,
+    ),
+    Mutant(
+        "own-error-at-lines",
+        "every place where the own centre can be keeps to the lines, not the most likely one",
+        (
+            Edit(
+                _OWN_SET,
+                "return self.bound if self.shape is None else self.shape.extent(nx, ny)",
+                "return 0.0",
+            ),
+        ),
+    ),
+    Mutant(
+        "own-error-at-the-wall",
+        "and to the wall",
+        (
+            Edit(
+                _BOUNDARY,
+                "if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:",
+                "if math.hypot(x + dx, y + dy) + extra <= rim:",
+            ),
+        ),
+    ),
+    Mutant(
+        "actuation-error",
+        "a command leaves room for the stated error of its execution",
+        (Edit("agents.bodies", "noise=self._noise,", "noise=0.0,"),),
+    ),
+    Mutant(
+        "missed-odometry",
+        "a tick whose odometry was missed may have led as far as any",
+        (
+            Edit(_ESTIMATE, "self._widen(self._max_step)", "pass"),
+            Edit(
+                _ESTIMATE,
+                "self._history.append(Move(0.0, 0.0, self._max_step))",
+                "self._history.append(Move(0.0, 0.0, 0.0))",
+            ),
+        ),
+    ),
+    Mutant(
+        "measured-then",
+        "a measurement is of the tick that its stamp names",
+        (Edit(_ESTIMATE, "for back in range(-age, 0):", "for back in ():"),),
+    ),
+    Mutant(
+        "command-of-this-tick",
+        "a command counts only in the tick that it names",
+        (Edit(_COMMANDS, "if command.tick != self._tick or not self._open:", "if not self._open:"),),
+    ),
+    Mutant(
+        "watchdog",
+        "a robot whose command is missing stands still",
+        (
+            Edit(
+                _PLANT,
+                "            velocity = commands.get(robot)\n",
+                "            velocity = self.last[robot] = commands.get(robot, self.last.get(robot))\n",
+            ),
+            Edit(
+                _PLANT,
+                "        self._actuation = Actuation(scenario)\n",
+                "        self._actuation = Actuation(scenario)\n        self.last: dict[int, Vector] = {}\n",
+            ),
+        ),
+    ),
+    Mutant(
+        "fenced-never-moves",
+        "no command of a life is executed after it was announced as standing",
+        (
+            Edit(_COMMANDS, '        if life.fenced:\n            return "fenced"\n', ""),
+            Edit(
+                _LIVES,
+                "            if life.status is Status.UP:\n"
+                "                life.status = Status.LOST\n"
+                "\n"
+                "    def listeners",
+                "\n    def listeners",
+            ),
+            Edit(
+                _ROSTER,
+                'return member.incarnation > incarnation or member.status != "live"',
+                "return member.incarnation > incarnation",
+            ),
+        ),
+    ),
+)
+
+KERNEL = (
+    Mutant(
+        "obey-at-once",
+        "an owner obeys a proposal from the moment when it makes it",
+        (Edit(_PAIR, "return [self.held, *[line for _, line in self.open]]", "return [self.held]"),),
+    ),
+    Mutant(
+        "adopt-satisfied",
+        "a follower adopts only a line that its own body satisfies",
+        (Edit(_PAIR, "        if fits:\n", "        if True:\n"),),
+    ),
+    Mutant(
+        "no-region-no-motion",
+        "a robot moves only once it obeys a region",
+        (Edit(_LINES, "return self.kernel is not None and self.kernel.region is not None", "return True"),),
+    ),
+    Mutant(
+        "tied-or-apart",
+        "a region is granted only once every disk that is there is tied, or apart from it",
+        (
+            Edit(_KEEPER, "                ready = False\n", "                pass\n"),
+            Edit(_LEDGER, 'require(self._geometry.clear(other.held, region), "grant', 'require(True, "grant'),
+            Edit(
+                _LEDGER,
+                "                if begins:\n                    require",
+                "                if False:\n                    require",
+            ),
+        ),
+    ),
+    Mutant(
+        "adopt-inside",
+        "a region is obeyed only once the body is inside",
+        (
+            Edit(_LINES, "CoverGeometry().inside(kernel.body, offered)", "True"),
+            Edit(_ROBOT, "offered is not None and self._geometry.inside(self.body, offered),", "True,"),
+            *LARGE_ROOM,
+        ),
+    ),
+    Mutant(
+        "stay-in-region",
+        "a robot stays in its region",
+        (*LARGE_ROOM, Edit(_FILTER, "        if region is None:\n", "        if True:\n")),
+    ),
+    Mutant(
+        "appear-when-clear",
+        "a disk appears only once everything that is there keeps clear of its place, or is apart from it",
+        (
+            Edit(_KEEPER, "                    clear = False\n", "                    pass\n"),
+            Edit(
+                _LEDGER,
+                'require(self._geometry.apart(other.held, disk.held), "appear',
+                'require(True, "appear',
+            ),
+        ),
+    ),
+    Mutant(
+        "freeze-satisfied",
+        "a first line is one that the own body satisfies",
+        (
+            Edit(_LINES, "if line is None or not kernel.fits(bound, line):", "if line is None:"),
+            Edit(_ROBOT, 'require(self.fits(bound, line), "freeze: the body fits the line")', "pass"),
+            Edit(_ROBOT, 'require(self.fits(bound, line), "turn: the body fits the line")', "pass"),
+        ),
+    ),
+)
+
+SURROUNDINGS = (
+    Mutant(
+        "own-error-at-lines-one-by-one",
+        "every place where the own centre can be keeps clear of what stands",
+        (Edit(_LINES, "found.append(own.kept_in(side.nx, side.ny, side.limit))", "found.append(side)"),),
+    ),
+    Mutant(
+        "own-error-at-straight-walls",
+        "and of straight walls",
+        (Edit(_BOUNDARY, "wall.slack(x, y) - extent - 2.0 * ROUNDING", "wall.slack(x, y)"),),
+    ),
+    Mutant(
+        "nearest-point",
+        "a tangent touches the obstacle itself: one through its middle leaves half of it on the own side",
+        (
+            Edit(_TANGENT, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
+            Edit(_BOND, "return is_beside(place.shape, line, low)", "return True"),
+        ),
+    ),
+)
+
+AFTERWARDS = (
+    Mutant(
+        "say-firsts-again",
+        "a first line is said until the ledger tells it",
+        (
+            Edit(
+                _LINES,
+                "        return tuple(list(self._firsts.values())[:FIRSTS])",
+                "        found, self._firsts = tuple(self._firsts.values()), {}\n        return found",
+            ),
+        ),
+        model="aftermath",
+    ),
+    Mutant(
+        "make-room",
+        "a robot that is asked for a first line and finds no room for it backs off",
+        (Edit(_LINES, "            if place is None or not bond.is_asked:\n", "            if True:\n"),),
+        model="aftermath",
+    ),
+)
+
+MUTANTS = (*KERNEL, *ITSELF, *SURROUNDINGS, *AFTERWARDS)

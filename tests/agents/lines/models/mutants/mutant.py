@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tests.agents.lines.models import walk
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.interpreted import Edit
@@ -19,16 +18,14 @@ class Mutant(NamedTuple):
         rule: its short name.
         says: the rule.
         edits: what reads otherwise without it.
-        saved: False: the coordinator tells what it decided before it writes it down.
-        model: whose random runs find a violation: "walk", "skirmish" or "aftermath".
+        model: whose random runs find a violation: "skirmish" or "aftermath".
         first: the random run to begin with, where it takes many to come to one that shows the mutant.
     """
 
     rule: str
     says: str
     edits: tuple[Edit, ...] = ()
-    saved: bool = True
-    model: str = "walk"
+    model: str = "skirmish"
     first: int = 0
 
 
@@ -44,12 +41,8 @@ def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
     product = Product(mutant.edits)
     begin = mutant.first if first is None else first
     for tried, seed in enumerate(range(begin, begin + runs), 1):
-        if mutant.model == "walk":
-            violation = walk.violation_of(seed, product, mutant.saved)
-        elif mutant.model == "skirmish":
-            violation = skirmish.violation_of(seed, product)
-        else:
-            violation = aftermath.violation_of(seed, product)
+        model = skirmish if mutant.model == "skirmish" else aftermath
+        violation = model.violation_of(seed, product)
         if violation:
             return Found(tried, violation)
     return Found(runs, "")

@@ -59,5 +59,5 @@ class Aftermath(skirmish.Skirmish):
     def standing(self) -> str:
         """Who is not ready to move; "" if everybody is."""
         cores = [process.core for process in self.processes.values()]
-        held = sorted(core.robot for core in cores if core._filter is None or not core._filter.ready)
+        held = sorted(core.robot for core in cores if not core._filter.lines.ready)
         return f"robots {held} stand for ever" if held else ""

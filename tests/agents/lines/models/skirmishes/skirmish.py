@@ -17,8 +17,8 @@ from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Operation, Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import arena
-from tests.agents.lines.models.skirmishes.arena import STEP, Vector
-from tests.agents.lines.models.skirmishes.judge import TOLERANCE, overlap
+from tests.agents.lines.models.skirmishes.arena import Vector
+from tests.agents.lines.models.skirmishes.judge import overlap
 from tests.agents.lines.models.skirmishes.laws import Attack
 
 TICKS = 40
@@ -54,7 +54,6 @@ class Skirmish:
         self.loss = rng.choice((0.0, 0.1, 0.3, 0.6))
         self.delay = rng.choice((0, 0, 1, 4, 15))  # ticks at most
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
-        self.overstep = ""  # who commands to cross what it offers in the same breath
         self.before: list[Vector] = list(self.world.truth.positions)
         self.operator = Random(f"operator {seed}") if self.scenario.things else None
         self.things = self.scenario.shapes  # that stand in this tick
@@ -164,7 +163,7 @@ class Skirmish:
     def violation(self) -> str:
         """What is wrong with where the disks are, or how they came there; "" if nothing."""
         after = list(self.world.truth.positions)
-        return self.overstep or overlap(self.scenario, self.things, self.before, after)
+        return overlap(self.scenario, self.things, self.before, after)
 
     # -- processes
 
@@ -219,26 +218,12 @@ class Skirmish:
             return
         process.opened = False
         command = process.core.command()
-        self.overstep = self.overstep or self._overstep(process.core, command)
         if self.rng.random() >= 0.3 * self.loss:
             self.world.accept(command)
         if self.rng.random() < 0.3:
             self.late.append(command)
         if process.state is not None and self.rng.random() < 0.2:
             self._publish(process.state)  # again
-
-    def _overstep(self, core: Any, command: Command) -> str:
-        """Whether a point's command leads across a line that its letter offers."""
-        letter, position = command.letter, core._estimate.position
-        if letter is None or position is None or self.scenario.body != "point":
-            return ""
-        vx, vy = command.velocity
-        for offer in letter.proposals:
-            line = self.product.Line(offer.nx, offer.ny, offer.offset)
-            slack = line.side(self.scenario.spec(core.robot).radius, True).slack(*position)
-            if STEP * (offer.nx * vx + offer.ny * vy) > max(0.0, slack) + TOLERANCE:
-                return f"robot {core.robot} crosses the line that it offers robot {offer.peer}"
-        return ""
 
     def _publish(self, state: State) -> None:
         for robot in self.scenario.ids:

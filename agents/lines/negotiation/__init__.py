@@ -1,1 +1,0 @@
-"""How lines are proposed and answered: to near peers in States, to far ones in letters."""

@@ -1,0 +1,180 @@
+"""A robot's half of the kernel: what one life obeys.
+
+That is its region, and for each binding that it has taken and that is not over the lines of the pair, or one
+half-plane towards the place where the other stands. Nothing else.
+"""
+
+from __future__ import annotations
+
+from typing import Final, Generic, Protocol
+
+from mypy_extensions import mypyc_attr
+
+from protocol.kernel.pair import Follower, Owner
+from protocol.kernel.records import NO, B, B_contra, L, Listed, R, Told, require
+
+ASKED: Final = 0  # for the first line: nothing is obeyed yet
+LINES: Final = 1  # those of the pair are obeyed
+HALF: Final = 2  # one half-plane is, in their place
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class Bound(Generic[R, L]):
+    """The own end of one binding.
+
+    Attributes:
+        number: of the binding.
+        peer: the disk of the other end.
+        low: whether this is the low end.
+        state: ASKED, LINES or HALF.
+        lines: the protocol's end, once there is a first line.
+        half: half-plane towards where the other end stands.
+        place: where that is, if it stands.
+        static: whether it stands as long as the binding is in force.
+    """
+
+    def __init__(self, listed: Listed[R, L], low: bool) -> None:
+        self.number, self.peer, self.low = listed.number, listed.peer, low
+        self.state = ASKED
+        self.lines: Owner[L] | Follower[L] | None = None
+        self.half: L | None = None
+        self.place, self.static = listed.place, listed.static
+        if listed.first is not None:
+            self.begin(listed.first)
+
+    def begin(self, first: L) -> None:
+        """The first line is known, and obeyed from now on."""
+        self.state, self.lines = LINES, Owner(first) if self.low else Follower(first)
+
+    def turn(self, half: L) -> None:
+        """Obey one half-plane from now on."""
+        self.state, self.half = HALF, half
+
+    @property
+    def obeyed(self) -> list[L]:
+        """All lines to obey."""
+        if self.state == HALF and self.half is not None:
+            return [self.half]
+        return [] if self.lines is None else self.lines.obeyed()
+
+
+class RobotGeometry(Protocol[R, L, B_contra]):
+    """What a robot has to know of its body."""
+
+    def inside(self, body: B_contra, region: R) -> bool:
+        """Whether a body is in a region."""
+
+    def fits(self, body: B_contra, line: L, low: bool) -> bool:
+        """Whether a body is on one side of a line."""
+
+    def behind(self, place: R, line: L, low: bool) -> bool:
+        """Whether a place is on one side of a line."""
+
+    def keeps(self, body: B_contra, bound: Bound[R, L]) -> bool:
+        """Whether a body is on the own side of everything that is obeyed of a binding."""
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class Robot(Generic[R, L, B]):
+    """What one life of a robot obeys.
+
+    Args:
+        name: own id.
+        life: own life.
+        body: what it covers as it begins.
+        geometry: of bodies.
+
+    Attributes:
+        version: newest version of the ledger that was taken in.
+        number, region: of the region that is obeyed; NO and None before the first.
+        offered_number, offered: newest region that was granted.
+        body: all that it covers now and until no command has any effect, with a part that it carries or
+            reaches for.
+        own: the same without that part.
+        part: the disk of the part that it reaches for or puts down, or NO.
+        bound: own ends, by number of the binding.
+    """
+
+    def __init__(self, name: int, life: int, body: B, geometry: RobotGeometry[R, L, B]) -> None:
+        self.name, self.life = name, life
+        self.body, self.own, self.part = body, body, NO
+        self.version = self.number = self.offered_number = NO
+        self.region: R | None = None
+        self.offered: R | None = None
+        self.bound: dict[int, Bound[R, L]] = {}
+        self._geometry = geometry
+
+    def body_towards(self, bound: Bound[R, L]) -> B:
+        """What keeps off the other end."""
+        return self.own if bound.peer == self.part else self.body
+
+    def fits(self, bound: Bound[R, L], line: L) -> bool:
+        """Whether the body is on the own side of a line, now and until no command has any effect."""
+        return self._geometry.fits(self.body_towards(bound), line, bound.low)
+
+    def hear(self, told: Told[R, L]) -> None:
+        """Take in a Tick. What has begun by its version and is not listed is over; all that is listed is
+        taken before its region."""
+        require(told.life == self.life, "hear: it is told to this life")
+        require(told.version > self.version, "hear: it is newer than any before")
+        known, self.bound = self.bound, {}
+        for listed in told.bindings:
+            bound = known.get(listed.number)
+            if bound is None:
+                bound = Bound(listed, self.name < listed.peer)
+            else:
+                bound.place, bound.static = listed.place, listed.static
+            self.bound[listed.number] = bound
+        self.version = told.version
+        self.offered_number, self.offered = told.number, told.region
+
+    def freeze(self, bound: Bound[R, L], line: L) -> None:
+        """The end was asked for a first line: obey this one from now on, and say so."""
+        require(bound.state == ASKED, "freeze: there is no first line")
+        require(bound.place is not None, "freeze: the other end stands")
+        require(self.fits(bound, line), "freeze: the body fits the line")
+        require(self._behind(bound, line), "freeze: the place is behind the line")
+        bound.begin(line)
+
+    def turn(self, bound: Bound[R, L], line: L) -> None:
+        """Keep off the place where the other end stands by one half-plane, in place of all obeyed before."""
+        require(bound.state != ASKED, "turn: a first line is obeyed")
+        require(bound.static, "turn: the other end stands for good")
+        require(self.fits(bound, line), "turn: the body fits the line")
+        require(self._behind(bound, line), "turn: the place is behind the line")
+        bound.turn(line)
+
+    def _behind(self, bound: Bound[R, L], line: L) -> bool:
+        return bound.place is not None and self._geometry.behind(bound.place, line, not bound.low)
+
+    def adopt(self) -> None:
+        """Obey the newest region that was granted, once the body is inside."""
+        offered = self.offered
+        require(self.offered_number > self.life, "adopt region: it was granted to this life")
+        require(self.offered_number > self.number, "adopt region: it is newer than the one obeyed")
+        require(
+            offered is not None and self._geometry.inside(self.body, offered),
+            "adopt region: the body is inside",
+        )
+        self.number, self.region = self.offered_number, offered
+
+    def locate(self, body: B, own: B) -> None:
+        """It is certain where the body is, and what the last command still leads to: no more than `command`
+        said."""
+        self.body, self.own = body, own
+
+    def command(self, body: B, own: B, part: int = NO) -> None:
+        """Command a motion, or to be another disk.
+
+        Args:
+            body: all that is covered now and until no command has any effect.
+            own: the same without the part that the robot carries or reaches for.
+            part: the disk of a part that it reaches for or puts down: the own body alone keeps off that.
+        """
+        region = self.region
+        require(region is not None, "command: a region was adopted")
+        require(region is not None and self._geometry.inside(body, region), "command: it stays in the region")
+        for bound in self.bound.values():
+            covered = own if bound.peer == part else body
+            require(self._geometry.keeps(covered, bound), "command: it keeps to what is obeyed")
+        self.body, self.own, self.part = body, own, part

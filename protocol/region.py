@@ -1,0 +1,187 @@
+"""Regions in which disks stay, places where they stand, and lines between them: the kernel's geometry.
+
+Rounding never says that two are apart, or that one is beside a line, if they are not: of the `ROUNDING` by
+which robots keep off their half-planes, twice, a line may lose `SURE` at either side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final, final
+
+import numpy as np
+from mypy_extensions import mypyc_attr
+from numpy.typing import NDArray
+
+from protocol.geometry import Disk, Shape
+from protocol.kernel.records import GONE, Held
+from protocol.kernel.records import Disk as Disk_
+from protocol.line import ROUNDING, SURE, Line
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Region:
+    """A closed convex set that holds a whole disk. Immutable.
+
+    Args:
+        shape: the set.
+        obstacle: whether it is where an obstacle stands: two of these may overlap.
+    """
+
+    __slots__ = ("obstacle", "shape")
+
+    def __init__(self, shape: Shape, obstacle: bool = False) -> None:
+        self.shape, self.obstacle = shape, obstacle
+
+    @property
+    def is_everywhere(self) -> bool:
+        """Whether it is the whole plane."""
+        return math.isinf(self.shape.around.radius)
+
+
+EVERYWHERE: Final = Region(Disk(0.0, 0.0, math.inf))
+
+
+def distance(one: Shape, other: Shape) -> float:
+    """Gap between two shapes, at least one of them a disk, m; negative if they overlap."""
+    if isinstance(other, Disk):
+        if math.isinf(one.around.radius) or math.isinf(other.radius):
+            return -math.inf
+        return one.distance(other.x, other.y) - other.radius
+    if isinstance(one, Disk):
+        return distance(other, one)
+    return _gap(one.around, other.around)
+
+
+def _gap(one: Disk, other: Disk) -> float:
+    return math.hypot(one.x - other.x, one.y - other.y) - one.radius - other.radius
+
+
+def support(shape: Shape, nx: float, ny: float) -> float:
+    """The largest n.p of a shape, m."""
+    if isinstance(shape, Disk):
+        return nx * shape.x + ny * shape.y + shape.radius
+    return -shape.limit(-nx, -ny, 0.0)
+
+
+def is_beside(shape: Shape, line: Line, low: bool) -> bool:
+    """Whether all of a shape is on one side of a line, up to rounding."""
+    if low:
+        return support(shape, line.nx, line.ny) <= line.offset + SURE
+    return support(shape, -line.nx, -line.ny) <= -line.offset + SURE
+
+
+def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
+    """A line in the middle of the gap between two sets of shapes; None if no direction tried shows one."""
+    ours, theirs = list(low), list(high)
+    best, found = 2.0 * SURE, None
+    for one in ours:
+        for other in theirs:
+            nx, ny = _direction(one, other)
+            if nx == ny == 0.0:
+                continue
+            edge = max([support(each, nx, ny) for each in ours])
+            gap = -max([support(each, -nx, -ny) for each in theirs]) - edge
+            if gap > best:
+                best, found = gap, Line(nx, ny, edge + 0.5 * gap)
+    return found
+
+
+def _direction(one: Shape, other: Shape) -> tuple[float, float]:
+    """From the one to the other, a unit vector; (0, 0) if there is none."""
+    (ax, ay), (bx, by) = _centre(one), _centre(other)
+    if not isinstance(other, Disk):
+        bx, by = other.nearest(ax, ay)
+    if not isinstance(one, Disk):
+        ax, ay = one.nearest(bx, by)
+    dx, dy = bx - ax, by - ay
+    length = math.hypot(dx, dy)
+    return (0.0, 0.0) if length == 0.0 or math.isinf(length) else (dx / length, dy / length)
+
+
+def _centre(shape: Shape) -> tuple[float, float]:
+    return shape.around.x, shape.around.y
+
+
+def _of(around: Disk) -> tuple[float, float, float]:
+    return around.x, around.y, around.radius
+
+
+def _circle(held: Held[Region]) -> tuple[float, float, float]:
+    """A disk around all that is held: its centre and radius, m."""
+    x, y, radius = _of(held.regions[-1][1].shape.around)
+    for _, region in held.regions[:-1]:
+        each = region.shape.around
+        radius = max(radius, math.hypot(each.x - x, each.y - y) + each.radius)
+    return x, y, radius
+
+
+@final
+class RegionGeometry:
+    """Implements `protocol.kernel.records.LedgerGeometry`, with a disk around all that each disk holds, in
+    the order in which they came."""
+
+    def __init__(self) -> None:
+        self._names: list[int] = []
+        self._rows: dict[int, int] = {}
+        self._around: NDArray[np.float64] = np.full((3, 16), -np.inf)  # x, y, radius, m
+
+    def note(self, disk: Disk_[Region]) -> None:
+        """What a disk holds, or whether it is there, has changed."""
+        row = self._rows.get(disk.name)
+        if row is None:
+            row = self._rows[disk.name] = len(self._names)
+            self._names.append(disk.name)
+            if row == self._around.shape[1]:
+                self._around = np.concatenate((self._around, np.full_like(self._around, -np.inf)), axis=1)
+        self._around[:, row] = (0.0, 0.0, -math.inf) if disk.phase == GONE else _circle(disk.held)
+
+    def around(self, disk: Disk_[Region], region: Region) -> list[int]:
+        """Names of all disks, but for those that are gone or hold nothing that meets the region, or what the
+        disk holds."""
+        found = self._meeting(*_circle(disk.held)) | self._meeting(*_of(region.shape.around))
+        return [self._names[row] for row in np.flatnonzero(found).tolist()]
+
+    def _meeting(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
+        """Which disks may hold anything that meets a disk, m."""
+        xs, ys, radii = self._around[:, : len(self._names)]
+        with np.errstate(invalid="ignore"):  # of infinite ones that are gone
+            found: NDArray[np.bool_] = np.hypot(xs - x, ys - y) <= radii + (radius + ROUNDING)
+        return found
+
+    def apart(self, one: Held[Region], other: Held[Region]) -> bool:
+        """Whether no region that the one holds meets one that the other holds."""
+        for _, region in other.regions:  # noqa: SIM110  # mypyc compiles loops, not generators
+            if not self.clear(one, region):
+                return False
+        return True
+
+    def clear(self, held: Held[Region], region: Region) -> bool:
+        """Whether no region held meets this one."""
+        for _, each in held.regions:
+            both = each.obstacle and region.obstacle
+            if not both and not distance(each.shape, region.shape) >= SURE:
+                return False
+        return True
+
+    def beside(self, held: Held[Region], line: Line, low: bool) -> bool:
+        """Whether all regions held are on one side of a line."""
+        for _, each in held.regions:  # noqa: SIM110
+            if not is_beside(each.shape, line, low):
+                return False
+        return True
+
+    def within(self, place: Region, held: Held[Region]) -> bool:
+        """Whether a place is in a region that is held."""
+        around = place.shape.around
+        for _, each in held.regions:
+            outer = each.shape
+            if each.is_everywhere:
+                return True
+            if isinstance(outer, Disk):
+                off = math.hypot(around.x - outer.x, around.y - outer.y)
+                if off + around.radius <= outer.radius:
+                    return True
+        return False

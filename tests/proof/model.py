@@ -1,0 +1,335 @@
+"""Two disks, all that the kernel keeps of them, and the invariant that their rules preserve.
+
+The disks are A, the lower id, and B. Their pair has two bindings, `L` (living) and `S` (static); one that is
+over binds nothing. A state is a flat record of numbers and truths that the solver chooses:
+
+- `v`, version of the ledger;
+- of a disk X its phase, life, still, acked and granted, and any acknowledgement under way (`said`);
+- of the process of its present life the version taken in, the newest region offered, the region obeyed,
+  its body, the own one without a part, and whether the other disk is that part (`reach`);
+- of a binding whether it is in force (`on`), its number, told, asked (0, 1 for A, 2 for B), whether a first
+  line is under way (`frozen`), and two answers;
+- of each of its ends the life, dead, the version taken in if that life is over, and what its process keeps:
+  has, state, half, static, and of the protocol number, seen, held (A, the owner), seen and held (B).
+
+A region is known by its number, the line of a binding by its own; what has no number yet is the object that
+will have it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+import z3
+
+BODY, LINE = z3.DeclareSort("Body"), z3.DeclareSort("Line")
+INT, BOOL = z3.IntSort(), z3.BoolSort()
+
+APART = z3.Function("apart", INT, INT, BOOL)  # regions of A and of B
+INSIDE = {x: z3.Function(f"inside{x}", BODY, INT, BOOL) for x in "AB"}
+BESIDE = {x: z3.Function(f"beside{x}", INT, LINE, BOOL) for x in "AB"}  # a region, on the side of X
+FITS = {x: z3.Function(f"fits{x}", BODY, LINE, BOOL) for x in "AB"}
+DISJOINT = z3.Function("disjoint", BODY, BODY, BOOL)
+LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its own
+
+OTHER = {"A": "B", "B": "A"}
+CODE = {"A": 1, "B": 2}
+GONE, ANNOUNCED, PRESENT = 0, 1, 2
+ASKED, LINES, HALF = 0, 1, 2
+
+State = Mapping[str, z3.ExprRef]
+
+FIELDS: dict[str, z3.SortRef] = {"v": INT}
+for _x in "AB":
+    FIELDS |= {
+        f"{_x}.{f}": INT for f in ("phase", "life", "acked", "granted", "taken", "offered", "obeyed", "said")
+    }
+    FIELDS |= {f"{_x}.still": BOOL, f"{_x}.reach": BOOL, f"{_x}.body": BODY, f"{_x}.own": BODY}
+for _b in "LS":
+    FIELDS |= {f"{_b}.on": BOOL} | {
+        f"{_b}.{f}": INT for f in ("number", "told", "asked", "h", "s", "h2", "s2")
+    }
+    for _x in "AB":
+        FIELDS |= {f"{_b}.{_x}.{f}": INT for f in ("life", "dead", "state", "seen", "held")}
+        FIELDS |= {f"{_b}.{_x}.{f}": BOOL for f in ("has", "static")} | {f"{_b}.{_x}.half": LINE}
+        FIELDS[f"{_b}.{_x}.taken"] = INT
+    FIELDS |= {f"{_b}.A.number": INT, f"{_b}.frozen": BOOL}
+
+
+def fresh(tag: str) -> dict[str, z3.ExprRef]:
+    """Any state."""
+    return {name: z3.Const(f"{name}{tag}", sort) for name, sort in FIELDS.items()}
+
+
+def towards(s: State, x: str) -> z3.ExprRef:
+    """What X covers towards the other disk by its rules."""
+    return z3.If(s[f"{x}.reach"], s[f"{x}.own"], s[f"{x}.body"])
+
+
+def real(s: State, x: str) -> z3.ExprRef:
+    """What X covers: a part that is there is not carried yet."""
+    other_is_there = s[f"{OTHER[x]}.phase"] == PRESENT
+    return z3.If(z3.And(s[f"{x}.reach"], other_is_there), s[f"{x}.own"], s[f"{x}.body"])
+
+
+def ends(s: State, b: str) -> dict[str, z3.ExprRef]:
+    """The protocol's numbers, of an end that has not been taken as if it had been."""
+    has = {x: z3.And(s[f"{b}.{x}.has"], s[f"{b}.{x}.state"] != ASKED) for x in "AB"}
+    return {
+        "number": z3.If(has["A"], s[f"{b}.A.number"], 0),
+        "seen": z3.If(has["A"], s[f"{b}.A.seen"], 0),
+        "held": z3.If(has["A"], s[f"{b}.A.held"], 0),
+        "answered": z3.If(has["B"], s[f"{b}.B.seen"], 0),
+        "adopted": z3.If(has["B"], s[f"{b}.B.held"], 0),
+    }
+
+
+def owner_obeys(s: State, b: str, k: z3.ArithRef) -> z3.BoolRef:
+    """Whether the owner obeys the line of number k, if it obeys lines at all."""
+    e = ends(s, b)
+    return z3.Or(k == e["held"], z3.And(e["seen"] < k, k <= e["number"]))
+
+
+def obeys(s: State, b: str, x: str, k: z3.ArithRef) -> z3.BoolRef:
+    """The same of either end."""
+    return owner_obeys(s, b, k) if x == "A" else k == ends(s, b)["adopted"]
+
+
+def counts(s: State, b: str) -> z3.BoolRef:
+    """Whether a binding is in force and its first line told."""
+    return z3.And(s[f"{b}.on"], s[f"{b}.told"] != 0)
+
+
+def holds(s: State, x: str, r: z3.ArithRef) -> z3.BoolRef:
+    """Whether disk X holds the region of number r."""
+    return z3.And(s[f"{x}.acked"] <= r, r <= s[f"{x}.granted"])
+
+
+def safe(s: State) -> z3.BoolRef:
+    """The claim: two present disks are disjoint."""
+    there = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
+    return z3.Implies(there, DISJOINT(real(s, "A"), real(s, "B")))
+
+
+def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dict[str, z3.BoolRef]:
+    """Every conjunct, for two regions and one number of a line."""
+    r = {"A": ra, "B": rb}
+    v = s["v"]
+    found: dict[str, z3.BoolRef] = {}
+    both = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
+    both_still = z3.And(s["A.still"], s["B.still"])
+
+    # "Of any two present disks, all that they hold is apart, or a binding of the two counts, or both stand."
+    found["regions apart, or bound"] = z3.Implies(
+        z3.And(both, z3.Not(both_still), holds(s, "A", ra), holds(s, "B", rb)),
+        z3.Or(APART(ra, rb), counts(s, "L"), counts(s, "S")),
+    )
+    found["two that stand are disjoint"] = z3.Implies(z3.And(both, both_still), safe(s))
+
+    for x in "AB":
+        y = OTHER[x]
+        phase, life, still = s[f"{x}.phase"], s[f"{x}.life"], s[f"{x}.still"]
+        acked, granted = s[f"{x}.acked"], s[f"{x}.granted"]
+        taken, obeyed = s[f"{x}.taken"], s[f"{x}.obeyed"]
+        found[f"{x}: numbers"] = z3.And(
+            acked > 0, acked <= granted, granted <= v, life >= 0, life <= v, taken >= 0, taken <= v,
+            z3.Or(phase == GONE, phase == ANNOUNCED, phase == PRESENT),
+        )  # fmt: skip
+        # "A disk without a life stands."
+        found[f"{x}: no life stands"] = z3.And(
+            z3.Implies(phase != PRESENT, life == 0), z3.Implies(life == 0, still)
+        )
+        # "All that a disk holds that stands is its place."
+        found[f"{x}: still holds a place"] = z3.Implies(
+            still, z3.And(acked == granted, z3.Or(life == 0, granted < life))
+        )
+        found[f"{x}: moving has a region"] = z3.Implies(z3.Not(still), life < granted)
+        # "A present disk lies in something that it holds."
+        found[f"{x}: in what it holds"] = z3.Implies(
+            phase != GONE,
+            z3.If(
+                z3.And(z3.Not(still), obeyed != 0),
+                z3.And(acked <= obeyed, obeyed <= granted, life < obeyed, INSIDE[x](s[f"{x}.body"], obeyed)),
+                z3.And(INSIDE[x](s[f"{x}.body"], acked), z3.Or(life == 0, acked < life)),
+            ),
+        )
+        found[f"{x}: stands before its first region"] = z3.Implies(
+            z3.And(life != 0, still), z3.And(obeyed == 0, z3.Not(s[f"{x}.reach"]))
+        )
+        found[f"{x}: region from a Tick"] = z3.And(
+            obeyed >= 0, obeyed <= taken, z3.Implies(life == 0, z3.Not(s[f"{x}.reach"])),
+            z3.Implies(life != 0, z3.And(s[f"{x}.offered"] <= taken, s[f"{x}.offered"] <= granted)),
+        )  # fmt: skip
+        # "Only a region that the present life has obeyed is acknowledged, or one of an earlier life."
+        said = s[f"{x}.said"]
+        found[f"{x}: acknowledgement"] = z3.Or(
+            said < acked, z3.And(life != 0, z3.Not(still), life < said, said <= obeyed)
+        )
+        found[f"{x}: of this life"] = z3.Or(life == 0, taken == 0, life <= taken)
+
+        for b in "LS":
+            on, told, asked, number = s[f"{b}.on"], s[f"{b}.told"], s[f"{b}.asked"], s[f"{b}.number"]
+            own_life, dead = s[f"{b}.{x}.life"], s[f"{b}.{x}.dead"]
+            has, state = s[f"{b}.{x}.has"], s[f"{b}.{x}.state"]
+            first = LINE_OF(number, 0)
+            newest = z3.If(dead == 0, taken, s[f"{b}.{x}.taken"])  # version that this life has taken in
+            if b == "L":
+                ends_alive = z3.And(own_life == life, life != 0, dead == 0)
+            else:
+                ends_alive = z3.If(
+                    dead == 0,
+                    z3.And(own_life == life, life != 0, s[f"S.{y}.dead"] != 0),
+                    z3.And(still, s[f"S.{y}.dead"] == 0, z3.Or(life == 0, dead < life)),
+                )
+            found[f"{b}.{x}: lives"] = z3.Implies(on, z3.And(phase != GONE, ends_alive))
+            found[f"{b}.{x}: end"] = z3.Implies(
+                on, z3.And(own_life >= 0, own_life < number, z3.Or(dead == 0, number <= dead), dead <= v,
+                           state >= ASKED, state <= HALF, z3.Implies(own_life == 0, z3.Not(has)))
+            )  # fmt: skip
+            # "An end that is asked has a life, and the other stands until the first line is told."
+            found[f"{b}.{x}: asked"] = z3.Implies(
+                z3.And(on, asked == CODE[x]),
+                z3.And(
+                    z3.Implies(told == 0, z3.And(s[f"{y}.still"], dead == 0)),
+                    z3.Implies(told != 0, z3.And(has, state != ASKED)),
+                ),
+            )
+            # "A life that has taken in a version that tells a binding has taken the binding."
+            found[f"{b}.{x}: taken with its version"] = z3.Implies(
+                z3.And(on, dead == 0, told != 0, told <= taken), z3.And(has, state != ASKED)
+            )
+            found[f"{b}.{x}: taken from a Tick"] = z3.Implies(
+                z3.And(on, has),
+                z3.And(
+                    number <= newest,
+                    z3.Or(asked == CODE[x], z3.And(told != 0, told <= newest)),
+                    z3.Implies(state == ASKED, asked == CODE[x]),
+                ),
+            )
+            # "All that a disk held when the first line was told is beside it, but of the one that was asked."
+            found[f"{b}.{x}: beside the first line"] = z3.Implies(
+                z3.And(on, told != 0, dead == 0, asked != CODE[x], holds(s, x, r[x]), r[x] < told),
+                BESIDE[x](r[x], first),
+            )
+            # "A body fits all lines that it obeys, and the first one before it knows of it."
+            found[f"{b}.{x}: fits its lines"] = z3.Implies(
+                z3.And(
+                    on,
+                    z3.Or(told != 0, z3.And(has, state == LINES)),
+                    z3.Not(z3.And(has, state == HALF)),
+                    obeys(s, b, x, k),
+                ),
+                FITS[x](towards(s, x), LINE_OF(number, k)),
+            )
+            found[f"{b}.{x}: first line said"] = z3.Implies(
+                z3.And(on, s[f"{b}.frozen"], asked == CODE[x]), z3.And(has, state != ASKED)
+            )
+            found[f"{b}.{x}: frozen"] = z3.Implies(
+                z3.And(on, told == 0, has, state != ASKED), BESIDE[y](s[f"{y}.acked"], first)
+            )
+            # "A half-plane is obeyed only towards what stands."
+            found[f"{b}.{x}: half-plane"] = z3.Implies(
+                z3.And(on, has, state == HALF),
+                z3.And(
+                    s[f"{b}.{x}.static"],
+                    FITS[x](towards(s, x), s[f"{b}.{x}.half"]),
+                    BESIDE[y](s[f"{y}.acked"], s[f"{b}.{x}.half"]),
+                ),
+            )
+            found[f"{b}.{x}: static"] = z3.Implies(
+                z3.And(on, has, s[f"{b}.{x}.static"]),
+                z3.And(s[f"{b}.{y}.dead"] != 0, s[f"{b}.{y}.dead"] <= newest),
+            )
+
+    for b in "LS":
+        on, told, asked, number = s[f"{b}.on"], s[f"{b}.told"], s[f"{b}.asked"], s[f"{b}.number"]
+        e = ends(s, b)
+        found[f"{b}: numbers"] = z3.Implies(
+            on,
+            z3.And(number > 0, number <= v, z3.Or(told == 0, z3.And(number <= told, told <= v)),
+                   asked >= 0, asked <= 2, z3.Implies(asked == 0, told == number)),
+        )  # fmt: skip
+        # "Whichever line the follower obeys, the owner obeys too."
+        found[f"{b}: the owner obeys what the follower obeys"] = z3.Implies(
+            on, owner_obeys(s, b, e["adopted"])
+        )
+        found[f"{b}: order"] = z3.Implies(
+            on,
+            z3.And(e["held"] >= 0, e["held"] <= e["seen"], e["seen"] <= e["answered"],
+                   e["adopted"] >= 0, e["adopted"] <= e["answered"], e["answered"] <= e["number"]),
+        )  # fmt: skip
+        for h, seen in (("h", "s"), ("h2", "s2")):
+            held, up_to = s[f"{b}.{h}"], s[f"{b}.{seen}"]
+            found[f"{b}: answer {h}"] = z3.Implies(
+                on,
+                z3.And(
+                    held >= 0,
+                    held <= up_to,
+                    up_to <= e["answered"],
+                    z3.Or(e["adopted"] == held, e["adopted"] > up_to),
+                    z3.Or(up_to <= e["seen"], owner_obeys(s, b, held)),
+                ),
+            )
+        # "Of two answers the later one holds the same line, or one that the earlier had not seen."
+        found[f"{b}: two answers"] = z3.Implies(
+            on,
+            z3.And(
+                *[
+                    z3.Implies(s[f"{b}.{s1}"] <= s[f"{b}.{s2}"],
+                               z3.Or(s[f"{b}.{h2}"] == s[f"{b}.{h1}"], s[f"{b}.{h2}"] > s[f"{b}.{s1}"]))
+                    for h1, s1, h2, s2 in (("h", "s", "h2", "s2"), ("h2", "s2", "h", "s"))
+                ]
+            ),
+        )  # fmt: skip
+    found["two bindings"] = z3.Implies(z3.And(s["L.on"], s["S.on"]), s["L.number"] != s["S.number"])
+    return found
+
+
+def axioms(
+    bodies: Mapping[str, Sequence[z3.ExprRef]],
+    regions: Mapping[str, Sequence[z3.ArithRef]],
+    lines: Sequence[z3.ExprRef],
+    written: dict[object, z3.BoolRef],
+) -> list[z3.BoolRef]:
+    """The axioms of geometry, of these bodies, regions and lines; `written` keeps those of before."""
+    found: list[z3.BoolRef] = []
+
+    def facts(kind: str, *ranges: Sequence[z3.ExprRef], of: str = "") -> None:
+        for terms in product(*ranges):
+            name = (kind, of, *[term.get_id() for term in terms])
+            if name not in written:
+                written[name] = _axiom(kind, of, *terms)
+            found.append(written[name])
+
+    for x in "AB":
+        facts("fits", bodies[x], regions[x], lines, of=x)
+    facts("apart", bodies["A"], bodies["B"], regions["A"], regions["B"])
+    facts("parted", bodies["A"], bodies["B"], lines)
+    return found
+
+
+def _axiom(kind: str, x: str, *terms: z3.ExprRef) -> z3.BoolRef:
+    if kind == "fits":  # a body in a region that is beside a line fits the line
+        body, region, line = terms
+        return z3.Implies(z3.And(INSIDE[x](body, region), BESIDE[x](region, line)), FITS[x](body, line))
+    if kind == "apart":  # bodies in regions that are apart
+        a, b, ra, rb = terms
+        return z3.Implies(z3.And(APART(ra, rb), INSIDE["A"](a, ra), INSIDE["B"](b, rb)), DISJOINT(a, b))
+    a, b, line = terms  # bodies on the two sides of one line
+    return z3.Implies(z3.And(FITS["A"](a, line), FITS["B"](b, line)), DISJOINT(a, b))
+
+
+def smaller(
+    x: str, small: z3.ExprRef, large: z3.ExprRef, others: Sequence[z3.ExprRef],
+    regions: Sequence[z3.ArithRef], lines: Sequence[z3.ExprRef],
+) -> list[z3.BoolRef]:  # fmt: skip
+    """One body of X covers no more than another: wherever that is, it is."""
+    found = [z3.Implies(INSIDE[x](large, r), INSIDE[x](small, r)) for r in regions]
+    found += [z3.Implies(FITS[x](large, line), FITS[x](small, line)) for line in lines]
+    pairs = [(small, large, o) for o in others]
+    for less, more, other in pairs:
+        one = (less, other) if x == "A" else (other, less)
+        two = (more, other) if x == "A" else (other, more)
+        found.append(z3.Implies(DISJOINT(*two), DISJOINT(*one)))
+    return found

@@ -1,0 +1,255 @@
+"""Whether every rule keeps every conjunct of the invariant, and is possible."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, product
+from typing import Any
+
+import z3
+from z3 import z3util
+
+from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
+from tests.proof.steps import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
+from tests.proof.symbolic import Execution, Way, judged, ways
+
+TIMEOUT = 20_000  # ms, for one question
+SMALL = (5, 9)  # no version or number of an example is larger; tried in turn
+RA, RB, K = z3.Int("any A"), z3.Int("any B"), z3.Int("any K")  # two regions and the number of a line
+TEMPLATE = invariant(S, RA, RB, K) | {"safe": safe(S)}
+ALL = z3.And(*TEMPLATE.values())
+
+Ask = Callable[[Sequence[z3.BoolRef]], bool]  # whether these statements contradict each other, for certain
+
+
+GENERAL = {
+    name: [term for term in (RA, RB, K) if any(each.eq(term) for each in z3util.get_vars(conjunct))]
+    for name, conjunct in TEMPLATE.items()
+}  # the general terms that a conjunct mentions
+_written: dict[tuple[str, ...], tuple[z3.BoolRef, Any]] = {}  # the terms are kept with what is named by them
+_geometry: dict[object, z3.BoolRef] = {}
+
+
+def _instance(key: str, *pairs: tuple[Any, Any]) -> z3.BoolRef:
+    """The conjuncts about these terms, of other ones."""
+    name = (key, *[str(new.get_id()) for _, new in pairs])
+    if name not in _written:
+        about = [
+            TEMPLATE[each] for each, terms in GENERAL.items() if [str(t)[-1] for t in terms] == list(key)
+        ]
+        _written[name] = (z3.substitute(z3.And(*about), *pairs), pairs)
+    return _written[name][0]
+
+
+def terms_of(outcome: Outcome | None) -> Terms:
+    """The terms for which quantified facts are written out."""
+    t = Terms()
+    for x, any_region in (("A", RA), ("B", RB)):
+        came_up = ([], []) if outcome is None else (outcome.terms.bodies[x], outcome.terms.regions[x])
+        regions = [any_region, *[S[f"{x}.{f}"] for f in ("acked", "granted", "obeyed", "offered")]]
+        t.bodies[x] = _different([S[f"{x}.body"], S[f"{x}.own"], *came_up[0]])
+        t.regions[x] = _different([*regions, *came_up[1]])
+    t.numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"]]
+    t.lines = [S[f"{b}.{x}.half"] for b in "LS" for x in "AB"] + [HALF_PLANE, LINE_OF(NEXT, 0)]
+    t.lines += [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers]
+    return t
+
+
+def _different(terms: Sequence[Any]) -> list[Any]:
+    return list({each.get_id(): each for each in terms}.values())
+
+
+def small_terms(outcome: Outcome, largest: int) -> Terms:
+    """All the terms that there are, where no version is above the largest."""
+    t = terms_of(outcome)
+    whole = _up_to(largest)
+    t.regions = {x: _different([*t.regions[x], *whole]) for x in "AB"}
+    t.numbers = _different([*t.numbers, *whole])
+    t.lines = _different([*t.lines, *[LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in whole]])
+    return t
+
+
+def _up_to(largest: int) -> list[z3.ArithRef]:
+    return [z3.IntVal(number) for number in range(largest + 1)]
+
+
+def known(t: Terms, starts: bool) -> list[z3.BoolRef]:
+    """The invariant before a step, but of the first one, and geometry, of all these terms."""
+    facts: list[z3.BoolRef] = []
+    if not starts:
+        facts += [ALL, *[_instance("K", (K, k)) for k in t.numbers]]
+        facts += [_instance(x, (term, r)) for x, term in (("A", RA), ("B", RB)) for r in t.regions[x]]
+        facts += [_instance("AB", (RA, a), (RB, b)) for a, b in product(t.regions["A"], t.regions["B"])]
+    facts += axioms(t.bodies, t.regions, t.lines, _geometry)
+    for x, y in (("A", "B"), ("B", "A")):
+        facts += smaller(x, S[f"{x}.own"], S[f"{x}.body"], t.bodies[y], t.regions[x], t.lines)
+    return facts
+
+
+@dataclass(frozen=True)
+class Result:
+    """Whether a rule keeps a conjunct, or everything (`conjunct` is empty), in one way through it."""
+
+    rule: str
+    conjunct: str
+    proved: bool
+    way: Way | None = None
+
+
+class Step:
+    """One way through a rule, with all that is known before it."""
+
+    def __init__(self, case: Case, way: Way, t: Terms | None = None) -> None:
+        self.case, self.way = case, way
+        self.outcome: Outcome = way.result
+        self.terms = t or terms_of(self.outcome)
+        self.given = [*case.given, *way.conditions]
+        self.given += chain.from_iterable(facts(self.terms) for facts in self.outcome.facts)
+
+    def assumed(self) -> list[z3.BoolRef]:
+        """All that is known."""
+        return [*known(self.terms, self.case.starts), *self.given]
+
+    def claims(self) -> dict[str, z3.BoolRef]:
+        """Every conjunct after it, and what is claimed besides."""
+        changed = [(S[f], e) for f, e in self.outcome.after.items() if not e.eq(S[f])]
+        return {
+            **{name: z3.substitute(conjunct, *changed) for name, conjunct in TEMPLATE.items()},
+            **self.outcome.claims,
+        }
+
+
+_solvers: dict[str, z3.Solver] = {}
+
+
+def _solver_with(t: Terms, starts: bool) -> z3.Solver:
+    """One that knows the invariant and geometry of these terms; most rules bring up the same ones."""
+    key = str([t.bodies, t.regions, t.lines, t.numbers, starts])
+    if key not in _solvers:
+        _solvers[key] = z3.Solver()
+        _solvers[key].set("timeout", TIMEOUT)
+        _solvers[key].add(*known(t, starts))
+    return _solvers[key]
+
+
+def steps_of(case: Case, without: str = "") -> Iterator[Step]:
+    """Every way through a rule, with a precondition left out or none."""
+    for way in ways(case.run, [*case.given, z3.BoolVal(True) if case.starts else ALL], without):
+        yield Step(case, way)
+
+
+def prove(case: Case, without: str = "") -> Iterator[Result]:
+    """Of every way through a rule what it does not keep; with one result if it keeps all."""
+    for step in steps_of(case, without):
+        solver = _solver_with(step.terms, case.starts)
+        solver.push()
+        try:
+            solver.add(*step.given)
+            yield from _results(solver, step)
+        finally:
+            solver.pop()
+
+
+def _results(solver: z3.Solver, step: Step) -> Iterator[Result]:
+    claims = step.claims()
+    if _follows(solver, z3.And(*claims.values())):
+        yield Result(step.case.rule, "", proved=True)
+    else:
+        for name, claim in claims.items():
+            if not _follows(solver, claim):
+                yield Result(step.case.rule, name, proved=False, way=step.way)
+
+
+def _follows(solver: z3.Solver, claim: z3.BoolRef) -> bool:
+    solver.push()
+    solver.add(z3.Not(claim))
+    result = solver.check()
+    solver.pop()
+    return bool(result == z3.unsat)
+
+
+def prove_by_cvc5(case: Case) -> Iterator[Result]:
+    """The same by cvc5, which knows nothing of z3 but the text."""
+    for step in steps_of(case):
+        statements = [*step.assumed(), z3.Not(z3.And(*step.claims().values()))]
+        yield Result(case.rule, "", contradict_for_cvc5(statements), step.way)
+
+
+def contradict_for_cvc5(statements: Sequence[z3.BoolRef]) -> bool:
+    """Whether these statements contradict each other."""
+    import cvc5
+
+    writer = z3.Solver()
+    writer.add(*statements)
+    solver = cvc5.Solver()
+    solver.setOption("tlimit-per", str(TIMEOUT))
+    parser = cvc5.InputParser(solver)
+    text = f"(set-logic ALL)\n{writer.to_smt2()}"
+    parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, "obligation")
+    said = ""
+    while not (command := parser.nextCommand()).isNull():
+        said += command.invoke(solver, parser.getSymbolManager())
+    return bool(said.strip() == "unsat")
+
+
+class Example:
+    """A rule executed in a state of small numbers, in which the whole invariant holds.
+
+    Attributes:
+        refused: preconditions that do not hold.
+        invalid: whatever was taken for granted and does not hold.
+        broken: conjuncts that do not hold afterwards.
+    """
+
+    def __init__(self, step: Step, model: z3.ModelRef, largest: int) -> None:
+        self._model, self._whole = model, _up_to(largest)
+        execution = Execution(model)
+        executed = Way.executed(judged(execution, step.case.run))
+        self.refused = execution.refused
+        self.invalid = [each for each in step.assumed() if not self._holds(each)]
+        claims = Step(step.case, executed, step.terms).claims()
+        self.broken = [name for name, claim in claims.items() if not self._keeps(name, claim)]
+
+    def _holds(self, claim: z3.BoolRef) -> bool:
+        return bool(z3.is_true(self._model.eval(claim, model_completion=True)))
+
+    def _keeps(self, name: str, claim: z3.BoolRef) -> bool:
+        """Whether a claim holds of all regions and numbers."""
+        general = GENERAL.get(name, [])
+        return all(
+            self._holds(z3.substitute(claim, *zip(general, values, strict=True)))
+            for values in product(self._whole, repeat=len(general))
+        )
+
+
+def example(case: Case) -> Example | None:
+    """A state in which a rule is possible."""
+    for largest, step in product(SMALL, steps_of(case)):
+        found = example_of(step, largest)
+        if found is not None:
+            return found
+    return None
+
+
+def counterexample(case: Case, without: str = "") -> tuple[str, Example] | None:
+    """A conjunct that a rule breaks, and a state in which it does."""
+    for result in prove(case, without):
+        if result.way is not None:
+            for largest in SMALL:
+                found = example_of(Step(case, result.way), largest, result.conjunct)
+                if found is not None:
+                    return result.conjunct, found
+    return None
+
+
+def example_of(step: Step, largest: int, conjunct: str = "") -> Example | None:
+    """A state in which one way through a rule is possible, or breaks a conjunct."""
+    small = Step(step.case, step.way, small_terms(step.outcome, largest))
+    solver = z3.Solver()
+    solver.set("timeout", TIMEOUT)
+    solver.add(*small.assumed(), small.outcome.after["v"] <= largest)
+    solver.add(*[S[f"{b}.A.number"] < largest for b in "LS"], largest >= PROPOSED)
+    if conjunct:
+        solver.add(z3.Not(small.claims()[conjunct]))
+    return Example(small, solver.model(), largest) if solver.check() == z3.sat else None

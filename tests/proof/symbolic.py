@@ -1,0 +1,188 @@
+"""Numbers that the solver chooses, and every way through a function that compares them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Protocol
+
+import z3
+
+
+class Impossible(Exception):  # noqa: N818  # no error
+    """No state leads this way."""
+
+
+class _Judge(Protocol):
+    def answer(self, of: z3.BoolRef) -> bool:
+        """Whether a condition holds, that is branched on."""
+
+    def require(self, of: z3.BoolRef, name: str) -> None:
+        """A precondition."""
+
+
+_judges: list[_Judge] = []
+
+
+class Truth:
+    """A condition. A branch on it goes both ways, if both are possible."""
+
+    def __init__(self, of: z3.BoolRef) -> None:
+        self.of = of
+
+    def __bool__(self) -> bool:
+        return _judges[-1].answer(self.of)
+
+
+class Number:
+    """An integer of the state."""
+
+    def __init__(self, of: z3.ArithRef) -> None:
+        self.of = of
+
+    def __hash__(self) -> int:
+        return 0  # so that a dictionary compares
+
+    def __eq__(self, other: object) -> Truth:  # type: ignore[override]  # a condition, in place of a bool
+        return Truth(self.of == expression(other))
+
+    def __ne__(self, other: object) -> Truth:  # type: ignore[override]  # likewise
+        return Truth(self.of != expression(other))
+
+    def __lt__(self, other: object) -> Truth:
+        return Truth(self.of < expression(other))
+
+    def __le__(self, other: object) -> Truth:
+        return Truth(self.of <= expression(other))
+
+    def __gt__(self, other: object) -> Truth:
+        return Truth(self.of > expression(other))
+
+    def __ge__(self, other: object) -> Truth:
+        return Truth(self.of >= expression(other))
+
+    def __add__(self, other: object) -> Number:
+        return Number(self.of + expression(other))
+
+
+def expression(value: object) -> Any:
+    """The solver's term for a number or a truth of the product."""
+    if isinstance(value, Number | Truth):
+        return value.of
+    if isinstance(value, bool):
+        return z3.BoolVal(value)
+    if isinstance(value, z3.ExprRef):
+        return value
+    assert isinstance(value, int), value
+    return z3.IntVal(value)
+
+
+def require(holds: object, name: str) -> None:
+    """In place of the kernel's: a precondition is assumed."""
+    _judges[-1].require(expression(holds), name)
+
+
+class Way:
+    """One way through a function.
+
+    Args:
+        solver: which knows what is given.
+        begins: answers to the first questions, where there is a choice.
+        without: the precondition that is left out.
+
+    Attributes:
+        answers: to all questions where there was a choice.
+        conditions: under which the function goes this way.
+        result: of the function.
+    """
+
+    def __init__(self, solver: z3.Solver, begins: Sequence[bool], without: str) -> None:
+        self._solver, self._begins, self._without = solver, begins, without
+        self._known: dict[int, tuple[z3.BoolRef, bool]] = {}
+        self.answers: list[bool] = []
+        self.conditions: list[z3.BoolRef] = []
+        self.others: list[list[bool]] = []
+        self.result: Any = None
+
+    @staticmethod
+    def executed(result: Any) -> Way:
+        """A way without conditions."""
+        way = Way(z3.Solver(), (), "")
+        way.result = result
+        return way
+
+    def answer(self, of: z3.BoolRef) -> bool:
+        of = z3.simplify(of)
+        if z3.is_true(of) or z3.is_false(of):
+            return bool(z3.is_true(of))
+        if of.get_id() not in self._known:
+            self._known[of.get_id()] = (of, self._choose(of))
+        return self._known[of.get_id()][1]
+
+    def _choose(self, of: z3.BoolRef) -> bool:
+        if len(self.answers) < len(self._begins):
+            chosen = self._begins[len(self.answers)]
+        else:
+            chosen = self._may_be(of)
+            if not self._may_be(z3.Not(of)):
+                if not chosen:
+                    raise Impossible
+            elif chosen:
+                self.others.append([*self.answers, False])
+        self.answers.append(chosen)
+        self.conditions.append(of if chosen else z3.Not(of))
+        return chosen
+
+    def _may_be(self, condition: z3.BoolRef) -> bool:
+        return bool(self._solver.check(*self.conditions, condition) != z3.unsat)
+
+    def require(self, of: z3.BoolRef, name: str) -> None:
+        if name != self._without:
+            of = z3.simplify(of)
+            if z3.is_false(of):
+                raise Impossible
+            self.conditions.append(of)
+
+
+def ways(run: Callable[[], object], given: Sequence[z3.BoolRef], without: str = "") -> Iterator[Way]:
+    """Every way through `run` that the assumptions allow, with a precondition left out or none."""
+    solver = z3.Solver()
+    solver.add(*given)
+    waiting: list[list[bool]] = [[]]
+    while waiting:
+        way = Way(solver, waiting.pop(), without)
+        try:
+            way.result = judged(way, run)
+        except Impossible:
+            pass
+        else:
+            if solver.check(*way.conditions) != z3.unsat:
+                yield way
+        waiting += way.others
+
+
+class Execution:
+    """A function run on the numbers of a model: each comparison has the one answer that it has there.
+
+    Attributes:
+        refused: preconditions that do not hold.
+    """
+
+    def __init__(self, model: z3.ModelRef) -> None:
+        self._model = model
+        self.refused: list[str] = []
+
+    def answer(self, of: z3.BoolRef) -> bool:
+        return bool(z3.is_true(self._model.eval(of, model_completion=True)))
+
+    def require(self, of: z3.BoolRef, name: str) -> None:
+        if not self.answer(of):
+            self.refused.append(name)
+
+
+def judged(judge: _Judge, run: Callable[[], Any]) -> Any:
+    """What a function returns, all of its comparisons answered by one judge."""
+    _judges.append(judge)
+    try:
+        return run()
+    finally:
+        _judges.pop()

@@ -1,0 +1,295 @@
+"""The geometry that the proof takes for granted: exact facts by a solver, and what floats lose of them.
+
+Coordinates go up to 100 km; there a sum of two products is off by less than 0.1 nm, and what predicates may
+give away is a quarter of a nanometre (`SURE`).
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import z3
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from agents.lines.bond import Cover, CoverGeometry
+from agents.lines.own_set import OwnSet
+from agents.lines.tangent import tangent
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.kernel.records import PRESENT, Held
+from protocol.kernel.records import Disk as Kept
+from protocol.line import ROUNDING, SURE, Line
+from protocol.region import Region, RegionGeometry, distance, is_beside, parting
+
+LOST = Fraction(1, 10**10)  # m, more than floats lose at 100 km
+FAR = 1e5  # m
+Corner = tuple[Fraction, Fraction]
+
+# -- facts
+
+
+def reals(names: str) -> list[Any]:
+    return list(z3.Reals(names))
+
+
+def is_distance(d: Any, dx: Any, dy: Any) -> Any:
+    return z3.And(d >= 0, d * d == dx * dx + dy * dy)
+
+
+def parts() -> tuple[list[Any], Any]:
+    """Disks on the two sides of a line, which is turned to x = c."""
+    ax, ay, ra, bx, by, rb, c, d = reals("ax ay ra bx by rb c d")
+    sides = [ra >= 0, rb >= 0, ax + ra <= c, bx - rb >= c, is_distance(d, ax - bx, ay - by)]
+    return sides, d >= ra + rb
+
+
+def inner_disk_is_beside() -> tuple[list[Any], Any]:
+    """A disk in a region that is beside a line."""
+    x, y, r, X, Y, R, c, d = reals("x y r X Y R c d")
+    return [is_distance(d, x - X, y - Y), d + r <= R, c >= X + R], x + r <= c
+
+
+def inner_disks_are_apart() -> tuple[list[Any], Any]:
+    """Disks in regions that are apart, whose centres are (0, 0) and (D, 0), are apart along the x-axis."""
+    ax, ay, ra, bx, by, rb, R, Q, D, d, e = reals("ax ay ra bx by rb R Q D d e")
+    inside = [is_distance(d, ax, ay), d + ra <= R, is_distance(e, bx - D, by), e + rb <= Q]
+    return [*inside, ra >= 0, rb >= 0, R + Q <= D], bx - ax >= ra + rb
+
+
+def no_way_is_shorter_than_along_an_axis() -> tuple[list[Any], Any]:
+    """A distance is no less than its part along the x-axis."""
+    d, u, v = reals("d u v")
+    return [is_distance(d, u, v)], d >= u
+
+
+def smaller_disk_is_inside() -> tuple[list[Any], Any]:
+    """A disk within another one around (X, 0) that is within a region around the origin."""
+    x, y, r, X, R, W = reals("x y r X R W")
+    d, f = reals("d f")
+    return [X >= 0, X + R <= W, is_distance(d, x - X, y), d + r <= R, is_distance(f, x, y)], f + r <= W
+
+
+def round_wall_holds() -> tuple[list[Any], Any]:
+    """A displacement d with n.d <= max(0, W - n.x), n = (1, 0) along x + d, ends inside."""
+    x, y, dx, W, f = reals("x y dx W f")
+    room = z3.If(W - x >= 0, W - x, 0)
+    # The end is (x + dx, 0), and it is ahead: n = (1, 0).
+    return [x + dx >= 0, dx <= room, x * x + y * y <= W * W, W >= 0, is_distance(f, x + dx, 0)], f <= W
+
+
+def tangent_parts() -> tuple[list[Any], Any]:
+    """A convex set is beyond the line through its point p = (d, 0) nearest to the origin: else the way from p
+    to another point q of it comes nearer."""
+    d, u, v, t = reals("d u v t")  # q = (d + u, v)
+    best = -d * u / (u * u + v * v)
+    x, y = d + t * u, t * v
+    nearest = x * x + y * y >= d * d  # of every t in [0, 1]
+    return [d > 0, u * u + v * v > 0, t == z3.If(best > 1, 1, best), z3.Implies(t >= 0, nearest)], u >= 0
+
+
+def cut_keeps_what_satisfies_it() -> tuple[list[Any], Any]:
+    """The hull of points that satisfy a half-plane satisfies it: two of them suffice, side by side."""
+    px, qx, c, t = reals("px qx c t")
+    return [px <= c, qx <= c, t >= 0, t <= 1], (1 - t) * px + t * qx <= c
+
+
+FACTS = (
+    parts,
+    inner_disk_is_beside,
+    inner_disks_are_apart,
+    no_way_is_shorter_than_along_an_axis,
+    smaller_disk_is_inside,
+    round_wall_holds,
+    tangent_parts,
+    cut_keeps_what_satisfies_it,
+)
+
+
+@pytest.mark.parametrize("fact", FACTS, ids=lambda fact: fact.__name__)
+def test_a_fact_holds_of_all_numbers(fact: Any) -> None:
+    assumed, claim = fact()
+    solver = z3.Solver()
+    solver.set("timeout", 30_000)
+    solver.add(*assumed)
+    assert solver.check() == z3.sat
+    solver.add(z3.Not(claim))
+    assert solver.check() == z3.unsat
+
+
+# -- rounding
+
+coordinates = st.one_of(st.floats(-FAR, FAR), st.floats(-2.0, 2.0))
+radii = st.floats(1e-3, 10.0)
+angles = st.floats(0.0, math.tau)
+slack = st.floats(-4.0 * SURE, 4.0 * SURE)  # where predicates change their minds
+
+
+@st.composite
+def polygons(draw: Any) -> ConvexPolygon:
+    """Some corners on a circle."""
+    x, y, radius = draw(coordinates), draw(coordinates), draw(radii)
+    sides, turn = draw(st.integers(3, 7)), draw(angles)
+    corners = [turn + math.tau * each / sides for each in range(sides)]
+    return ConvexPolygon([(x + radius * math.cos(a), y + radius * math.sin(a)) for a in corners])
+
+
+disks = st.builds(Disk, coordinates, coordinates, radii)
+shapes = st.one_of(disks, polygons())
+
+
+def exact(*values: float) -> list[Fraction]:
+    return [Fraction(value) for value in values]
+
+
+def square_distance(shape: Shape, x: Fraction, y: Fraction) -> Fraction:
+    """From a point to a disk's centre, or to a polygon, m^2."""
+    if isinstance(shape, Disk):
+        return (Fraction(shape.x) - x) ** 2 + (Fraction(shape.y) - y) ** 2
+    corners = [(Fraction(x), Fraction(y)) for x, y in shape.points]
+    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    if all((bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0 for (ax, ay), (bx, by) in edges):
+        return Fraction(0)
+    return min(_to_edge(a, b, x, y) for a, b in edges)
+
+
+def _to_edge(a: Corner, b: Corner, x: Fraction, y: Fraction) -> Fraction:
+    (ax, ay), (bx, by) = a, b
+    dx, dy = bx - ax, by - ay
+    share = max(Fraction(0), min(Fraction(1), ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)))
+    return (ax + share * dx - x) ** 2 + (ay + share * dy - y) ** 2
+
+
+def is_apart(shape: Shape, disk: Disk) -> bool:
+    """Exactly."""
+    radius = Fraction(disk.radius) + (Fraction(shape.radius) if isinstance(shape, Disk) else 0)
+    return square_distance(shape, *exact(disk.x, disk.y)) >= radius * radius
+
+
+def excess(shape: Shape, line: Line, low: bool) -> Fraction:
+    """By how much a shape is beyond a line, as its side is written, m."""
+    nx, ny, offset = exact(line.nx, line.ny, line.offset)
+    if not low:
+        nx, ny, offset = -nx, -ny, -offset
+    if isinstance(shape, Disk):
+        x, y, radius = exact(shape.x, shape.y, shape.radius)
+        return nx * x + ny * y + radius - offset
+    return max(nx * x + ny * y for x, y in (exact(*each) for each in shape.points)) - offset
+
+
+def beside(shape: Shape, angle: float, more: float) -> Disk:
+    """A disk of the size of a metre about as far from a shape as floats can tell."""
+    around = shape.around
+    nx, ny = math.cos(angle), math.sin(angle)
+    edge = -shape.limit(-nx, -ny, 0.0) - (nx * around.x + ny * around.y)
+    reach = edge + 1.0 + more
+    return Disk(around.x + reach * nx, around.y + reach * ny, 1.0)
+
+
+@settings(max_examples=400, deadline=None)
+@given(shapes, angles, slack)
+def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) -> None:
+    disk = beside(shape, angle, more)
+    if distance(shape, disk) >= SURE:
+        assert is_apart(shape, disk)
+
+
+@settings(max_examples=400, deadline=None)
+@given(shapes, angles, slack, st.booleans())
+def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
+    nx, ny = math.cos(angle), math.sin(angle)
+    edge = -shape.limit(-nx, -ny, 0.0) + more
+    line = Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+    if is_beside(shape, line, low):
+        assert excess(shape, line, low) <= Fraction(SURE) + LOST
+
+
+@settings(max_examples=400, deadline=None)
+@given(coordinates, coordinates, radii, st.floats(0.0, 1.0), angles, slack, st.booleans())
+def test_a_body_that_is_said_to_fit_a_line_fits(
+    x: float, y: float, radius: float, bound: float, angle: float, more: float, low: bool
+) -> None:
+    nx, ny = math.cos(angle), math.sin(angle)
+    edge = nx * x + ny * y + radius + bound + more
+    line = Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+    assume(line.is_unit)
+    if CoverGeometry().fits(Cover(OwnSet(x, y, bound), radius), line, low):
+        assert excess(Disk(x, y, radius), line, low) + Fraction(bound) <= 0
+
+
+@settings(max_examples=400, deadline=None)
+@given(disks, angles, st.floats(0.0, 1.0), st.floats(-4.0 * ROUNDING, 4.0 * ROUNDING), radii)
+def test_a_body_that_is_said_to_be_inside_a_region_is(
+    region: Disk, angle: float, bound: float, more: float, radius: float
+) -> None:
+    reach = max(0.0, region.radius - radius - bound - more)
+    x, y = region.x + reach * math.cos(angle), region.y + reach * math.sin(angle)
+    if CoverGeometry().inside(Cover(OwnSet(x, y, bound), radius), Region(region)):
+        room = Fraction(region.radius) - Fraction(radius) - Fraction(bound)
+        assert room >= 0
+        assert square_distance(region, *exact(x, y)) <= room * room
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.lists(disks, min_size=1, max_size=3), st.lists(shapes, min_size=1, max_size=3))
+def test_a_line_parts_all_that_two_hold(low: list[Shape], high: list[Shape]) -> None:
+    line = parting(low, high)
+    if line is not None:
+        assert line.is_unit
+        assert all(excess(each, line, True) < 0 for each in low)
+        assert all(excess(each, line, False) < 0 for each in high)
+
+
+@settings(max_examples=400, deadline=None)
+@given(shapes, angles, st.floats(1e-6, 3.0), st.booleans(), st.sampled_from((0.0, 1e9)))
+def test_a_tangent_has_what_stands_behind_it(
+    shape: Shape, angle: float, away: float, low: bool, near: float
+) -> None:
+    around = shape.around
+    x, y = (
+        around.x + (around.radius + away) * math.cos(angle),
+        around.y + (around.radius + away) * math.sin(angle),
+    )
+    line = tangent(shape, x, y, low, near)
+    if line is not None:
+        assert line.is_unit
+        assert excess(shape, line, not low) <= Fraction(SURE) + LOST
+
+
+@settings(max_examples=400, deadline=None)
+@given(disks, angles, radii, slack)
+def test_a_place_that_is_said_to_be_within_a_region_is(
+    region: Disk, angle: float, radius: float, more: float
+) -> None:
+    reach = max(0.0, region.radius - radius - more)
+    place = Disk(region.x + reach * math.cos(angle), region.y + reach * math.sin(angle), radius)
+    if RegionGeometry().within(Region(place), Held(1, Region(region))):
+        room = Fraction(region.radius) - Fraction(radius) + LOST
+        assert room >= 0
+        assert square_distance(region, *exact(place.x, place.y)) <= room * room
+
+
+@settings(max_examples=300, deadline=None)
+@given(disks, angles, slack, st.lists(disks, min_size=1, max_size=3), disks)
+def test_a_disk_that_is_not_around_holds_nothing_that_meets_a_region(
+    region: Disk, angle: float, more: float, regions: list[Disk], place: Disk
+) -> None:
+    geometry, mine = RegionGeometry(), Kept(1, Held(1, Region(place)), PRESENT)
+    other = Kept(2, Held(1, Region(beside(region, angle, more))), PRESENT)
+    for number, each in enumerate(regions):
+        other.held.grant(2 + number, Region(each))
+    geometry.note(mine)
+    geometry.note(other)
+    if 2 not in geometry.around(mine, Region(region)):
+        assert geometry.clear(other.held, Region(region))
+        assert geometry.apart(other.held, mine.held)
+
+
+def test_regions_of_the_whole_plane_meet_everything() -> None:
+    everywhere = Held(1, Region(Disk(0.0, 0.0, math.inf)))
+    place = Region(Disk(FAR, FAR, 0.1))
+    assert not RegionGeometry().clear(everywhere, place)
+    assert RegionGeometry().within(place, everywhere)
+    assert not RegionGeometry().beside(everywhere, Line(1.0, 0.0, 0.0), True)

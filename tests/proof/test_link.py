@@ -1,0 +1,123 @@
+"""Robots, world and coordinator take only the kernel's rules, and keep the invariant that was proved."""
+
+from __future__ import annotations
+
+from random import Random
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from agents.robot import Robot
+from protocol.geometry import Disk, Shape
+from protocol.kernel import ledger as ledgers
+from protocol.kernel.records import GONE
+from protocol.line import ROUNDING, Line
+from protocol.region import Region, RegionGeometry, support
+from tests.agents.lines.models.skirmishes.skirmish import Skirmish
+from tests.proof.link import Record, Watch, bindings_of, broken, ranges_of, record, watched
+from world.world import World
+
+pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
+PRODUCT: Any = SimpleNamespace(Robot=Robot, World=World, Line=Line)
+
+
+Regions = dict[str, dict[int, Region]]
+
+
+class PlaneFacts:
+    """What the plane says of a record; a body is the true disk."""
+
+    def __init__(
+        self, regions: dict[str, dict[int, Region]], firsts: dict[int, Line | None], s: Record
+    ) -> None:
+        self._regions, self._firsts, self._s = regions, firsts, s
+
+    def apart(self, a: int, b: int) -> bool:
+        one, other = self._regions["A"].get(a), self._regions["B"].get(b)
+        return one is None or other is None or RegionGeometry().clear(_held(one), other)
+
+    def inside(self, x: str, body: Shape, region: int) -> bool:
+        known = self._regions[x].get(region)
+        if known is None or known.is_everywhere or not isinstance(body, Disk):
+            return known is not None
+        around = known.shape.around
+        gap = around.radius - Disk(around.x, around.y, 0.0).distance(body.x, body.y) - body.radius
+        return gap >= -ROUNDING
+
+    def beside(self, x: str, region: int, line: Line) -> bool:
+        known = self._regions[x].get(region)
+        return known is None or self.fits(x, known.shape, line)
+
+    def fits(self, x: str, body: Shape, line: Line) -> bool:
+        if x == "A":
+            return support(body, line.nx, line.ny) <= line.offset + ROUNDING
+        return support(body, -line.nx, -line.ny) <= -line.offset + ROUNDING
+
+    def disjoint(self, a: Shape, b: Shape) -> bool:
+        """Bodies that stand where the run begins; the judge looks at all others."""
+        return True
+
+    def line(self, binding: int, number: int) -> Line:
+        kinds = [b for b in "LS" if self._s[f"{b}.number"] == binding]
+        for lines in (self._s[f"{b}.{x}.lines"] for b in kinds for x in "AB"):
+            if number in lines:
+                found: Line = lines[number]
+                return found
+        first = self._firsts[binding]
+        assert first is not None
+        return first
+
+
+def _held(region: Region) -> Any:
+    return SimpleNamespace(regions=[(0, region)])
+
+
+class Check:
+    """Looks at two disks of a skirmish after each rule."""
+
+    def __init__(self, seed: int) -> None:
+        self.run: Skirmish | None = None
+        self._random = Random(seed)
+
+    def __call__(self, watch: Watch, rule: str) -> list[str]:
+        if self.run is None or not watch.ledgers:
+            return []
+        ledger = watch.ledgers[-1]
+        there = sorted(name for name, disk in ledger.disks.items() if disk.phase != GONE)
+        if len(there) < 2:
+            return []
+        low, high = sorted(self._random.sample(there, 2))
+        s = record(ledger, watch.processes, low, high)
+        regions = {x: dict(ledger.disks[name].held.regions) for x, name in (("A", low), ("B", high))}
+        for x, name in (("A", low), ("B", high)):
+            s[f"{x}.body"] = s[f"{x}.own"] = self._body(name, regions[x])
+        firsts = {each.number: each.first for each in bindings_of(ledger, low, high).values()}
+        facts = PlaneFacts(regions, firsts, s)
+        return [f"{low}, {high}: {each}" for each in broken(s, facts, ranges_of(ledger, s, low, high))]
+
+    def _body(self, name: int, held: dict[int, Region]) -> Shape:
+        assert self.run is not None
+        if name < 0:
+            (place,) = held.values()
+            return place.shape
+        x, y = self.run.world.simulation.place(name)
+        return Disk(x, y, self.run.scenario.spec(name).radius)
+
+
+def look_at(seed: int, ticks: int) -> Watch:
+    """A skirmish that is looked at."""
+    check = Check(seed)
+    with watched(Watch(check)) as watch:
+        check.run = run = Skirmish(seed, PRODUCT)
+        for _ in range(ticks):
+            run.tick()
+            assert run.violation() == ""
+    return watch
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_skirmish_takes_only_rules_and_keeps_the_invariant(seed: int) -> None:
+    watch = look_at(seed, 40)
+    assert watch.wrong == []
+    assert watch.taken.total() > 100

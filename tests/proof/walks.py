@@ -1,0 +1,479 @@
+"""Random walks of the kernel as it runs, among intervals of a line: nothing overlaps, whatever comes when.
+
+Robots 1 to 3 and a part 4 are on a track. Every Tick, proposal, answer and acknowledgement ever said may
+arrive at any time, again or never; processes whose lives are over talk on.
+
+    python -m tests.proof.walks [SEEDS] [STEPS]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from random import Random
+from typing import Any, NamedTuple, cast
+
+from protocol.kernel.ledger import Ledger
+from protocol.kernel.pair import Follower, Owner
+from protocol.kernel.records import GONE, NO, PRESENT, Binding, Disk, Held, RefusedError, Told
+from protocol.kernel.robot import ASKED, Bound, Robot
+from tests.proof.link import Record, bindings_of, broken, ranges_of, record
+
+LENGTH, PART = 24, 4
+Span = tuple[int, int]
+EVERYWHERE: Span = (-1000, 1000)
+
+
+_SHARES = {
+    "fence": 0.1, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0, "introduce": 2.0,
+    "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0, "reach": 6.0,
+    "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0, "turn": 3.0,
+    "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
+}  # fmt: skip
+_SWARM = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
+
+
+class Line(NamedTuple):
+    """The low end stays where `sign` times its place is at most `sign` times `at`."""
+
+    sign: int
+    at: int
+
+
+class Track:
+    """Geometry of intervals; the answers of both halves of the kernel."""
+
+    def __init__(self) -> None:
+        self._noted: dict[int, list[Span]] = {}
+
+    def note(self, disk: Disk[Span]) -> None:
+        self._noted[disk.name] = [] if disk.phase == GONE else [region for _, region in disk.held.regions]
+
+    def around(self, disk: Disk[Span], region: Span) -> list[int]:
+        mine = [*self._noted[disk.name], region]
+        return [
+            name for name, theirs in self._noted.items() if any(overlap(a, b) for a in mine for b in theirs)
+        ]
+
+    def apart(self, one: Held[Span], other: Held[Span]) -> bool:
+        return all(self.clear(other, region) for _, region in one.regions)
+
+    def clear(self, held: Held[Span], region: Span) -> bool:
+        return all(not overlap(mine, region) for _, mine in held.regions)
+
+    def beside(self, held: Held[Span], line: Line, low: bool) -> bool:
+        return all(self.fits(region, line, low) for _, region in held.regions)
+
+    def within(self, place: Span, held: Held[Span]) -> bool:
+        return any(self.inside(place, region) for _, region in held.regions)
+
+    def inside(self, body: Span, region: Span) -> bool:
+        return region[0] <= body[0] and body[1] <= region[1]
+
+    def fits(self, body: Span, line: Line, low: bool) -> bool:
+        side = line.sign if low else -line.sign
+        return all(side * x <= side * line.at for x in body)
+
+    def behind(self, place: Span, line: Line, low: bool) -> bool:
+        return self.fits(place, line, low)
+
+    def keeps(self, body: Span, bound: Bound[Span, Line]) -> bool:
+        return all(self.fits(body, line, bound.low) for line in bound.obeyed)
+
+
+def overlap(one: Span, other: Span) -> bool:
+    return max(one[0], other[0]) < min(one[1], other[1])
+
+
+Regions = dict[str, dict[int, Span]]
+
+
+class TrackFacts:
+    """What the track says of a record of two disks."""
+
+    def __init__(self, regions: Regions, firsts: dict[int, Line | None], s: Record) -> None:
+        self._regions, self._firsts, self._s, self._track = regions, firsts, s, Track()
+
+    def apart(self, a: int, b: int) -> bool:
+        one, other = self._regions["A"].get(a), self._regions["B"].get(b)
+        return one is None or other is None or not overlap(one, other)
+
+    def inside(self, x: str, body: Span, region: int) -> bool:
+        return region in self._regions[x] and self._track.inside(body, self._regions[x][region])
+
+    def beside(self, x: str, region: int, line: Line) -> bool:
+        known = self._regions[x].get(region)
+        return known is None or self._track.fits(known, line, x == "A")
+
+    def fits(self, x: str, body: Span, line: Line) -> bool:
+        return self._track.fits(body, line, x == "A")
+
+    def disjoint(self, a: Span, b: Span) -> bool:
+        return not overlap(a, b)
+
+    def line(self, binding: int, number: int) -> Line:
+        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
+        kinds = [b for b in "LS" if self._s[f"{b}.number"] == binding]
+        for lines in (self._s[f"{b}.{x}.lines"] for b in kinds for x in "AB"):
+            if number in lines:
+                return cast(Line, lines[number])
+        first = self._firsts[binding]
+        assert first is not None
+        assert number == 0
+        return first
+
+
+class Process:
+    """One life's process, and what it has said."""
+
+    def __init__(self, robot: Robot[Span, Line, Span]) -> None:
+        self.robot = robot
+        self.proposals: list[tuple[int, int, Line]] = []  # binding, number, line
+        self.answers: list[tuple[int, int, int]] = []  # binding, held, seen
+        self.firsts: list[tuple[int, Line]] = []
+        self.adopted: list[int] = []
+
+
+@dataclass
+class Walk:
+    """One walk; every rule is a method that raises if it is refused."""
+
+    random: Random
+    taken: Counter[str] = field(default_factory=Counter)
+
+    def __post_init__(self) -> None:
+        starts = self.random.sample(range(0, LENGTH, 4), 4)
+        self.truth: dict[int, Span] = {
+            name: (at, at + 2) for name, at in zip((1, 2, 3, PART), starts, strict=True)
+        }
+        self.ledger: Ledger[Span, Line] = Ledger(1, dict(self.truth), Track())
+        self.processes: list[Process] = []
+        self.told: list[tuple[int, Told[Span, Line]]] = []
+        self.carrier = NO
+        self.shares = [share * self.random.choice(_SWARM) for share in _SHARES.values()]
+        self.rules: dict[str, Callable[[], None]] = {
+            name.removeprefix("do_"): getattr(self, name) for name in dir(self) if name.startswith("do_")
+        }
+
+    # -- choices
+
+    def disk(self) -> Any:
+        return self.random.choice(list(self.ledger.disks.values()))
+
+    def process(self) -> Process:
+        if not self.processes:
+            raise RefusedError("nobody is there")
+        lives = [each for each in self.processes if self.current(each)]
+        return self.random.choice(lives if lives and self.random.random() < 0.8 else self.processes)
+
+    def current(self, process: Process) -> bool:
+        return self.ledger.disks[process.robot.name].life == process.robot.life
+
+    def bound(self, process: Process) -> Bound[Span, Line]:
+        if not process.robot.bound:
+            raise RefusedError("nobody is bound")
+        return self.random.choice(list(process.robot.bound.values()))
+
+    def line(self, robot: Robot[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
+        body = robot.body_towards(bound)
+        at, sign = self.random.randint(-2, LENGTH + 2), self.random.choice((-1, 1))
+        if self.random.random() < 0.7:  # one that the body touches
+            at = body[1] if (sign > 0) == bound.low else body[0]
+        return Line(sign, at)
+
+    # -- the coordinator
+
+    def do_rejoin(self) -> None:
+        disk = self.disk()
+        if disk.name == PART:
+            raise RefusedError("a part has no life")
+        self.ledger.rejoin(disk)
+        body = self.truth[disk.name]
+        self.processes.append(Process(Robot(disk.name, disk.life, body, Track())))
+
+    def do_fence(self) -> None:
+        disk = self.disk()
+        self.ledger.fence(disk, self.truth.get(disk.name, (0, 0)))
+        if self.carrier == disk.name and self.ledger.disks[PART].phase == PRESENT:
+            self.carrier = NO
+
+    def do_grant(self) -> None:
+        disk = self.disk()
+        lo, hi = self.truth.get(disk.name, (0, 0))
+        region = self.random.choice(
+            (EVERYWHERE, (lo - self.random.randint(0, 5), hi + self.random.randint(0, 5)))
+        )
+        self.ledger.grant(disk, region)
+
+    def do_acknowledge(self) -> None:
+        process = self.process()
+        if not process.adopted:
+            raise RefusedError("nothing was adopted")
+        disk = self.ledger.disks[process.robot.name]
+        self.ledger.acknowledge(disk, self.random.choice(process.adopted))
+
+    def do_introduce(self) -> None:
+        one, other = sorted((self.disk(), self.disk()), key=lambda disk: disk.name)
+        sign = 1 if one.held.regions[0][1] < other.held.regions[0][1] else -1
+        edge = one.held.regions[-1][1][1 if sign > 0 else 0]
+        self.ledger.introduce(one, other, Line(sign, edge + sign * self.random.randint(0, 2)))
+
+    def do_ask(self) -> None:
+        one, other = self.disk(), self.disk()
+        if one is other:
+            raise RefusedError("twice the same")
+        self.ledger.ask(one, other)
+
+    def do_answer(self) -> None:
+        process = self.process()
+        if not process.firsts:
+            raise RefusedError("nothing was frozen")
+        number, line = self.random.choice(process.firsts)
+        disk = self.ledger.disks[process.robot.name]
+        for pair in self.ledger.pairs[disk.name].values():
+            for binding in (pair.living, pair.static):
+                if binding is not None and binding.number == number:
+                    self.ledger.answer(binding, line)
+                    return
+        raise RefusedError("it is over")
+
+    def do_part(self) -> None:
+        one, other = self.disk(), self.disk()
+        if one is other or other.name not in self.ledger.pairs[one.name]:
+            raise RefusedError("not bound")
+        self.ledger.part(one, other)
+
+    def do_announce(self) -> None:
+        at = self.random.randint(0, LENGTH)
+        place = (at, at + 2)
+        if self.carrier:
+            disk = self.ledger.disks[self.carrier]
+            if disk.life == NO:
+                raise RefusedError("nobody puts it down")
+            end = self.truth[self.carrier][1]
+            place = (end - 1, end)
+        self.ledger.announce(PART, place)
+
+    def do_appear(self) -> None:
+        disk = self.ledger.disks[PART]
+        (place,) = [region for _, region in disk.held.regions]
+        current = [each for each in self.processes if self.current(each) and each.robot.name == self.carrier]
+        if self.carrier and not (current and current[0].robot.part == PART):
+            raise RefusedError("its carrier does not put it down")
+        self.ledger.appear([disk])
+        if self.carrier:
+            self.truth[self.carrier] = current[0].robot.own
+            self.carrier = NO
+        self.truth[PART] = place
+
+    def do_remove(self) -> None:
+        disk = self.disk()
+        if disk.name != PART:
+            raise RefusedError("robots stay")
+        self.ledger.remove(disk)
+        self.truth.pop(PART, None)
+
+    def do_take_up(self) -> None:
+        process, part = self.process(), self.ledger.disks[PART]
+        robot = process.robot
+        if robot.part != PART or part.phase != PRESENT or not self.current(process) or self.carrier:
+            raise RefusedError("nobody reaches for it")
+        if not Track().inside(self.truth[PART], robot.body):
+            raise RefusedError("it is not in reach")
+        self.ledger.remove(part)
+        del self.truth[PART]
+        self.carrier, self.truth[robot.name] = robot.name, robot.body
+
+    def do_restart(self) -> None:
+        if self.random.random() > 0.05:
+            raise RefusedError("seldom")
+        version = self.ledger.version + self.random.randint(1, 100)
+        self.ledger = Ledger(version, dict(self.truth), Track())
+        if PART not in self.ledger.disks and not self.carrier:
+            self.ledger.announce(PART, (0, 2))
+            self.ledger.remove(self.ledger.disks[PART])
+        elif PART not in self.ledger.disks:
+            self.carrier = NO
+            self.ledger.announce(PART, (LENGTH + 9, LENGTH + 11))
+
+    # -- robots
+
+    def do_tell(self) -> None:
+        disk = self.disk()
+        if disk.life == NO:
+            raise RefusedError("nobody listens")
+        self.told.append((disk.name, self.ledger.told(disk)))
+
+    def do_hear(self) -> None:
+        process = self.process()
+        heard = [told for name, told in self.told if name == process.robot.name]
+        if not heard:
+            raise RefusedError("nothing was told")
+        told = heard[-1] if self.random.random() < 0.7 else self.random.choice(heard)
+        process.robot.hear(told)
+
+    def do_freeze(self) -> None:
+        process = self.process()
+        bound = self.bound(process)
+        line = self.line(process.robot, bound)
+        process.robot.freeze(bound, line)
+        process.firsts.append((bound.number, line))
+
+    def do_turn(self) -> None:
+        process = self.process()
+        bound = self.bound(process)
+        process.robot.turn(bound, self.line(process.robot, bound))
+
+    def do_adopt_region(self) -> None:
+        process = self.process()
+        process.robot.adopt()
+        process.adopted.append(process.robot.number)
+
+    def do_command(self) -> None:
+        process = self.process()
+        robot = process.robot
+        lo, hi = self.truth[robot.name]
+        step = self.random.randint(-3, 3)
+        swept = (min(lo, lo + step), max(hi, hi + step))
+        if self.carrier == robot.name:
+            part = self.random.choice((NO, PART)) if PART not in self.truth else NO
+            after = (lo + step, hi + step)
+            robot.command(swept, (swept[0], max(swept[0], swept[1] - 1)) if part else swept, part)
+        else:
+            part, after = NO, (lo + step, hi + step)
+            robot.command(swept, swept)
+        self._execute(process, after, part)
+
+    def do_reach(self) -> None:
+        process = self.process()
+        robot, part = process.robot, self.truth.get(PART)
+        if part is None or self.carrier == robot.name:
+            raise RefusedError("there is none")
+        lo, hi = self.truth[robot.name]
+        if min(abs(part[0] - hi), abs(lo - part[1])) > 1:
+            raise RefusedError("too far")
+        robot.command((min(lo, part[0]), max(hi, part[1])), (lo, hi), PART)
+
+    def _execute(self, process: Process, after: Span, part: int) -> None:
+        robot = process.robot
+        if self.ledger.obeys(self.ledger.disks[robot.name], robot.life):
+            self.truth[robot.name] = after
+        body = self.truth[robot.name]
+        robot.locate(body, (body[0], body[1] - 1) if part else body)
+
+    def do_propose(self) -> None:
+        process = self.process()
+        bound = self.bound(process)
+        if not isinstance(bound.lines, Owner) or bound.state == ASKED:
+            raise RefusedError("no owner")
+        line = self.line(process.robot, bound)
+        bound.lines.propose(line, process.robot.fits(bound, line))
+        process.proposals.append((bound.number, bound.lines.number, line))
+
+    def _from_peer(self, process: Process, what: str) -> tuple[Bound[Span, Line], Any]:
+        bound = self.bound(process)
+        said = [
+            each
+            for other in self.processes
+            if other.robot.name == bound.peer
+            for each in getattr(other, what)
+            if each[0] == bound.number
+        ]
+        if not said or bound.lines is None:
+            raise RefusedError("nothing was said")
+        return bound, self.random.choice(said)
+
+    def do_adopt(self) -> None:
+        process = self.process()
+        bound, (_, number, line) = self._from_peer(process, "proposals")
+        if not isinstance(bound.lines, Follower):
+            raise RefusedError("no follower")
+        bound.lines.on_proposal(number, line, process.robot.fits(bound, line))
+        process.answers.append((bound.number, bound.lines.held_number, bound.lines.seen))
+
+    def do_read_answer(self) -> None:
+        process = self.process()
+        bound, (_, held, seen) = self._from_peer(process, "answers")
+        if not isinstance(bound.lines, Owner):
+            raise RefusedError("no owner")
+        bound.lines.on_answer(held, seen)
+
+    # -- the walk
+
+    def step(self) -> str:
+        """One event; what it broke, or ""."""
+        (rule,) = self.random.choices(list(_SHARES), self.shares)
+        try:
+            self.rules[rule]()
+        except RefusedError:
+            return ""
+        self.taken[rule] += 1
+        return self.violation()
+
+    def violation(self) -> str:
+        """What is not as the kernel promises."""
+        there = sorted(self.truth)
+        for index, one in enumerate(there):
+            for other in there[index + 1 :]:
+                if overlap(self.truth[one], self.truth[other]):
+                    return f"{one} and {other} overlap at {self.truth[one]} and {self.truth[other]}"
+        one, other = sorted(self.random.sample(sorted(self.ledger.disks), 2))
+        return ", ".join(self.broken(one, other))
+
+    def broken(self, low: int, high: int) -> list[str]:
+        """Conjuncts of the invariant that do not hold of two disks."""
+        ledger = self.ledger
+        s = record(ledger, {(p.robot.name, p.robot.life): p.robot for p in self.processes}, low, high)
+        regions = {}
+        for x, name in (("A", low), ("B", high)):
+            disk = ledger.disks[name]
+            regions[x] = dict(disk.held.regions)
+            if s[f"{x}.body"] is None:
+                s[f"{x}.body"] = s[f"{x}.own"] = self.truth.get(name, disk.held.regions[0][1])
+            said = [n for p in self.processes if p.robot.name == name for n in p.adopted]
+            s[f"{x}.said"] = self.random.choice(said) if said else 0
+        firsts: dict[int, Line | None] = {}
+        for b, binding in bindings_of(ledger, low, high).items():
+            firsts[binding.number] = binding.first
+            self._messages(b, binding, s)
+        return broken(s, TrackFacts(regions, firsts, s), ranges_of(ledger, s, low, high))
+
+    def _messages(self, b: str, binding: Binding[Line], s: Record) -> None:
+        """Messages about a binding that are under way."""
+        number, random = binding.number, self.random
+        s[f"{b}.frozen"] = any(first == number for p in self.processes for first, _ in p.firsts)
+        answers = [each[1:] for p in self.processes for each in p.answers if each[0] == number]
+        for h, seen in (("h", "s"), ("h2", "s2")):
+            s[f"{b}.{h}"], s[f"{b}.{seen}"] = random.choice(answers) if answers else (0, 0)
+
+
+def walk(seed: int, steps: int) -> tuple[str, Counter[str]]:
+    """What a walk breaks, "" if nothing; and how often each rule was taken."""
+    made = Walk(Random(seed))
+    for number in range(steps):
+        if broken := made.step():
+            return f"seed {seed}, step {number}: {broken}", made.taken
+    return "", made.taken
+
+
+def main() -> int:
+    """Walk; 0 if nothing is broken and every rule was taken."""
+    seeds, steps = (int(each) for each in [*sys.argv[1:], "200", "2000"][:2])
+    began, taken, broken = time.process_time(), Counter[str](), []
+    for seed in range(seeds):
+        found, counts = walk(seed, steps)
+        taken += counts
+        broken += [found] if found else []
+    print("\n".join(broken[:10]))
+    print(dict(sorted(taken.items())))
+    never = Walk(Random(0)).rules.keys() - taken.keys()
+    print(f"{taken.total()} steps, {len(broken)} walks broken, never taken: {sorted(never)}")
+    print(f"{time.process_time() - began:.1f} s of processor time")
+    return 1 if broken or never else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

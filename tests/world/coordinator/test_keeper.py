@@ -1,0 +1,162 @@
+"""Who is bound to whom, which region each robot is granted, and what each is told of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from protocol.geometry import Disk
+from protocol.messages import Command, FirstLine, Grants, Vector
+from protocol.scenario.model import Network, Scenario
+from tests.world.driving import scenario
+from world.coordinator.keeper import Keeper
+
+PLACES: dict[int, Vector] = {1: (-0.1, 0.0), 2: (0.1, 0.0), 3: (0.0, 0.15)}
+OBSTACLE = Disk(0.0, -0.1, 0.02)
+
+
+def fleet(reach: float | None = None) -> Scenario:
+    found = scenario(*((place, place) for place in PLACES.values()))
+    return found if reach is None else replace(found, network=Network("near", reach))
+
+
+def founded(setting: Scenario, *, live: tuple[int, ...] = (1, 2, 3)) -> Keeper:
+    keeper = Keeper(setting)
+    keeper.found({robot: Disk(*place, 0.04) for robot, place in PLACES.items()}, {1: OBSTACLE})
+    for robot in live:
+        keeper.rejoin(robot)
+    return keeper
+
+
+def news(keeper: Keeper, robot: int) -> Grants:
+    told = keeper.news(robot)
+    assert told is not None
+    return told
+
+
+def obey(keeper: Keeper, robot: int, told: Grants, *firsts: FirstLine) -> None:
+    said = Command(robot, 1, 0, (0.0, 0.0), version=told.version, region=told.number, firsts=firsts)
+    assert not keeper.refuses(said)
+    keeper.acknowledge(said)
+
+
+def obey_all(keeper: Keeper) -> None:
+    for robot in PLACES:
+        told = keeper.news(robot)
+        if told is not None:
+            obey(keeper, robot, told)
+
+
+def test_in_a_small_fleet_all_are_bound_as_the_run_begins_and_may_be_anywhere() -> None:
+    keeper = founded(fleet())
+    keeper.advance({})
+    told = news(keeper, 1)
+    assert told.region is None
+    assert sorted(each.peer for each in told.bindings) == [-1, 2, 3]
+    assert all(each.first is not None for each in told.bindings)
+    first = next(each.first for each in told.bindings if each.peer == 2)
+    assert first == (pytest.approx(1.0), pytest.approx(0.0), pytest.approx(0.0))
+    obey(keeper, 1, told)
+    assert keeper.news(1) is None
+
+
+def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_with_each() -> None:
+    keeper = founded(fleet())
+    keeper.advance({})
+    obey_all(keeper)
+    keeper.fence(2, Disk(0.05, 0.0, 0.04))
+    (peer,) = (each for each in news(keeper, 1).bindings if each.peer == 2)
+    assert (peer.static, peer.points) == (True, ((0.05, 0.0),))
+    obey_all(keeper)
+    keeper.rejoin(2)
+    keeper.advance({})
+    assert news(keeper, 2).number < news(keeper, 2).life  # no region of its own yet
+    for robot in (1, 3):
+        told = news(keeper, robot)
+        (asked,) = (each for each in told.bindings if each.first is None)
+        assert (asked.peer, asked.static) == (2, False)
+        obey(keeper, robot, told, FirstLine(asked.number, 1.0, 0.0, 0.0))
+    keeper.advance({})
+    told = news(keeper, 2)
+    assert told.number > told.life
+    assert sorted(each.peer for each in told.bindings) == [-1, 1, 3]
+    assert not any(each.static for each in news(keeper, 1).bindings if each.peer == 2)
+
+
+def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
+    keeper = founded(fleet(), live=(1, 2))
+    keeper.advance({})
+    obey_all(keeper)
+    keeper.announce(-2, Disk(0.0, 0.0, 0.01))
+    assert not keeper.appear(-2)
+    for robot in (1, 2):
+        assert not keeper.appear(-2)
+        told = news(keeper, robot)
+        (asked,) = (each for each in told.bindings if each.first is None)
+        obey(keeper, robot, told, FirstLine(asked.number, 1.0, 0.0, 0.0))
+    assert keeper.appear(-2)
+
+
+def test_a_disk_does_not_appear_where_one_stands() -> None:
+    keeper = founded(fleet(), live=(1,))
+    keeper.advance({})
+    obey_all(keeper)
+    keeper.announce(-2, Disk(0.1, 0.02, 0.01))  # on robot 2, which has no process
+    told = None
+    for _ in range(3):
+        assert not keeper.appear(-2)
+        told = keeper.news(1)
+        if told is not None:
+            asked = [each for each in told.bindings if each.first is None]
+            obey(keeper, 1, told, *(FirstLine(each.number, 1.0, 0.0, 0.0) for each in asked))
+
+
+def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
+    keeper = founded(fleet(0.2))  # slack 0.1
+    keeper.advance(PLACES)
+    assert sorted(each.peer for each in news(keeper, 1).bindings) == [-1, 2, 3]
+    keeper = founded(fleet(0.1))  # a gap of 0.12 between 1 and 2
+    keeper.advance(PLACES)
+    told = news(keeper, 1)
+    assert told.region == pytest.approx((-0.1, 0.0, 0.09))
+    assert 2 not in {each.peer for each in told.bindings}
+
+
+def test_a_region_follows_its_robot_and_robots_that_part_are_told() -> None:
+    keeper = founded(fleet(0.1))
+    keeper.advance(PLACES)
+    obey_all(keeper)
+    at = dict(PLACES)
+    bound = set()
+    for step in range(20):
+        at[1] = (-0.1 + 0.01 * step, 0.0)
+        keeper.advance(at)
+        bound |= {2} & set(keeper.bound(1))
+        obey_all(keeper)
+        if step == 10:
+            at[2] = (0.1, -0.1)
+    assert bound == {2}
+    for step in range(40):
+        at[1] = (0.1 - 0.01 * step, 0.0)
+        keeper.advance(at)
+        obey_all(keeper)
+    assert 2 not in keeper.bound(1)
+
+
+def test_what_was_never_granted_cannot_be_obeyed() -> None:
+    keeper = founded(fleet())
+    keeper.advance({})
+    told = news(keeper, 1)
+    for version, region in ((told.version + 1, told.number), (told.version, told.number + 1)):
+        assert keeper.refuses(Command(1, 1, 0, (0.0, 0.0), version=version, region=region))
+
+
+def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
+    keeper = founded(fleet())
+    keeper.advance({})
+    obey_all(keeper)
+    version = keeper.version
+    told = Grants(1, version, 0, None, ())
+    obey(keeper, 1, told, FirstLine(1, 1.0, 0.0, 0.0), FirstLine(10**6, 1.0, 0.0, 0.0))
+    assert keeper.version == version

@@ -1,1 +1,0 @@
-"""What large fleets need: who hears whom, what is left out of a Tick, letters between far robots."""

@@ -1,0 +1,88 @@
+"""Large fleets: which robots each one hears, and what all are told of those that they do not hear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from protocol.crowd.interest import LEAD, period
+from protocol.messages import Command, Sense, Summary, Vector
+from protocol.scenario.model import Scenario
+
+
+class Interest:
+    """Of a run in which robots hear those that they are bound to.
+
+    Attributes:
+        summary: newest that is to be told; None before the first.
+        places: where robots were sensed last, m, by id.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.summary: Summary | None = None
+        self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
+        self._period = period(scenario)
+        self._slices: dict[int, float] = {}  # m, as last commanded
+        self._since: dict[
+            int, tuple[int, dict[int, int]]
+        ] = {}  # life of each robot; since when it hears a peer
+
+    def open(
+        self,
+        tick: int,
+        scenario: Scenario,
+        sensed: Mapping[int, Sense],
+        goal: Callable[[int], Vector | None],
+    ) -> None:
+        """A tick begins, with what every robot is told of its own place, and where it is sent, m, unless to
+        the scenario's goal."""
+        for robot, sense in sensed.items():
+            if sense.position is not None:
+                self.places[robot] = sense.position
+        if tick % self._period == 0:
+            ids = scenario.ids
+            starts = {spec.id: spec.start for spec in scenario.robots}
+            places = np.array([self.places.get(robot, starts[robot]) for robot in ids], dtype=np.float64)
+            goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
+            away = places - np.array([goals[robot] for robot in ids], dtype=np.float64)
+            gammas = (away**2).sum(axis=1)
+            slices = self._norms(ids, 2.0 * np.sqrt(gammas))
+            where, far, pace = (each.astype("<f4").tobytes() for each in (places, gammas, slices))
+            self.summary = Summary(tick, runs(ids), where, far, pace)
+
+    def accept(self, command: Command) -> None:
+        """A command was taken."""
+        if command.slice is not None:
+            self._slices[command.robot] = command.slice
+
+    def _norms(self, ids: Iterable[int], attraction: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the slices of all; of one that has said none, what the attraction alone (m) gives."""
+        said = np.array([self._slices.get(robot, np.nan) for robot in ids])
+        return np.where(np.isnan(said), attraction, said)
+
+    def heard(
+        self, robot: int, incarnation: int, tick: int, bound: Iterable[int], active: frozenset[int]
+    ) -> tuple[int, ...]:
+        """Which of the active robots a life hears in this tick, itself included, if it is told of `bound`
+        peers: LEAD ticks after it was told of one it has subscribed."""
+        life, before = self._since.get(robot, (0, {}))
+        if life != incarnation:
+            before = {}
+        since = {peer: before.get(peer, tick + LEAD) for peer in bound}
+        self._since[robot] = incarnation, since
+        return tuple(
+            sorted([robot, *(peer for peer, begun in since.items() if begun <= tick and peer in active)])
+        )
+
+
+def runs(ids: Iterable[int]) -> bytes:
+    """Ascending ids as a Summary has them: of each run of consecutive ones the first, and how many."""
+    found: list[list[int]] = []
+    for each in ids:
+        if found and each == sum(found[-1]):
+            found[-1][1] += 1
+        else:
+            found.append([each, 1])
+    return np.array(found, dtype="<u4").tobytes()

@@ -1,0 +1,300 @@
+"""The ledger at work: who is bound to whom, which region each robot is granted, and what each is told of it.
+
+Nothing here decides whether something is safe: every change is a rule of `protocol.kernel.ledger`, which
+refuses what its preconditions do not allow. This says when to ask for which.
+
+In a small fleet every region is the whole plane, and every robot is bound to all that is there. In a large
+one it is a disk around the last known place, and two are bound when a region to be granted meets what the
+other holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+from mypy_extensions import mypyc_attr
+
+from protocol.crowd.interest import slack_of
+from protocol.geometry import Disk as Circle
+from protocol.geometry import Shape
+from protocol.kernel.ledger import Ledger
+from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, Disk, Held, Told
+from protocol.line import Line
+from protocol.messages import Binding as Listing
+from protocol.messages import Command, Grants, Vector
+from protocol.region import EVERYWHERE, Region, RegionGeometry, distance, parting
+from protocol.scenario.model import Scenario
+
+_RENEWED: Final = 1.0 / 3.0  # of the slack, that a robot may use up before it is granted another region
+_PARTED: Final = 0.5  # of the slack, by which regions of two have to be apart until the two are parted
+
+
+@mypyc_attr(allow_interpreted_subclasses=True)
+class Keeper:
+    """The ledger of one run, from its first tick on.
+
+    Disks have the ids of robots; obstacles have their numbers, less than 0.
+
+    Args:
+        scenario: the run.
+        version: newest version of an earlier ledger of the same coordinator.
+    """
+
+    def __init__(self, scenario: Scenario, version: int = 0) -> None:
+        self._slack = slack_of(scenario) if scenario.hears_near else math.inf
+        self._geometry = RegionGeometry()
+        self._first = version
+        self._ledger: Ledger[Region, Line] = Ledger(version, {}, self._geometry)
+        self._asked: dict[int, tuple[Binding[Line], Disk[Region], Disk[Region]]] = {}
+        self._changed: dict[int, int] = {}  # version in which what a disk has to be told changed last
+        self._known: dict[int, int] = {}  # version that the present life of a robot has taken in
+        self._moved: set[int] = set()  # disks whose regions have shrunk
+
+    @property
+    def version(self) -> int:
+        """Newest version of the ledger."""
+        return self._ledger.version
+
+    def found(self, places: Mapping[int, Circle], obstacles: Mapping[int, Shape]) -> None:
+        """Everything stands where it is as the run begins.
+
+        Args:
+            places: of robots, by id.
+            obstacles: by number.
+        """
+        regions = {-number: Region(shape, True) for number, shape in obstacles.items()}
+        regions |= {robot: Region(place) for robot, place in places.items()}
+        self._ledger = Ledger(self._first + 1, regions, self._geometry)
+
+    # -- lives and places
+
+    def lives(self, robot: int) -> bool:
+        """Whether a life may move the disk of a robot."""
+        disk = self._ledger.disks.get(robot)
+        return disk is not None and disk.life != NO
+
+    def rejoin(self, robot: int) -> None:
+        """A life begins in a disk that stands."""
+        disk = self._ledger.disks[robot]
+        self._ledger.rejoin(disk)
+        self._known[robot] = 0
+        self._change(robot)
+
+    def fence(self, robot: int, place: Circle) -> None:
+        """The life of a robot is over: its disk stands at a place."""
+        disk = self._ledger.disks[robot]
+        self._ledger.fence(disk, Region(place))
+        self._change(robot, *self._ledger.pairs[robot])
+
+    def announce(self, name: int, shape: Shape) -> None:
+        """A disk is to appear at a place."""
+        self._ledger.announce(name, Region(shape, name < 0))
+
+    def appear(self, name: int) -> bool:
+        """Let a disk appear that was announced, if everything that is there keeps clear of its place, or is
+        apart from it; whether it did."""
+        disk = self._ledger.disks[name]
+        clear = self._is_clear(disk)
+        if clear:
+            self._ledger.appear([disk])
+        return clear
+
+    def _is_clear(self, disk: Disk[Region]) -> bool:
+        """Whether a disk that was announced may appear; disks that move are asked to keep clear of it."""
+        ledger, clear = self._ledger, True
+        for name in self._geometry.around(disk, disk.held.regions[0][1]):
+            other = ledger.disks[name]
+            if other.phase != PRESENT or ledger.tied(other, disk):
+                continue
+            if self._geometry.apart(other.held, disk.held):
+                continue
+            if other.life == NO or not self._bind(other, disk):
+                clear = False
+        return clear
+
+    def remove(self, name: int) -> None:
+        """A disk without a life is gone, or does not appear."""
+        peers = tuple(self._ledger.pairs[name])
+        self._ledger.remove(self._ledger.disks[name])
+        self._change(name, *peers)
+
+    # -- what robots say
+
+    def refuses(self, command: Command) -> bool:
+        """Whether a Command says what the present life of its robot cannot have heard."""
+        disk = self._ledger.disks.get(command.robot)
+        granted = 0 if disk is None else disk.held.granted
+        return command.version > self.version or command.region > granted
+
+    def acknowledge(self, command: Command) -> None:
+        """Take in what the present life of a robot obeys."""
+        robot = command.robot
+        disk = self._ledger.disks.get(robot)
+        if disk is None or disk.life == NO:
+            return
+        self._known[robot] = max(self._known.get(robot, 0), command.version)
+        if disk.held.acknowledged < command.region <= disk.held.granted and command.region > disk.life:
+            self._ledger.acknowledge(disk, command.region)
+            self._moved.add(robot)
+        for first in command.firsts:
+            asked = self._asked.get(first.binding)
+            if asked is not None and asked[1] is disk and self._is_open(first.binding, asked):
+                del self._asked[first.binding]
+                self._ledger.answer(asked[0], Line(first.nx, first.ny, first.offset))
+                self._change(robot, asked[2].name)
+
+    def _is_open(self, number: int, asked: tuple[Binding[Line], Disk[Region], Disk[Region]]) -> bool:
+        """Whether a binding is still in force, and its first line not known."""
+        pair = self._ledger.pairs[asked[1].name].get(asked[2].name)
+        return pair is not None and any(
+            each is not None and each.number == number and each.told == NO
+            for each in (pair.living, pair.static)
+        )
+
+    # -- once a tick
+
+    def advance(self, places: Mapping[int, Vector]) -> None:
+        """Grant regions to those that need one, and bind whom that takes.
+
+        Args:
+            places: where robots were known to be last, m, by id.
+        """
+        self._asked = {number: asked for number, asked in self._asked.items() if self._is_open(number, asked)}
+        finite = self._slack < math.inf
+        if finite:
+            self._part()
+        for robot, disk in self._ledger.disks.items():
+            if disk.phase == ANNOUNCED:
+                self._is_clear(disk)
+            if disk.life == NO or not (disk.still or finite):
+                continue
+            around = disk.held.regions[0][1].shape.around
+            at = (around.x, around.y) if disk.still else places.get(robot, (around.x, around.y))
+            if not finite:
+                self._try(disk, EVERYWHERE)
+            elif disk.still:
+                self._try(disk, Region(Circle(*at, around.radius + self._slack)))
+            elif not self._is_roomy(disk, at):
+                self._try(disk, Region(Circle(*at, disk.held.regions[-1][1].shape.around.radius)))
+
+    def _is_roomy(self, disk: Disk[Region], at: Vector) -> bool:
+        """Whether the newest region granted is large enough around a place, or still to be obeyed."""
+        held = disk.held
+        region = held.regions[-1][1].shape.around
+        if held.acknowledged < held.granted:
+            return True
+        return math.dist((region.x, region.y), at) <= _RENEWED * self._slack
+
+    def _try(self, disk: Disk[Region], wanted: Region) -> None:
+        """Grant a region once everything that is there is tied to the disk, or apart from it."""
+        ledger, geometry, ready = self._ledger, self._geometry, True
+        for name in geometry.around(disk, wanted):
+            other = ledger.disks[name]
+            if other is disk or other.phase != PRESENT or ledger.tied(disk, other):
+                continue
+            left_apart = not disk.still or geometry.apart(other.held, disk.held)
+            if left_apart and geometry.clear(other.held, wanted):
+                continue
+            if not self._bind(disk, other):
+                ready = False
+        if ready:
+            peers = tuple(ledger.pairs[disk.name]) if disk.still else ()
+            ledger.grant(disk, wanted)
+            self._change(disk.name, *peers)
+
+    def _bind(self, disk: Disk[Region], other: Disk[Region]) -> bool:
+        """Introduce two disks, or ask for a first line; whether they are tied now."""
+        ledger = self._ledger
+        pair = ledger.pairs[disk.name].get(other.name)
+        lives = NO not in (disk.life, other.life)
+        if pair is not None and (pair.living if lives else pair.static) is not None:
+            return False  # asked already
+        low, high = (disk, other) if disk.name < other.name else (other, disk)
+        line = parting(_shapes(low.held), _shapes(high.held))
+        if line is not None:
+            ledger.introduce(low, high, line)
+            self._change(disk.name, other.name)
+            return ledger.tied(disk, other)
+        if disk.still and other.life != NO:
+            self._ask(other, disk)
+        elif other.still:
+            self._ask(disk, other)
+        return False
+
+    def _ask(self, disk: Disk[Region], other: Disk[Region]) -> None:
+        ledger = self._ledger
+        ledger.ask(disk, other)
+        pair = ledger.pairs[disk.name][other.name]
+        for binding in (pair.living, pair.static):
+            if binding is not None and binding.number == ledger.version:
+                self._asked[binding.number] = binding, disk, other
+        self._change(disk.name)
+
+    def _part(self) -> None:
+        """End bindings of those that have gone far from each other."""
+        ledger, moved = self._ledger, self._moved
+        self._moved = set()
+        for robot in sorted(moved):
+            one = ledger.disks[robot]
+            for peer in list(ledger.pairs[robot]):
+                other = ledger.disks[peer]
+                gap = min(
+                    distance(ours, theirs) for ours in _shapes(one.held) for theirs in _shapes(other.held)
+                )
+                if gap > _PARTED * self._slack and other.phase == PRESENT:
+                    ledger.part(one, other)
+                    self._change(robot, peer)
+
+    def _change(self, *names: int) -> None:
+        for name in names:
+            self._changed[name] = self._ledger.version
+
+    # -- what is told
+
+    def bound(self, robot: int) -> Iterable[int]:
+        """Robots that the present life of a robot is told that it is bound to."""
+        disk = self._ledger.disks.get(robot)
+        if disk is None or disk.life == NO:
+            return ()
+        return [
+            peer
+            for peer, pair in self._ledger.pairs[robot].items()
+            if peer > 0 and (_is_told(pair.living, disk) or _is_told(pair.static, disk))
+        ]
+
+    def news(self, robot: int) -> Grants | None:
+        """What the present life of a robot has to be told; None if it knows all of it."""
+        disk = self._ledger.disks.get(robot)
+        if disk is None or disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
+            return None
+        return _message(self._ledger.told(disk))
+
+
+def _is_told(binding: Binding[Line] | None, disk: Disk[Region]) -> bool:
+    """Whether the present life of a disk is told of a binding: as `Ledger.told` has it."""
+    if binding is None or binding.end(disk.name).life != disk.life:
+        return False
+    return binding.told != NO or binding.asked == disk.name
+
+
+def _shapes(held: Held[Region]) -> list[Shape]:
+    return [region.shape for _, region in held.regions]
+
+
+def _message(told: Told[Region, Line]) -> Grants:
+    listings = []
+    for each in told.bindings:
+        points, radius = ((), 0.0) if each.place is None else _place(each.place.shape)
+        first = None if each.first is None else (each.first.nx, each.first.ny, each.first.offset)
+        listings.append(Listing(each.number, each.peer, first, points, radius, each.static))
+    region = told.region.shape.around
+    disk = None if told.region.is_everywhere else (region.x, region.y, region.radius)
+    return Grants(told.life, told.version, told.number, disk, tuple(listings))
+
+
+def _place(shape: Shape) -> tuple[tuple[Vector, ...], float]:
+    if isinstance(shape, Circle):
+        return ((shape.x, shape.y),), shape.radius
+    return shape.points, 0.0
