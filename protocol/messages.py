@@ -312,6 +312,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: Real  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: Real  # navigation function, 0 at the goal, 1 on the boundary
+    log_potential: Real = 0.0  # log10(gamma^k / beta) / k, with which phi grows; +-300 where it is infinite
 
 
 class Health(Message, frozen=True, array_like=True, gc=False):

@@ -78,7 +78,8 @@ def report(
         "down": [fenced.robot for fenced in lives.standing],
         "orders": [_order(tick, order, refused) for tick, order, refused in orders],
         "faults": _faults(scenario, lives, list(sensors)),
-        "phi": {"first": totals.first_phi, "last": truth.phi, "increases": totals.increases},
+        "phi": {"first": totals.first.phi, "last": truth.phi, "increases": totals.increases},
+        "log_potential": {"first": totals.first.log_potential, "last": truth.log_potential},
         "positions": {
             str(robot): list(position) for robot, position in zip(truth.robots, truth.positions, strict=True)
         },

@@ -10,7 +10,7 @@ from protocol.scenario.model import Scenario
 
 
 class RunProgress(Progress):
-    """Shows simulated time, phi and clearance while a run goes on; a context manager."""
+    """Shows simulated time and clearance while a run goes on; a context manager."""
 
     def __init__(self, scenario: Scenario, quiet: bool) -> None:
         console = Console(stderr=True)
@@ -29,7 +29,5 @@ class RunProgress(Progress):
 
     def watch(self, clock: Clock) -> None:
         """Take over news from the world."""
-        figures = (
-            f"t = {clock.time:5.2f} s   phi {clock.phi:.3f}   clearance {1000 * clock.clearance:6.2f} mm"
-        )
+        figures = f"t = {clock.time:5.2f} s   clearance {1000 * clock.clearance:6.2f} mm"
         self.update(self._task, completed=clock.time, figures=figures)

@@ -26,8 +26,8 @@ INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
 # What the launcher and its tables rely on in a report.
 _PROMISED = {
     *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
-    *("path_lengths", "lateral_deviation", "nrl", "tight", "min_clearance", "phi", "trajectory_sha256"),
-    *("ticks", "sim_time", "wall_time", "messages", "missed_commands"),
+    *("path_lengths", "lateral_deviation", "nrl", "tight", "min_clearance", "phi", "log_potential"),
+    *("ticks", "sim_time", "wall_time", "messages", "missed_commands", "trajectory_sha256"),
 }
 _UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
 _PER_ROBOT = ("path_lengths", "lateral_deviation")
@@ -63,7 +63,7 @@ def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> Report
     report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)
     if last is not None:
         report.update(ticks=last.tick, sim_time=last.time)
-        report["phi"]["last"] = last.phi
+        report["phi"]["last"], report["log_potential"]["last"] = last.phi, None
     return report
 
 
@@ -119,14 +119,18 @@ def table(result: Mapping[str, Any]) -> RenderableType:
 
 def _figures(result: Mapping[str, Any]) -> Table:
     grid = Table.grid(padding=(0, 3))
-    phi, messages = result["phi"], result["messages"]
+    phi, level, messages = result["phi"], result["log_potential"], result["messages"]
     rejected = sum(messages["rejected"].values())
     rows = [
         ("time", f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real"),
         ("ticks", f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, {result['transport']}"),
         ("path", f"nrl {_number(result['nrl'], 3)}, tight {_number(result['tight'])}"),
         ("clearance", f"{_number(result['min_clearance'], 5)} m smallest, {result['collisions']} collisions"),
-        ("phi", f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases"),
+        (
+            "phi",
+            f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases",
+        ),
+        ("potential", f"log10(gamma^k / beta) / k: {_number(level['first'])} to {_number(level['last'])}"),
         ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
         (
             "messages",

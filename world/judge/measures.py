@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from protocol.scenario.model import Scenario
 from world.judge.clearance import FEW, Disks, Plane, Reals
 
 _CENTIMETRES = 100.0
+_MOST = 300.0  # decades, stands for an infinite logarithm
 _TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
 _ROWS = 8  # of the triangle of many pairs, whose factors are multiplied before a logarithm is taken
 _TWICE = np.tri(_ROWS, dtype=np.bool_)
@@ -114,16 +116,31 @@ def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
     return math.fsum(lengths.values()) / straight if straight > 0.0 else None
 
 
-def phi_of(disks: Disks, goals: Goals, k: float, positions: Plane) -> list[float]:
-    """phi of each of n configurations, shape (n, p); finite for any k and number of robots."""
+class Level(NamedTuple):
+    """How far a configuration is from the goal.
+
+    phi: the navigation function; 1.0 to all digits in a large fleet, until the end.
+    log_potential: log10(gamma^k / beta) / k, with which phi grows; -300 at the goal and 300 in contact, where
+        it is infinite.
+    """
+
+    phi: float
+    log_potential: float
+
+
+def levels_of(disks: Disks, goals: Goals, k: float, positions: Plane) -> list[Level]:
+    """Of each of n configurations, shape (n, p); finite for any k and number of robots."""
     offset = positions - goals.points
     gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
     found = []
     for each, log_beta in zip(gamma, _log_beta(disks, positions), strict=True):
         if log_beta == -math.inf:
-            found.append(1.0)
+            found.append(Level(1.0, _MOST))
+        elif each > 0.0:
+            log_potential = (math.log(each) - log_beta / k) / math.log(10.0)
+            found.append(Level(phi(math.log(each), log_beta, k), max(-_MOST, min(log_potential, _MOST))))
         else:
-            found.append(phi(math.log(each), log_beta, k) if each > 0.0 else 0.0)
+            found.append(Level(0.0, -_MOST))
     return found
 
 

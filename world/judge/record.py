@@ -18,7 +18,7 @@ from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, NearestGaps, Plane, gaps
 from world.judge.contacts import Contacts
-from world.judge.measures import Goals, phi_of
+from world.judge.measures import Goals, Level, levels_of
 from world.judge.trajectory import TrajectoryDigest
 
 _RISE = 1e-12  # an increase of phi below this is rounding
@@ -37,8 +37,8 @@ class Segment(NamedTuple):
     def truth(self, tick: int, positions: Sequence[Vector]) -> Truth:
         """What is measured of one configuration by itself."""
         plane = as_plane([positions])
-        clearance, phi = float(gaps(self.disks, plane, plane).min()), phi_of(*self[:3], plane)[0]
-        return Truth(tick, self.disks.ids, tuple(positions), clearance, phi)
+        clearance, level = float(gaps(self.disks, plane, plane).min()), levels_of(*self[:3], plane)[0]
+        return Truth(tick, self.disks.ids, tuple(positions), clearance, *level)
 
 
 def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] | None = None) -> Segment:
@@ -54,7 +54,7 @@ class Totals:
     Attributes:
         truth: the newest configuration.
         clearance: smallest gap, over continuous time, m.
-        first_phi: phi of the first configuration.
+        first: phi and its logarithm in the first configuration.
         increases: number of ticks in which phi rose.
         deviation: largest distance from its straight way of each robot that is there, m.
         contacts: overlaps.
@@ -62,7 +62,7 @@ class Totals:
 
     truth: Truth
     clearance: float
-    first_phi: float
+    first: Level
     deviation: dict[int, float]
     increases: int = 0
     contacts: Contacts = field(default_factory=Contacts)
@@ -86,7 +86,9 @@ class Record:
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
         truth = self.segment.truth(0, positions)
-        self._totals = Totals(truth, truth.clearance, truth.phi, dict.fromkeys(scenario.ids, 0.0))
+        self._totals = Totals(
+            truth, truth.clearance, Level(truth.phi, truth.log_potential), dict.fromkeys(scenario.ids, 0.0)
+        )
         self._digest = TrajectoryDigest(scenario.ids)
         self._digest.add([0], [positions])
         self._news = [truth]
@@ -162,10 +164,12 @@ class Record:
     def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
         """Take in the configurations at the ends of ticks, with the smallest gap in each of these."""
         totals, begin = self._totals, self._totals.truth.tick + 1
-        values = phi_of(*self.segment[:3], as_plane(configurations))
-        for row, (positions, clearance, phi) in enumerate(zip(configurations, smallest, values, strict=True)):
-            totals.increases += phi > totals.truth.phi + _RISE
-            totals.truth = Truth(begin + row, totals.truth.robots, positions, clearance, phi)
+        levels = levels_of(*self.segment[:3], as_plane(configurations))
+        for row, (positions, clearance, level) in enumerate(
+            zip(configurations, smallest, levels, strict=True)
+        ):
+            totals.increases += level.phi > totals.truth.phi + _RISE
+            totals.truth = Truth(begin + row, totals.truth.robots, positions, clearance, *level)
             self._news.append(totals.truth)
         self._digest.add(range(begin, begin + len(configurations)), configurations)
         totals.clearance = min(totals.clearance, *smallest)

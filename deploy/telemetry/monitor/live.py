@@ -178,12 +178,12 @@ class RobotView:
         }
 
 
-HISTORY = 1024  # kept points of clearance and phi
+HISTORY = 1024  # kept points of clearance and potential
 _TRAILS = 12_800  # kept points of all trails together
 _RECENT = 256  # truths between two snapshots, at most
 _NEAR = 8  # radii; lines to who is farther away are not shown
 
-Point = tuple[float, float, float]  # simulated time, s; clearance, m; phi
+Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
 
 
 def _worst(earlier: Point, later: Point) -> Point:
@@ -303,7 +303,7 @@ class View:
             if robot in self.robots:
                 self._moved(self.robots[robot], position, elapsed, truth.tick, now)
         self.smallest = truth.clearance if self.smallest is None else min(self.smallest, truth.clearance)
-        self.history.append((truth.tick * step, truth.clearance, truth.phi))
+        self.history.append((truth.tick * step, truth.clearance, truth.log_potential))
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)
 

@@ -103,7 +103,7 @@ def _sample(view: View, group: list[Truth]) -> list[Any]:
         [round(part, 6) for part in where.get(robot, known.position)] for robot, known in view.robots.items()
     ]
     clearance = min(truth.clearance for truth in group)
-    return [last.tick, round(last.tick * view.scenario.time.step, 6), clearance, last.phi, places]
+    return [last.tick, round(last.tick * view.scenario.time.step, 6), clearance, last.log_potential, places]
 
 
 class Source:

@@ -1,4 +1,4 @@
-"""What changes over time: clearance, phi, and the age of what robots know."""
+"""What changes over time: clearance, the potential, and the age of what robots know."""
 
 from __future__ import annotations
 
@@ -88,6 +88,7 @@ def faulty_link(recording: Recording) -> bool:
 
 
 _COLUMNS = 2000  # of ages, more than there are pixels
+_INFINITE = 300.0  # as `Truth.log_potential` has it
 
 
 def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
@@ -101,11 +102,14 @@ def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
     axes.set(ylabel="clearance, mm")
 
 
-def draw_phi(axes: Axes, recordings: Sequence[Recording]) -> None:
-    """The navigation function: 1 on the boundary of free space, 0 at the goal."""
+def draw_potential(axes: Axes, recordings: Sequence[Recording]) -> None:
+    """The potential of which the navigation function is an increasing function, in decades: phi itself is 1
+    to all digits in a large fleet, until the end."""
     for index, recording in enumerate(recordings):
-        _curve(axes, recording, recording.truths.phi, index, len(recordings))
-    axes.set(ylabel="φ", ylim=(-0.03, 1.03))
+        levels = recording.truths.log_potential
+        finite = np.where(np.abs(levels) < _INFINITE, levels, np.nan)
+        _curve(axes, recording, finite, index, len(recordings))
+    axes.set(ylabel="log$_{10}$(γ / β$^{1/k}$)")
 
 
 def draw_measurement_ages(axes: Axes, recording: Recording) -> None:

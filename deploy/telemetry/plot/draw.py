@@ -74,9 +74,8 @@ def until(recording: Recording, seconds: float) -> Recording:
         return recording
     there = ~np.isnan(truths.positions[kept, :, 0]).all(axis=0)
     positions = truths.positions[kept][:, there]
-    part = Truths(
-        truths.robots[there], truths.ticks[kept], positions, truths.clearance[kept], truths.phi[kept]
-    )
+    measured = (column[kept] for column in (truths.clearance, truths.phi, truths.log_potential))
+    part = Truths(truths.robots[there], truths.ticks[kept], positions, *measured)
     last = float(part.ticks[-1]) * step
     entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
     return replace(recording, truths=part, entries=entries, result=None)

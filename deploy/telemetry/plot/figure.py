@@ -12,7 +12,7 @@ from deploy.telemetry.plot.curves import (
     draw_clearance,
     draw_heard_ages,
     draw_measurement_ages,
-    draw_phi,
+    draw_potential,
     faulty_link,
 )
 from deploy.telemetry.plot.style import HANDLERS, curves, disks
@@ -48,7 +48,7 @@ def figure(recordings: Sequence[Recording]) -> Figure:
 def _panels(recordings: Sequence[Recording]) -> list[Panel]:
     panels: list[Panel] = [
         lambda axes: draw_clearance(axes, recordings),
-        lambda axes: draw_phi(axes, recordings),
+        lambda axes: draw_potential(axes, recordings),
     ]
     if len(recordings) == 1:
         (recording,) = recordings

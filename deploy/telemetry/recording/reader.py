@@ -75,7 +75,7 @@ class Entries:
 
 
 class Said(NamedTuple):
-    """A `Truth` in few bytes: clearance, phi, x, y, x, y, ..."""
+    """A `Truth` in few bytes: clearance, phi, log_potential, x, y, x, y, ..."""
 
     tick: int
     robots: tuple[int, ...]
@@ -85,7 +85,9 @@ class Said(NamedTuple):
     def of(cls, truth: Truth) -> Said:
         """The same."""
         places = chain.from_iterable(truth.positions)
-        return cls(truth.tick, truth.robots, np.array([truth.clearance, truth.phi, *places]))
+        return cls(
+            truth.tick, truth.robots, np.array([truth.clearance, truth.phi, truth.log_potential, *places])
+        )
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,7 @@ class Truths:
     positions: np.ndarray
     clearance: np.ndarray  # m, smallest gap during the tick before
     phi: np.ndarray
+    log_potential: np.ndarray
 
     @classmethod
     def of(cls, said: Iterable[Said]) -> Truths:
@@ -106,9 +109,9 @@ class Truths:
         robots = np.array(sorted(set(chain.from_iterable({row.robots for row in rows}))), dtype=np.int64)
         positions = np.full((len(rows), len(robots), 2), np.nan)
         for places, row in zip(positions, rows, strict=True):
-            places[np.searchsorted(robots, row.robots)] = row.numbers[2:].reshape(-1, 2)
-        clearance, phi = np.array([row.numbers[:2] for row in rows]).reshape(-1, 2).T
-        return cls(robots, np.array([row.tick for row in rows]), positions, clearance, phi)
+            places[np.searchsorted(robots, row.robots)] = row.numbers[3:].reshape(-1, 2)
+        measured = np.array([row.numbers[:3] for row in rows]).reshape(-1, 3).T
+        return cls(robots, np.array([row.tick for row in rows]), positions, *measured)
 
     @property
     def missing(self) -> int:

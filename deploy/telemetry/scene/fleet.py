@@ -38,10 +38,12 @@ DRAWN = frozenset((Truth, Health, GoalStatus, Clock, Tick))
 
 
 class Measures(msgspec.Struct, frozen=True):
-    """How the run stands: smallest gap during the tick before, m, and the navigation function."""
+    """How the run stands: smallest gap during the tick before, m, and the navigation function with
+    log10(gamma / beta^(1/k))."""
 
     clearance: float
     phi: float
+    log_potential: float
 
 
 class Topic(NamedTuple):
@@ -188,7 +190,9 @@ class FleetScene:
         }
 
     def _measures(self) -> bytes:
-        return msgspec.json.encode(Measures(self._truth.clearance, self._truth.phi))
+        return msgspec.json.encode(
+            Measures(self._truth.clearance, self._truth.phi, self._truth.log_potential)
+        )
 
     def _frames(self) -> bytes:
         return self._moving.message(self._now, self._cast.places.values())

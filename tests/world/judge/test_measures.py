@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
+from mpmath import log10, mp, mpf
 
 from protocol.scenario.model import Control, Workspace
 from tests.world.driving import scenario
 from world.judge.clearance import Disks
-from world.judge.measures import Goals, normalised_length, phi_of, tight
+from world.judge.measures import Goals, levels_of, normalised_length, tight
 
 RADIUS = 0.04
 
@@ -88,7 +88,7 @@ def test_a_way_in_any_direction():
 
 
 def judged(setting, positions):
-    return phi_of(Disks.of(setting), Goals.of(setting), setting.k, positions)
+    return levels_of(Disks.of(setting), Goals.of(setting), setting.k, positions)
 
 
 def exact(setting, positions):
@@ -102,7 +102,7 @@ def exact(setting, positions):
         beta *= (a - c) ** 2 + (b - d) ** 2 - mpf(2 * RADIUS) ** 2
     for x, y in points:
         beta *= mpf(setting.workspace.radius - RADIUS) ** 2 - x**2 - y**2
-    return float((gamma**k / (gamma**k + beta)) ** (1 / k))
+    return float((gamma**k / (gamma**k + beta)) ** (1 / k)), float(log10(gamma**k / beta) / k)
 
 
 def spread(robots, seed, k):
@@ -125,10 +125,10 @@ def spread(robots, seed, k):
     ("robots", "k"), [(1, 2.0), (2, 5.0), (3, 20.0), (6, 60.0), (6, 1000.0), (20, 700.0), (6, 1e4)]
 )
 @pytest.mark.parametrize("seed", range(3))
-def test_phi_equals_the_formula_in_many_digits(robots, k, seed):
+def test_phi_and_its_logarithm_equal_the_formulas_in_many_digits(robots, k, seed):
     setting, positions = spread(robots, seed, k)
-    (phi,) = judged(setting, positions[None])
-    assert phi == pytest.approx(exact(setting, positions), rel=1e-10)
+    (level,) = judged(setting, positions[None])
+    assert level == pytest.approx(exact(setting, positions), rel=1e-10)
 
 
 @pytest.mark.parametrize("robots", [2, 20, 70])
@@ -137,16 +137,18 @@ def test_phi_of_many_is_the_same(robots, monkeypatch):
     disks, goals = Disks.of(setting), replace(Goals.of(setting), points=positions + 0.01)
     positions = np.array([positions, positions])
     positions[1, 0] = positions[1, -1] + RADIUS
-    found = phi_of(disks, goals, setting.k, positions)
+    found = levels_of(disks, goals, setting.k, positions)
     monkeypatch.setattr("world.judge.measures.FEW", 0)
-    assert phi_of(disks, goals, setting.k, positions) == pytest.approx(found, rel=1e-12)
-    assert found[0] < found[1] == 1.0
+    again = levels_of(disks, goals, setting.k, positions)
+    assert np.array(again) == pytest.approx(np.array(found), rel=1e-12)
+    assert found[0] < found[1] == (1.0, 300.0)
 
 
 def test_phi_is_finite_for_many_robots_and_a_large_gain():
     setting, positions = spread(200, 0, 1e4)
-    (phi,) = judged(setting, positions[None])
-    assert 0.0 < phi <= 1.0
+    (level,) = judged(setting, positions[None])
+    assert 0.0 < level.phi <= 1.0
+    assert abs(level.log_potential) < 10.0
 
 
 def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
@@ -155,5 +157,5 @@ def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
         [[0.1, -0.1], [0.04, -0.04], [0.01, -0.01], [0.5, -0.1], [0.5, -0.5], [0.06, -0.06]], dtype=complex
     )
     *values, free = judged(setting, configurations)
-    assert values == [0.0, 1.0, 1.0, 1.0, 1.0]
-    assert 0.0 < free < 1.0
+    assert values == [(0.0, -300.0), *[(1.0, 300.0)] * 4]
+    assert 0.0 < free.phi < 1.0

@@ -11,7 +11,7 @@ from protocol.geometry import Disk
 from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Workspace
 from tests.world.driving import scenario, two
 from world.judge.clearance import Disks
-from world.judge.measures import Goals, phi_of
+from world.judge.measures import Goals, levels_of
 from world.judge.record import Record
 
 BOX = ((-0.05, 0.1), (0.05, 0.1), (0.05, 0.2), (-0.05, 0.2))
@@ -46,7 +46,9 @@ def test_contacts_name_the_obstacle_or_the_wall():
 def test_phi_is_one_where_an_obstacle_or_a_wall_is_touched():
     setting = crossing()
     places = np.array([[-0.5 + 0j], [0.08 + 0.15j], [0.4 + 0.07j], [0.97 + 0j], [0.5 - 0.3j]])
-    free, box, disk, wall, goal = phi_of(Disks.of(setting), Goals.of(setting), setting.k, places)
+    free, box, disk, wall, goal = (
+        each.phi for each in levels_of(Disks.of(setting), Goals.of(setting), setting.k, places)
+    )
     assert 0.0 < free < 1.0
     assert box == disk == wall == 1.0
     assert goal == 0.0

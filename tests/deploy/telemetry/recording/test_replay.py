@@ -70,7 +70,7 @@ def test_one_changed_digit_is_an_error(path, recording, tmp_path):
 def _without_truths(recording: Recording, lost: set[int]) -> Recording:
     truths = recording.truths
     keep = ~np.isin(truths.ticks, list(lost))
-    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi)
+    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)
     return replace(recording, truths=Truths(truths.robots, *(column[keep] for column in columns)))
 
 

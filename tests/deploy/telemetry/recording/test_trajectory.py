@@ -74,7 +74,7 @@ def test_the_trajectory_is_the_results(recording: Recording) -> None:
 
 def without(recording: Recording, lost: int) -> Recording:
     truths, keep = recording.truths, recording.truths.ticks != lost
-    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi)
+    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)
     return replace(recording, truths=Truths(truths.robots, *(column[keep] for column in columns)))
 
 

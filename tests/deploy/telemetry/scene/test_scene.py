@@ -126,7 +126,7 @@ def test_nothing_is_measured_before_the_first_truth() -> None:
     scene = FleetScene(SCENARIO)
     assert {picture.topic for picture in scene.whole()} == TOPICS.keys() - {"/measures"}
     list(scene.hear(truth(0)))
-    assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5}
+    assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5, "log_potential": 0.0}
 
 
 def drawn_robots(scene: FleetScene) -> list[str]:

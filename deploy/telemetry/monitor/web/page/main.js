@@ -26,8 +26,8 @@ const plots = [
   new Plot(element("clearance"), element("clearance-now"), model, {
     pick: (point) => point[1] * 1000, unit: " mm", digits: 1, floor: 0, zero: "contact",
   }),
-  new Plot(element("phi"), element("phi-now"), model, {
-    pick: (point) => point[2], unit: "", digits: 4, floor: 0, ceiling: 1,
+  new Plot(element("potential"), element("potential-now"), model, {
+    pick: (point) => point[2], unit: "", digits: 2, floor: 0,
   }),
 ];
 

@@ -1,4 +1,4 @@
-// What the page knows: the scenario, the newest frame, and the past of positions, clearance and phi.
+// What the page knows: the scenario, the newest frame, and the past of positions, clearance and potential.
 import { distance, gap } from "./geometry.js";
 import { Thinned } from "./thinned.js";
 
@@ -48,9 +48,9 @@ export class Model {
     frame.samples.filter((sample) => sample[0] > this.tick).forEach((sample) => this.append(sample));
   }
 
-  append([tick, time, clearance, phi, places]) {
+  append([tick, time, clearance, potential, places]) {
     this.tick = tick;
-    this.history.append([time, clearance, phi]);
+    this.history.append([time, clearance, potential]);
     this.robots.forEach((robot, index) => {
       robot.to = places[index];
       robot.trail.append(places[index]);
