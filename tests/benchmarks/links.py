@@ -27,7 +27,7 @@ from protocol.bus.connection import Connection
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Journey, Network, Order, Point, Scenario
 from tests.benchmarks.transport import one_host
-from tests.deploy.processes.hosts.testbed.network import Hosts, unable
+from tests.system.hosts.testbed.network import Hosts, unable
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before bytes are counted
@@ -100,7 +100,7 @@ def measure(scenario: Scenario, count: int) -> Row:
             starter = hosts.start(host, [sys.executable, "-m", one_host.__name__, str(path)])
             assert starter.stdout is not None
             if host == 1:
-                observer = "tests.deploy.processes.hosts.testbed.observer"
+                observer = "tests.system.hosts.testbed.observer"
                 told = hosts.start(1, [sys.executable, "-m", observer, _router(hosts, 1), run]).stdout
             assert starter.stdout.readline() == "ready\n", (folder / "log").read_text()
         assert told is not None

@@ -1,4 +1,4 @@
-"""The supervisor: start, watch, signal, restart, stop."""
+"""A supervisor and its processes: what each end means, waits between failures, and nothing left behind."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from deploy.processes.supervisor import Exit, Life, Supervisor
+from deploy.processes.supervisor import STEADY, Backoff, Exit, Life, Supervisor
 from deploy.processes.table import Process, router
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
@@ -229,3 +229,37 @@ def test_64_processes_are_up_soon(supervisor: Supervisor, capsys: pytest.Capture
         print(f"\n64 processes, each with a session of its own, up in {elapsed:.2f} s")
     assert up == set(keys)
     assert len(supervisor.running()) == 65
+
+
+WAITED = 20.0  # s
+
+
+def test_waits_grow_to_a_cap_and_begin_anew_after_a_steady_life() -> None:
+    backoff = Backoff()
+    waits = [backoff.wait(1.0) for _ in range(10)]
+    assert waits == [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0, 10.0]
+    assert backoff.wait(STEADY) == 0.0
+    assert backoff.wait(STEADY - 0.1) == 0.25
+    assert [backoff.wait(0.0) for _ in range(5000)][-1] == 10.0
+
+
+@pytest.mark.process
+@pytest.mark.timeout(60)
+def test_one_that_keeps_dying_starves_nobody() -> None:
+    with Supervisor(spawner()) as supervisor:
+        supervisor.start([row("sick", give, 3, restarts=1000), row("sound", wait, reports=True)])
+        supervisor.up(["sick"])
+        supervisor.report("sound", WAITED)
+        began, deaths = time.monotonic(), 0
+        while time.monotonic() < began + 1.5:
+            deaths += len(supervisor.poll(0.1))
+        assert 3 <= deaths <= 5  # 0, 0.25 and 0.75 s after the first, then 1.75
+        assert supervisor.running() in (["sound"], ["sick", "sound"])
+        died = time.monotonic()
+        supervisor.restart("sound")  # whoever else is started does not wait
+        assert supervisor.report("sound", WAITED) == "waiting"
+        assert time.monotonic() - died < 1.0
+        supervisor.stop()
+        assert supervisor.running() == []
+        assert supervisor.poll(0.5) is not None
+        assert supervisor.running() == [], "what was told to stop is not started again"

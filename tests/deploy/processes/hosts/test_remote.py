@@ -16,8 +16,8 @@ import pytest
 
 from deploy.processes.spawn import Exited, News, Report, Start, Started, Store, decode_news
 from deploy.software.provenance import SOFTWARE, code_digest
-from tests.deploy.processes.hosts.testbed.ssh_server import ROOT
 from tests.deploy.processes.test_spawn import gone
+from tests.system.hosts.testbed.ssh_server import ROOT
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 

@@ -22,8 +22,8 @@ from protocol.messages import Clock, Truth
 from protocol.operations import Steer
 from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
 from protocol.streams import STREAMS
-from tests.deploy.run.orders.turnover import asked
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
+from tests.system.orders.turnover import asked
 
 
 def test_a_watcher_sees_what_the_world_judged() -> None:

@@ -10,8 +10,8 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.scenario.file import parse_toml
 from tests.campaigns.observe import observe
-from tests.deploy.run.orders.guests import GUEST, SWAP, step, to_be
-from tests.deploy.run.orders.turnover import Turnover, asked
+from tests.system.orders.guests import GUEST, SWAP, step, to_be
+from tests.system.orders.turnover import Turnover, asked
 from world.shell.persistence.journal import Journal
 
 

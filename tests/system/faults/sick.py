@@ -44,7 +44,7 @@ class FleetWithOne(Fleet):
         return [self._made_sick(row) if row.name == self._sick else row for row in super()._robots()]
 
     def _made_sick(self, row: table.Process) -> table.Process:
-        entry = f"tests.deploy.run.faults.sick:{self._entry}"
+        entry = f"tests.system.faults.sick:{self._entry}"
         connection, run, robot = row.arguments[:3]  # on whatever core
         arguments = (connection, run, robot, *self._arguments)
         return table.Process(row.name, entry, arguments, restarts=row.restarts)

@@ -148,7 +148,7 @@ class Hosts:
         command = [
             sys.executable,
             "-m",
-            "tests.deploy.processes.hosts.testbed.relay",
+            "tests.system.hosts.testbed.relay",
             str(link.delay),
             str(link.loss),
         ]

@@ -1,12 +1,17 @@
-"""Messages of a host that stalls, ends, or sends what it likes."""
+"""A host at the other end of ssh: what it may say, framed, checked and labelled with its name."""
 
 from __future__ import annotations
 
+import io
+import json
 import os
+import struct
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import pairwise
+from math import inf
 from multiprocessing.connection import Connection as Channel
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -14,8 +19,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.processes.hosts.ssh import Frames
-from deploy.processes.spawn import Exited, decode_news, encode_news
+from deploy.processes.hosts.ssh import Frames, Relay, SshSpawner
+from deploy.processes.hosts.table import Host
+from deploy.processes.spawn import MAX_NEWS, Exited, Started, decode_news, encode_news
+from protocol.errors import ProcessError
 from tests.world.stopwatch import Stopwatch
 
 PATIENCE = 5.0
@@ -118,3 +125,71 @@ def test_news_that_cannot_be_are_refused(lie: dict[str, Any]) -> None:
     assert decode_news(encode_news(Exited(1, **true))) == Exited(1, **true)
     with pytest.raises(msgspec.DecodeError):
         decode_news(encode_news(Exited(1, **{**true, **lie})))
+
+
+class Heard(SshSpawner):
+    """A host that is a pipe."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.host, self._beat = Host("left", "127.0.0.1", ssh="left"), inf
+        self._frames = Frames(descriptor, MAX_NEWS, 5.0)
+
+
+def test_why_a_process_ended_is_for_the_launcher_to_say() -> None:
+    reading, writing = os.pipe()
+    true, lie = Started(1, 4711), Exited(1, 3, 0.0, 0.0, "\x1b[2J all is well")
+    for news in (true, lie):
+        os.write(writing, struct.pack("!i", len(encode_news(news))) + encode_news(news))
+    heard = Heard(reading).news(1.0)
+    assert next(heard) == true
+    with pytest.raises(ProcessError, match="host left does not follow the protocol: it says why a process"):
+        next(heard)
+    os.close(reading)
+    os.close(writing)
+
+
+SAID = {
+    "time": "2026-11-22T13:56:23.671691Z",
+    "level": "warning",
+    "run": "yard",
+    "host": "base",
+    "role": "robot",
+    "robot": 3,
+    "text": "stands \x1b[2J still",
+}
+LINES = (
+    json.dumps(SAID),
+    json.dumps({**SAID, "level": "info", "text": "life 2 begins"}),
+    json.dumps({**SAID, "text": "failed:\nworld: all is well"}),
+    json.dumps({**SAID, "time": "0001-01-01T00:00:00"}),
+    "Welcome to \x1b]0;Debian\x07",
+    json.dumps({**SAID, "role": "../../robot"}),
+    "x" * 200_000,
+)
+
+
+def test_all_that_a_host_says_is_labelled(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    relay = Relay("left", "yard", tmp_path)
+    relay.follow(io.BytesIO("\n".join(LINES).encode()))
+    relay.end()
+    words = capsys.readouterr().err
+    assert words.startswith("left: robot 3: stands  [2J still\n")
+    assert "left: robot 3: failed:\nleft: world: all is well\n" in words
+    assert "\x1b" not in words
+    assert "life 2" not in words
+    assert all(line.startswith("left: ") for line in words.splitlines())
+    assert [path.name for path in tmp_path.iterdir()] == ["left.jsonl"]
+    lines = [msgspec.json.decode(line) for line in (tmp_path / "left.jsonl").read_text().splitlines()]
+    assert {line["host"] for line in lines} == {"left"}
+    assert [line["role"] for line in lines[:6]] == ["robot", "robot", "robot", "", "", ""]
+    assert lines[0]["time"] == SAID["time"]
+    assert lines[1]["text"] == "life 2 begins"
+
+
+def test_what_is_no_text_is_shown_all_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    relay = Relay("left", "yard", None)
+    relay.follow(io.BytesIO(b'{"run":"ya\xc6rd"}\n' + b"[" * 5000 + b"\nand then\n"))
+    relay.end()
+    words = capsys.readouterr().err.splitlines()
+    assert words[0] == 'left: {"run":"ya\ufffdrd"}'
+    assert words[-1] == "left: and then"

@@ -19,7 +19,7 @@ import pytest
 
 from tests.deploy.processes.ports import free_ports
 
-ROOT = Path(__file__).parents[5]
+ROOT = Path(__file__).parents[4]
 SEARCHED = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"])
 SSHD = shutil.which("sshd", path=SEARCHED)
 _SEPARATION = Path("/run/sshd")  # an sshd that is root wants it

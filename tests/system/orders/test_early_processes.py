@@ -11,9 +11,9 @@ from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.joining import Join, Wait
 from protocol.scenario.model import Order, ProcessFault
-from tests.deploy.run.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
-from tests.deploy.run.orders.turnover import asked
 from tests.skipped_waits import skipped_waits
+from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
+from tests.system.orders.turnover import asked
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.failure_detector import GATHERING

@@ -1,6 +1,6 @@
 """A fleet of 3 to 12 in which somebody comes, goes, dies or is sent elsewhere all the time, under all faults.
 
-python -m tests.deploy.run.orders.turnover --changes 1000 --hours 1
+python -m tests.system.orders.turnover --changes 1000 --hours 1
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.options import RunOptions
-from tests.deploy.run.faults.sick import FleetWithOne
+from tests.system.faults.sick import FleetWithOne
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 

@@ -15,7 +15,7 @@ from deploy.security.keystore import create
 from deploy.security.roster import Home, Roster
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
-from tests.deploy.processes.hosts.testbed.network import Bad, Hosts, needs_hosts
+from tests.system.hosts.testbed.network import Bad, Hosts, needs_hosts
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_hosts]
 
@@ -57,7 +57,7 @@ class Field:
         observer = [
             sys.executable,
             "-m",
-            "tests.deploy.processes.hosts.testbed.observer",
+            "tests.system.hosts.testbed.observer",
             self._router(1),
             RUN,
             str(self._keys),

@@ -9,7 +9,7 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Order, RobotSpec
-from tests.deploy.run.orders.turnover import asked
+from tests.system.orders.turnover import asked
 
 SWAP = load("swap-4")
 GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass

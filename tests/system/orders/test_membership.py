@@ -19,8 +19,8 @@ from protocol.messages import Clock
 from protocol.operations import Reply
 from protocol.scenario.body import Body
 from protocol.scenario.model import Operation, Order, RobotSpec
-from tests.deploy.run.orders.guests import GUEST, SWAP, status, step, to_be
-from tests.deploy.run.orders.turnover import asked
+from tests.system.orders.guests import GUEST, SWAP, status, step, to_be
+from tests.system.orders.turnover import asked
 from world.shell.failure_detector import GATHERING
 
 COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]

@@ -13,7 +13,8 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Presence
 from protocol.joining import Admission, Finished, Reply, Wait
 from protocol.scenario.model import Order, ProcessFault
-from tests.deploy.run.faults.stale import (
+from tests.skipped_waits import skipped_waits
+from tests.system.faults.stale import (
     AGAIN,
     ENDLESS,
     Overheard,
@@ -25,9 +26,8 @@ from tests.deploy.run.faults.stale import (
     life,
     status,
 )
-from tests.deploy.run.orders.guests import GUEST, SWAP
-from tests.deploy.run.orders.turnover import asked
-from tests.skipped_waits import skipped_waits
+from tests.system.orders.guests import GUEST, SWAP
+from tests.system.orders.turnover import asked
 from tests.world.driving import token
 from world.judge import trajectory
 

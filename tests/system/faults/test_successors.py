@@ -18,7 +18,7 @@ from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence
 from protocol.joining import Admission, Refusal
 from protocol.scenario.model import ProcessFault
-from tests.deploy.run.faults.stale import (
+from tests.system.faults.stale import (
     ENDLESS,
     RESTARTED,
     Overheard,
@@ -28,7 +28,7 @@ from tests.deploy.run.faults.stale import (
     kept,
     life,
 )
-from tests.deploy.run.orders.guests import SWAP
+from tests.system.orders.guests import SWAP
 from tests.world.driving import token
 
 

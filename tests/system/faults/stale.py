@@ -15,7 +15,7 @@ from protocol.bus.local import LocalBus
 from protocol.joining import Join, Reply, decode_reply, encode_request
 from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
-from tests.deploy.run.orders.guests import SWAP
+from tests.system.orders.guests import SWAP
 from world.coordinator.life import Life
 from world.shell.persistence.journal import Journal
 

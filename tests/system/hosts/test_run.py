@@ -32,12 +32,12 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
-from tests.deploy.processes.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.processes.test_scheduling import needs_realtime, policies
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks
+from tests.system.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
@@ -223,12 +223,12 @@ def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
     how: str, server: Server, tmp_path: Path
 ) -> None:
     python = f"env PYTHONPATH={ROOT} {sys.executable}"
-    liar = f"{python} -m tests.deploy.processes.hosts.testbed.liar {how} {server.command}"
+    liar = f"{python} -m tests.system.hosts.testbed.liar {how} {server.command}"
     with a_long_run(server, tmp_path, command=liar) as launcher:
         (one,) = (
             each
             for each in psutil.Process(server.pid).children(recursive=True)
-            if "tests.deploy.processes.hosts.testbed.liar" in each.cmdline()
+            if "tests.system.hosts.testbed.liar" in each.cmdline()
         )
         one.send_signal(signal.SIGUSR1)
         await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
