@@ -37,6 +37,8 @@ FIELDS = {
     "faults": "what was injected: `process` faults, `fenced` lives, whom the world has `given_up`, "
     "`measurements` (`delayed`, `missing`, `dropped`), and the scenario's `sensing`, `link` and `actuation`",
     "phi": "navigation function: `first`, `last`, and in how many ticks it rose (`increases`)",
+    "log_potential": "log10(gamma^k / beta) / k, with which phi grows: `first` and `last`; -300 where "
+    "all are at their goals, 300 in contact; unlike phi, it is not 1 to all digits in a large fleet",
     "positions": "m, by robot, at the end",
     "trajectory_sha256": "over all true positions: little-endian doubles in the order tick, robot, x, y; "
     "after every 8192 ticks it begins anew with the 32 bytes so far",

@@ -35,7 +35,7 @@ def test_a_watcher_sees_what_the_world_judged() -> None:
     assert frame["tick"] == report["ticks"]
     assert frame["smallest"] >= report["min_clearance"] - 1e-12
     assert {row["status"] for row in frame["robots"]} == {"at goal"}
-    assert watcher.overview()["history"][-1][2] == pytest.approx(report["phi"]["last"])
+    assert watcher.overview()["history"][-1][2] == pytest.approx(report["log_potential"]["last"])
 
 
 def test_a_watcher_does_not_change_a_run() -> None:
