@@ -36,7 +36,8 @@ from tests.campaigns.scenarios.places import around, by_points, drawn_together, 
 
 BUDGET = (120.0, 3000.0)  # robots times ticks
 TICKS = (6, 400)
-_PEERS = "deploy.studies.peers.laws"
+_LAWS = ("gradient", "gradient", "gradient", "reciprocal", "Orca", "Barrier")
+_ADVERSARY = "tests.laws.adversary:Adversary"
 _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
 _FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
@@ -78,7 +79,10 @@ def drawn(dice: Dice) -> Scenario | None:
         orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
     )
     try:
-        return validated(_elsewhere(dice, _with_guests_failing(dice, by_points(scenario), scale)))
+        scenario = _elsewhere(dice, _with_guests_failing(dice, by_points(scenario), scale))
+        if dice.chance(0.15):  # a law that wants a touch
+            scenario = replace(scenario, control=replace(scenario.control, law=_ADVERSARY))
+        return validated(scenario)
     except ScenarioError:
         return None
 
@@ -162,28 +166,31 @@ def _time(dice: Dice, scale: Scale) -> Time:
 
 
 def _control(dice: Dice, scale: Scale, k: float) -> Control:
+    law = dice.pick(_LAWS)
     reach = scale.radius * dice.log_uniform(0.01, 3.0)  # m a tick
-    return Control(
-        law=_law(dice, scale),
+    control = Control(
         k=dice.pick((k, k, dice.log_uniform(0.3, 1e4))),
         speed=reach / scale.step,
         additions=tuple(each for each in ADDITIONS if dice.chance(0.8)),
     )
+    return replace(control, law=_named(dice, scale, law))
 
 
-def _law(dice: Dice, scale: Scale) -> str:
-    """The paper's in half of the runs, else another one, or one that wants a touch."""
-    name = dice.pick(
-        ("gradient", "gradient", "gradient", "gradient", "reciprocal", "Orca", "Barrier", "Adversary")
-    )
-    if name == "Adversary":
-        return "tests.laws.adversary:Adversary"
-    if name not in ("Orca", "Barrier"):
-        return name
-    ahead = dice.log_uniform(0.5, 100.0)
-    own = f"horizon={scale.step * ahead}" if name == "Orca" else f"gain={1.0 / (scale.step * ahead)}"
-    noise, margin = dice.uniform(0.0, 1.0), scale.radius * dice.uniform(0.0, 0.5)
-    return f"{_PEERS}:{name}({own}, noise={noise}, margin={margin})"
+def _named(dice: Dice, scale: Scale, law: str) -> str:
+    """A law as the control table names it; the choices are as many for each law from outside."""
+    if law == "gradient":
+        return law
+    own: dict[str, float | None] = {}
+    if law == "Orca":
+        own["horizon"] = dice.pick((None, scale.step * dice.log_uniform(0.5, 100.0)))
+    if law == "Barrier":
+        own["gain"] = dice.pick((None, dice.log_uniform(0.01, 2.0) / scale.step))
+    own["noise"] = dice.pick((None, dice.uniform(0.0, 1.0)))
+    own["margin"] = dice.pick((None, scale.radius * dice.uniform(0.0, 0.5)))
+    if law == "reciprocal":
+        return law
+    arguments = ", ".join(f"{name}={value}" for name, value in own.items() if value is not None)
+    return f"deploy.studies.peers.laws:{law}({arguments})"
 
 
 _HEADINGS = (0.0, 0.0, 1.0, 3.2, -1.6)  # rad
