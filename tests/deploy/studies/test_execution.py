@@ -109,7 +109,7 @@ def _lost(*_: object) -> dict[str, object]:
 
 
 def test_a_worker_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "perform", _lost)
+    monkeypatch.setattr(execution, "run_one", _lost)
     with pytest.raises(ProcessError, match="goes on"):
         execute(_study(), "local", RunLog(None), jobs=1)
 
