@@ -166,6 +166,10 @@ class Robot:
             return None, 0.0
         return position, bound
 
+    def tell(self, wish: Vector) -> None:
+        """A wish from outside, m/s, for the law "external"."""
+        self._law.tell(wish, self.tick)
+
     # -- phase 2: hear, think, limit, command
 
     def command(self) -> Command:

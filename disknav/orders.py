@@ -53,6 +53,14 @@ class Orders:
         goal = {"robot": robot, "points": points, "queue": queue, "patrol": patrol, "within": within}
         return self._operate({"goal": goal})
 
+    def wish(self, robot: int, velocity: Vector) -> None:
+        """Say how a robot is to move from now on (m/s), if the scenario has `control.law = "external"`.
+
+        It counts for `control.lifetime`; what is faster than the speed limit is slowed down to that. Nothing
+        answers: what the robot does is what the safety filter leaves of it.
+        """
+        self._operator.wish(robot, (float(velocity[0]), float(velocity[1])))
+
     def status(self, robot: int) -> GoalStatus | None:
         """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
         return self._operator.operate().goal(robot)

@@ -6,7 +6,7 @@ Grammar::
            | "disknav/" run "/world/" (world-stream | token)
     run    = one or more of A-Z a-z 0-9 _ -           fleets with different runs share a network
     id     = decimal integer from 1 to 999999999, no leading zero
-    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "join"
+    robot-stream = "tick" | "state" | "command" | "health" | "goalstatus" | "wish" | "join"
     world-stream = "clock" | "truth" | "summary" | "result" | "scenario" | "steering" | "operation"
     token   = "alive/" session
     session = 1 to 64 of A-Z a-z 0-9 _ -              one process; of a world, its epoch in hexadecimal digits
@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 
 from protocol.errors import KeyGrammarError
 
-ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "join")
+ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "wish", "join")
 WORLD_STREAMS = ("clock", "truth", "summary", "result", "scenario", "steering", "operation")
 TOKEN: Final = "alive"
 SESSION: Final = "[A-Za-z0-9_-]{1,64}"  # grammar of a session

@@ -344,10 +344,17 @@ class GoalStatus(Message, frozen=True, array_like=True, gc=False):
     ahead: Count = 0  # points after this one; those of a patrol without end
 
 
+class Wish(Message, frozen=True, array_like=True, gc=False):
+    """A planner, a person or a policy to one robot whose law is "external": how it is to move."""
+
+    robot: Id  # who is to move
+    velocity: Vector  # m/s; what is faster than the speed limit is slowed down to it
+
+
 class Result(Message, frozen=True, array_like=True, gc=False):
     """World to the launcher at the end: what it judged. `report` is a JSON object."""
 
     report: str  # JSON text
 
 
-AnyMessage = Tick | State | Command | Clock | Summary | Truth | Health | GoalStatus | Result
+AnyMessage = Tick | State | Command | Clock | Summary | Truth | Health | GoalStatus | Wish | Result

@@ -7,7 +7,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from protocol.messages import Clock, Command, GoalStatus, Health, Message, Result, State, Summary, Tick, Truth
+from protocol.messages import (
+    Clock,
+    Command,
+    GoalStatus,
+    Health,
+    Message,
+    Result,
+    State,
+    Summary,
+    Tick,
+    Truth,
+    Wish,
+)
 
 
 class Stream(NamedTuple):
@@ -21,7 +33,7 @@ class Stream(NamedTuple):
 
     name: str
     message: type[Message]
-    publisher: str  # "world" or "robot"
+    publisher: str  # "world", "robot" or "operator"
     heard_by: tuple[str, ...]  # of "itself", the robot in the key; "robots", all of them; "world"
     rate: str
     reliable: bool
@@ -75,6 +87,16 @@ _STREAMS = (
         False,
         True,
         1024,
+    ),
+    Stream(
+        "wish",
+        Wish,
+        "operator",
+        ("itself",),
+        "as often as a planner likes, for a robot whose law is external",
+        False,
+        False,
+        256,
     ),
     Stream("result", Result, "world", (), "once, at the end", True, False, 4 * 1024 * 1024),
 )

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from agents.law.additions import AugmentedLaw
 from agents.law.api import Law, View
+from agents.law.external import ExternalLaw
 from agents.law.gradient import GradientLaw
 from protocol.errors import LawError, UsageError
 from protocol.messages import Vector
@@ -37,6 +38,8 @@ def choose(scenario: Scenario, robot: int) -> Law:
         from agents.law.reciprocal import ReciprocalLaw
 
         return ReciprocalLaw(scenario, robot)
+    if law == "external":
+        return ExternalLaw(scenario, robot)
     if ":" in law:
         return OwnLaw(scenario, robot)
     return AugmentedLaw(scenario, robot) if scenario.control.additions else GradientLaw(scenario, robot)
@@ -68,6 +71,11 @@ class GuardedLaw(Law):
             self._law = choose(scenario, robot)
         except LawError as error:
             self.failure = str(error)
+
+    def tell(self, wish: Vector, tick: int) -> None:
+        """A wish from outside, m/s, during `tick`; only the law "external" is told."""
+        if isinstance(self._law, ExternalLaw):
+            self._law.tell(wish, tick)
 
     def velocity(self, view: View) -> Vector:
         """Desired velocity, m/s; 0 once the law has failed."""

@@ -27,7 +27,7 @@ from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import parse, robot_key, robot_token, world_key, world_tokens
-from protocol.messages import AnyMessage, Health, State, Summary, Tick
+from protocol.messages import AnyMessage, Health, State, Summary, Tick, Wish
 from protocol.streams import STREAMS
 
 REPORT_PERIOD: Final = 0.5  # s between health messages
@@ -149,6 +149,8 @@ class RobotNode:
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
         bus.subscribe(self._summary)
+        if core.scenario.control.law == "external":
+            bus.subscribe(robot_key(run, robot, "wish"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], self._health_key)
@@ -219,6 +221,8 @@ class RobotNode:
             self._on_tick(core, message)
         elif isinstance(message, Summary):
             self._on_summary(core, message)
+        elif isinstance(message, Wish):
+            core.tell(message.velocity)
         elif isinstance(message, State) and not core.scenario.hears_near:
             self._rejected["identity"] += 1  # of nobody who takes part
 

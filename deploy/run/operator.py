@@ -11,17 +11,18 @@ from typing import TypeVar
 import msgspec
 
 from deploy.security.roster import ROUTER, WORLD
-from protocol.bus.bus import Bus, Sample
+from protocol.bus.bus import Bus, Publish, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
+from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UsageError
 from protocol.keys import checked_run, robot_key, world_key
-from protocol.messages import GoalStatus, Member, Thing
+from protocol.messages import GoalStatus, Member, Thing, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
+from protocol.streams import STREAMS
 
 ANSWER = 5.0  # s within which a router is reached, and a world answers
 _LOOK = 0.05  # s between looks at the state
@@ -40,6 +41,7 @@ class Operator:
 
     def __init__(self, bus: Bus, run: str, warn: Callable[[str], None] = LOG.warning) -> None:
         self._bus, self._run, self._warn, self._warned = bus, checked_run(run), warn, False
+        self._wishes: dict[int, Publish] = {}  # publishers, by robot
 
     def operate(self, operation: Operation | None = None) -> Reply:
         """Ask for an operation, or (None) for the state alone.
@@ -66,6 +68,12 @@ class Operator:
             halted=all(reply.halted for reply in replies),
             moving=tuple(sorted({robot for reply in replies for robot in reply.moving})),
         )
+
+    def wish(self, robot: int, velocity: Vector) -> None:
+        """Say how a robot whose law is "external" is to move from now on, m/s."""
+        if robot not in self._wishes:
+            self._wishes[robot] = self._bus.publisher(STREAMS["wish"], robot_key(self._run, robot, "wish"))
+        self._wishes[robot](encode(Wish(robot, velocity)))
 
     def appeared(self, robot: int, within: float) -> Member:
         """Wait until the disk of a robot that was added is in its place.

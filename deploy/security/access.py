@@ -80,6 +80,7 @@ def _rules(run: str, role: str) -> Iterator[Rule]:
         yield from _watcher(run, MONITOR, _questions("monitor"))
     elif role == OPERATOR:
         yield from _watcher(run, OPERATOR, [*_questions("monitor"), *_questions("operator")])
+        yield _rule(role, "publish", _PUBLISH, [_key(run, name) for name in _published_by("operator")])
     elif role.startswith("robot-"):
         yield from _robot(run, int(role.removeprefix("robot-")))
 

@@ -30,14 +30,14 @@ Span = Annotated[
     float | tuple[NonNegative, NonNegative],
     Meta(description="a number of seconds or an array [low, high]"),
 ]
-LAWS = ("gradient", "reciprocal")
+LAWS = ("gradient", "reciprocal", "external")
 Addition = Literal["obstacles", "jams", "late-states", "pace", "escape"]  # agents/law/additions.py
 ADDITIONS: tuple[Addition, ...] = get_args(Addition)
 LawName = Annotated[  # docs/guides/law.md
     str,
     Meta(
         pattern=rf"^({'|'.join(LAWS)}|(?s:.+:[^:]+))\Z",
-        description=f"{' or '.join(LAWS)}, or your own: module:Class, file.py:Class or entry-point:NAME",
+        description=f"{', '.join(LAWS)}, or your own: module:Class, file.py:Class or entry-point:NAME",
     ),
 ]
 GainChoice = Annotated[
@@ -163,6 +163,7 @@ class Control:
     filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
     speed: Positive = 0.10  # m/s, limit
     additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: what they have beside the paper's law
+    lifetime: Positive = 0.5  # s, external: after which a wish counts no more
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
     def without(self, *names: Addition) -> Control:

@@ -31,6 +31,7 @@ from protocol.messages import (
     Summary,
     Tick,
     Truth,
+    Wish,
 )
 
 numbers = st.floats(-LARGEST, LARGEST)
@@ -143,6 +144,7 @@ ANY: dict[str, st.SearchStrategy[Any]] = {
         vectors,
         counts,
     ),
+    "wish": st.builds(Wish, ids, vectors),
     "result": st.builds(Result, st.text(max_size=50)),
 }
 
@@ -175,5 +177,6 @@ ONE: dict[str, Message] = {
     "truth": Truth(3, (1, 2), ((0.1, 0.2), (0.3, 0.4)), 0.01, 0.5),
     "health": Health(1, 2, 3, 0.1, 10, 20, {"shape": 1}, ((3, 2),), ((3, 1.0, 0.0, 0.1),), "ok"),
     "goalstatus": GoalStatus(1, 3, 2, "under way", (0.5, 0.25), 4),
+    "wish": Wish(1, (0.1, 0.2)),
     "result": Result("{}"),
 }

@@ -1,0 +1,86 @@
+"""`law = "external"`: robots want what they are told, and the filter keeps them apart all the same."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import disknav
+
+CROSSING: dict[str, Any] = {
+    "name": "crossing",
+    "control": {"law": "external", "speed": 0.1},
+    "time": {"limit": 30.0},
+    "robots": [
+        {"id": n + 1, "radius": 0.03, "start": [x, y], "goal": [-x, -y]}
+        for n, (x, y) in enumerate([(0.2, 0.005), (-0.2, 0.0), (0.0, 0.2), (0.005, -0.2)])
+    ],
+}
+
+
+def straight(simulation: disknav.Simulation) -> None:
+    """Tell every robot to drive straight at its goal."""
+    for spec, place in zip(simulation.scenario.robots, simulation.positions, strict=True):
+        way = np.array(spec.goal) - place
+        rate = min(0.1 / max(float(np.hypot(*way)), 1e-9), 20.0)
+        simulation.orders.wish(spec.id, (rate * way[0], rate * way[1]))
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.2])
+def test_robots_that_drive_at_each_other_never_touch_behind_the_filter(delay: float) -> None:
+    simulation = disknav.Simulation(disknav.build(CROSSING, {"link.delay": delay}))
+    for _ in range(300):
+        straight(simulation)
+        simulation.step()
+    report = simulation.finish()
+    assert report["collisions"] == 0
+    assert report["min_clearance"] > 0.0
+    assert min(report["path_lengths"].values()) > 0.05  # they did drive
+
+
+def test_without_the_filter_they_collide() -> None:
+    simulation = disknav.Simulation(disknav.build(CROSSING, {"control.filter": "none"}))
+    while not simulation.verdict:
+        straight(simulation)
+        simulation.step()
+    assert simulation.verdict == "collision"
+
+
+def test_a_wish_moves_its_robot_and_counts_for_its_lifetime() -> None:
+    settings = {"control.lifetime": 0.25, "time.step": 0.05}
+    simulation = disknav.Simulation(disknav.build(CROSSING, settings))
+    simulation.step()
+    before = simulation.positions
+    simulation.orders.wish(3, (0.0, -0.08))
+    for _ in range(12):
+        simulation.step()
+    moved = simulation.positions - before
+    assert moved[2] == pytest.approx((0.0, -0.08 * 0.05 * 6), abs=0.08 * 0.05 + 1e-9)
+    assert np.abs(moved[[0, 1, 3]]).max() == 0.0
+
+
+@pytest.mark.parametrize("wish", [(3.0, 4.0), (1e12, 0.0)])
+def test_a_wish_is_slowed_down_to_the_speed_limit(wish: tuple[float, float]) -> None:
+    simulation = disknav.Simulation(disknav.build(CROSSING))
+    simulation.step()
+    before = simulation.positions[2].copy()
+    simulation.orders.wish(3, wish)
+    for _ in range(3):
+        simulation.step()
+    moved = simulation.positions[2] - before
+    assert math.hypot(*moved) <= 0.1 * 0.05 * 3 + 1e-9
+    assert math.hypot(*moved) > 0.0
+
+
+def test_what_is_no_wish_is_refused_by_the_robot() -> None:
+    simulation = disknav.Simulation(disknav.build(CROSSING))
+    simulation.step()
+    before = simulation.positions
+    simulation.orders.wish(3, (math.nan, 0.0))
+    simulation.orders.wish(3, (math.inf, 0.0))
+    simulation.step()
+    simulation.step()
+    assert (simulation.positions == before).all()
