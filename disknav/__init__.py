@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from disknav.filtering import filtered as filtered
     from disknav.orders import FleetOrders as FleetOrders
     from disknav.orders import Orders as Orders
     from disknav.orders import operate as operate
@@ -44,6 +45,7 @@ __all__ = [
     "Trajectory",
     "UsageError",
     "build",
+    "filtered",
     "library",
     "load",
     "operate",
@@ -51,6 +53,7 @@ __all__ = [
     "run",
 ]
 _MODULES = {
+    "disknav.filtering": ("filtered",),
     "disknav.orders": ("FleetOrders", "Orders", "operate"),
     "disknav.recording": ("Recording", "read"),
     "disknav.running": ("Run", "run"),

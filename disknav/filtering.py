@@ -1,0 +1,106 @@
+"""The safety filter as a function, for other simulators: positions, radii, wishes in, velocities out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from protocol.errors import UsageError
+
+Floats = NDArray[np.float64]
+_ROUNDS = 8  # of projections onto all half-planes, before what is left over is scaled away
+_ROOM = 1e-9  # m, that is left to rounding
+
+
+def filtered(
+    positions: ArrayLike,
+    radii: ArrayLike,
+    wishes: ArrayLike,
+    *,
+    period: float,
+    speed: float = np.inf,
+    workspace: float | None = None,
+) -> Floats:
+    """Velocities near the wishes with which no two disks touch within a period, if all keep to theirs or to
+    any part of them.
+
+    Each pair has the separating line in the middle of its gap, and each disk stays behind its lines: the
+    filter of the fleet where all that robots know of each other is exact and immediate.
+
+    Args:
+        positions: of centres, m, (..., n, 2); leading axes count worlds.
+        radii: m, (n,) or (..., n).
+        wishes: velocities, m/s, as positions.
+        period: s, for which the velocities are kept.
+        speed: limit, m/s.
+        workspace: radius of a disk around the origin that no disk leaves, m; none unless given.
+
+    Returns:
+        Velocities, m/s, as positions. Disks that overlap come no closer.
+
+    Raises:
+        UsageError: a shape does not fit, or a number is not finite or positive.
+    """
+    at, wish = np.asarray(positions, dtype=np.float64), np.asarray(wishes, dtype=np.float64)
+    size = np.asarray(radii, dtype=np.float64)
+    if at.shape[-1:] != (2,) or at.ndim < 2 or wish.shape != at.shape:
+        raise UsageError(f"positions {at.shape} and wishes {wish.shape} must both be (..., n, 2)")
+    if size.shape not in (at.shape[:-1], at.shape[-2:-1]):
+        raise UsageError(f"radii {size.shape} must be (n,) or (..., n) of positions {at.shape}")
+    if not (
+        np.isfinite(at).all() and np.isfinite(wish).all() and (size > 0.0).all() and np.isfinite(size).all()
+    ):
+        raise UsageError("positions and wishes must be finite, radii finite and positive")
+    if not (period > 0.0 and speed > 0.0):
+        raise UsageError("period and speed must be positive")
+    normals, limits = _half_planes(at, np.broadcast_to(size, at.shape[:-1]), period, workspace)
+    velocity = _slowed(wish, speed)
+    for _ in range(_ROUNDS):
+        for each in range(normals.shape[-2]):
+            normal = normals[..., each, :]
+            beyond = np.maximum((normal * velocity).sum(axis=-1) - limits[..., each], 0.0)
+            velocity = velocity - beyond[..., None] * normal
+    velocity = _slowed(velocity, speed)
+    along = (normals * velocity[..., None, :]).sum(axis=-1)  # (..., n, m)
+    exceeded = along > limits
+    share = np.where(exceeded, limits, 1.0) / np.where(exceeded, along, 1.0)
+    velocity = velocity * np.clip(share.min(axis=-1, initial=1.0), 0.0, 1.0)[..., None]
+    return velocity if workspace is None else _inside(at, velocity, workspace - size - _ROOM, period)
+
+
+def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats:
+    """Shortened to where each centre is within `room` (m) of the origin a period later."""
+    step = period * velocity
+    along, square = (
+        (at * step).sum(axis=-1),
+        np.maximum((step * step).sum(axis=-1), np.finfo(np.float64).tiny),
+    )
+    left = room * room * np.sign(room) - (at * at).sum(axis=-1)
+    share = (np.sqrt(np.maximum(along * along + square * left, 0.0)) - along) / square
+    inside: Floats = velocity * np.clip(np.where(left > 0.0, share, 0.0), 0.0, 1.0)[..., None]
+    return inside
+
+
+def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | None) -> tuple[Floats, Floats]:
+    """Of every disk: normals (..., n, m, 2) and the speed along each that it must not exceed, m/s."""
+    away = at[..., None, :, :] - at[..., :, None, :]
+    distance = np.hypot(away[..., 0], away[..., 1])
+    gap = distance - radii[..., None, :] - radii[..., :, None]
+    own = np.eye(at.shape[-2], dtype=bool)
+    normals = away / np.where(distance > 0.0, distance, 1.0)[..., None]
+    limits = np.where(own, np.inf, np.maximum(0.5 * gap - _ROOM, 0.0) / period)
+    if workspace is not None:
+        out = np.hypot(at[..., 0], at[..., 1])
+        room = np.maximum(workspace - radii - out - _ROOM, 0.0) / period
+        normal = at / np.where(out > 0.0, out, 1.0)[..., None]
+        normals = np.concatenate([normals, normal[..., None, :]], axis=-2)
+        limits = np.concatenate([limits, room[..., None]], axis=-1)
+    return normals, limits
+
+
+def _slowed(velocity: Floats, speed: float) -> Floats:
+    size = np.hypot(velocity[..., 0], velocity[..., 1])
+    slowed: Floats = (
+        velocity * np.minimum(1.0, speed / np.maximum(size, np.finfo(np.float64).tiny))[..., None]
+    )
+    return slowed
