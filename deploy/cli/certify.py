@@ -114,7 +114,7 @@ def _statistics(
     from dataclasses import asdict, replace
 
     from deploy.library.load import load
-    from deploy.output.bar import bar
+    from deploy.output.progress import bar
     from deploy.theory.certify.certificate import Goals
     from deploy.theory.exact_flow import failing_fraction
 

@@ -11,7 +11,7 @@ import typer
 
 from deploy.cli import options
 from deploy.output import json_output
-from deploy.output.bar import bar
+from deploy.output.progress import bar
 from protocol.errors import RecordingError
 from protocol.process.signals import STOP
 

@@ -1,12 +1,49 @@
-"""One line that says how far a run is, on standard error, a few times a second."""
+"""What a command shows on standard error while it works: a bar, and how far a run is."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from protocol.messages import Clock
+from protocol.process.signals import STOP
 from protocol.scenario.model import Scenario
+
+_PATIENCE = 2.0  # s without a bar
+
+
+@contextmanager
+def bar(description: str, *, silent: bool = False) -> Iterator[Callable[[float], None]]:
+    """Inside, tell the function that is given how much is done, from 0 to 1; nothing is shown if `silent`.
+
+    It raises Stopped if a signal asks this process to end.
+    """
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=silent)
+    task = progress.add_task(description, total=1.0)
+    began = time.monotonic()
+
+    def tell(done: float) -> None:
+        STOP.check()
+        progress.update(task, completed=done)
+        if time.monotonic() > began + _PATIENCE:
+            progress.start()
+
+    try:
+        yield tell
+    finally:
+        progress.stop()
 
 
 class RunProgress(Progress):

@@ -23,7 +23,7 @@ from typing import Any
 import psutil
 
 from agents.shell.node import RobotNode
-from deploy.output.bar import bar
+from deploy.output.progress import bar
 from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet

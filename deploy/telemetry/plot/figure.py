@@ -1,23 +1,150 @@
-"""The whole picture: workspaces beside what changes over time."""
+"""The whole picture: workspaces beside what changes over time, clearance, potential and ages."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import groupby
+from operator import attrgetter
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from deploy.telemetry.plot.curves import (
-    delayed_sensing,
-    draw_clearance,
-    draw_heard_ages,
-    draw_measurement_ages,
-    draw_potential,
-    faulty_link,
-)
-from deploy.telemetry.plot.style import HANDLERS, curves, disks
-from deploy.telemetry.plot.workspace import draw_workspace
+from agents.peers.link import Link
+from agents.peers.state import addressed_to
+from deploy.telemetry.plot.style import HANDLERS, INK, colour, curves, dash, disks
+from deploy.telemetry.plot.workspace import MANY, draw_workspace
 from deploy.telemetry.recording.reader import Recording
+from protocol.messages import State, Tick
+from protocol.scenario.model import Link as LinkFaults
+
+
+def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position, of the scenario's
+    robots; NaN without any."""
+    ids, ticks = recording.scenario.ids, recording.truths.ticks
+    ages = np.full((len(ticks), len(ids)), np.nan)
+    row = {int(tick): index for index, tick in enumerate(ticks)}
+    newest = dict.fromkeys(ids, -1)
+    for told in recording.said(Tick):
+        robot, sense = told.robot, told.sense
+        if robot not in newest:
+            continue
+        if sense is not None and sense.position is not None:
+            newest[robot] = max(newest[robot], sense.stamp)
+        if newest[robot] >= 0 and told.tick in row:
+            ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]
+    return ticks, ages * recording.scenario.time.step
+
+
+class Heard:
+    """What the injected link faults let each robot hear, from the recorded States and the same draws.
+
+    Of the scenario's robots only. Exact for a lock-step run; in real time the network's own delay comes on
+    top.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._sent = 0
+        self._ids = recording.scenario.ids
+        self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
+        self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
+
+    def ages(self) -> tuple[np.ndarray, np.ndarray]:
+        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
+
+        NaN while nothing was heard.
+        """
+        ticks = []
+        newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
+        rows = []
+        for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
+            said = [state for state in states if state.robot in newest]
+            for robot, link in self._links.items():
+                for state in said:
+                    if state.robot != robot:
+                        link.put(addressed_to(robot, state, self._radii[state.robot]))
+                        self._sent += 1
+                for heard in link.take(tick):
+                    newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
+            ticks.append(tick)
+            rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
+        return np.array(ticks), np.array(rows, dtype=float) * self._recording.scenario.time.step
+
+    def share_lost(self) -> float:
+        """Share of all States that robots should have heard and did not; to be asked after `ages`."""
+        return sum(link.lost for link in self._links.values()) / max(1, self._sent)
+
+
+def delayed_sensing(recording: Recording) -> bool:
+    """Whether measurements come late or are dropped for any robot."""
+    entries = map(recording.scenario.sensing_of, recording.scenario.ids)
+    return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
+
+
+def faulty_link(recording: Recording) -> bool:
+    """Whether anything is injected between robots."""
+    return recording.scenario.link != LinkFaults()
+
+
+_COLUMNS = 2000  # of ages, more than there are pixels
+_INFINITE = 300.0  # as `Truth.log_potential` has it
+
+
+def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
+    """The smallest gap between any two disks, or disk and boundary, during each tick."""
+    for index, recording in enumerate(recordings):
+        _curve(axes, recording, 1000.0 * recording.truths.clearance, index, len(recordings))
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -0.04 * high), high)
+    axes.axhspan(axes.get_ylim()[0], 0.0, facecolor="none", edgecolor="#bbbbbb", hatch="////", linewidth=0)
+    axes.set(ylabel="clearance, mm")
+
+
+def draw_potential(axes: Axes, recordings: Sequence[Recording]) -> None:
+    """The potential of which the navigation function is an increasing function, in decades: phi itself is 1
+    to all digits in a large fleet, until the end."""
+    for index, recording in enumerate(recordings):
+        levels = recording.truths.log_potential
+        finite = np.where(np.abs(levels) < _INFINITE, levels, np.nan)
+        _curve(axes, recording, finite, index, len(recordings))
+    axes.set(ylabel="log$_{10}$(γ / β$^{1/k}$)")
+
+
+def draw_measurement_ages(axes: Axes, recording: Recording) -> None:
+    """Age of the newest measurement of its own position that each robot had."""
+    _ages(axes, recording, *measurement_ages(recording))
+    axes.set_title("age of own position", loc="left")
+
+
+def draw_heard_ages(axes: Axes, recording: Recording) -> None:
+    """Age of what each robot had heard of that peer of which it knew the oldest."""
+    heard = Heard(recording)
+    _ages(axes, recording, *heard.ages())
+    axes.set_title(f"age of oldest peer state, {heard.share_lost():.0%} lost", loc="left")
+
+
+def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:
+    """A row a robot, darker is older, a column at least a pixel; nothing where nothing was known."""
+    stride = -(-len(ticks) // _COLUMNS)
+    ticks, ages = ticks[::stride], np.fmax.reduceat(ages, np.arange(0, len(ages), stride))
+    edges = np.append(ticks, ticks[-1] + stride) * recording.scenario.time.step
+    rows = np.arange(ages.shape[1] + 1)
+    mesh = axes.pcolormesh(edges, rows, ages.T, cmap="cividis_r", vmin=0.0, rasterized=True)
+    if ages.shape[1] <= MANY:
+        axes.set_yticks(rows[:-1] + 0.5, [str(robot) for robot in recording.scenario.ids])
+    axes.invert_yaxis()
+    axes.grid(visible=False)
+    axes.set_ylabel("robot")
+    axes.figure.colorbar(mesh, ax=axes, label="s", pad=0.01, fraction=0.06)
+
+
+def _curve(axes: Axes, recording: Recording, values: np.ndarray, index: int, of: int) -> None:
+    times = recording.truths.ticks * recording.scenario.time.step
+    axes.plot(times, values, color=colour(index), linestyle=dash(index) if of > 1 else "-")
+
 
 Panel = Callable[[Axes], None]
 _SIDE = 3.9  # inches, a workspace at least

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.output.bar import bar
+from deploy.output.progress import bar
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.prove import prove
 from deploy.theory.configurations import random_configuration
