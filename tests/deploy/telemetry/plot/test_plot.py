@@ -57,7 +57,7 @@ def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
         assert (np.abs(pixels - wanted).max(axis=1) < 8).sum() > 50, f"nothing is drawn in {colour(index)}"
     draw(recording, tmp_path / "a.svg")
     text = (tmp_path / "a.svg").read_text()
-    for word in (f"three: {recording.result['verdict']}", "clearance, mm", "φ", "start", "goal", ">7<"):
+    for word in (f"three: {recording.result['verdict']}", "clearance, mm", "γ", "start", "goal", ">7<"):
         assert word in text
 
 
