@@ -14,7 +14,7 @@ from mypy_extensions import mypyc_attr
 
 from protocol.messages import Command, GoalStatus, Tick, Truth
 from protocol.operations import Outcome
-from protocol.scenario.model import Journey, Operation, RobotSpec, Scenario, Thing
+from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec, Scenario
 from world.coordinator.coordinator import Coordinator
 from world.coordinator.inputs import Closed, Contested, Ended, Opened, checksum
 from world.external import External
@@ -267,7 +267,7 @@ class World:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
 
-    def _place(self, order: Thing) -> Outcome:
+    def _place(self, order: Obstacle) -> Outcome:
         """Have a thing put up.
 
         It stands once every robot that takes part has acknowledged its place; none can be added before the

@@ -99,7 +99,7 @@ class Perception:
 
     def _things(self, roster: KnownRoster) -> list[Shape]:
         """What stands, or is to appear, and is no part."""
-        first = len(self._scenario.things)
+        first = len(self._scenario.obstacles)
         shapes = {number: shape for number, shape in self._scenario.shapes.items() if number <= first}
         parts = {each.thing for each in roster.parts}
         for thing in roster.things:
@@ -121,7 +121,7 @@ class Perception:
     def _on_the_ground(self, roster: KnownRoster) -> dict[int, Vector]:
         """Where parts stand that nobody has, m."""
         came = {thing.number: thing.points[0] for thing in roster.things if thing.status == "standing"}
-        first, parts = len(self._scenario.things), self._scenario.parts
+        first, parts = len(self._scenario.obstacles), self._scenario.parts
         listed = {first + number: part.start for number, part in enumerate(parts, 1)}
         known = {**listed, **came}
         return {part: known[thing] for part, thing in self.things.items() if thing in known}

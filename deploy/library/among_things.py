@@ -9,7 +9,7 @@ import numpy as np
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, Point, RobotSpec, Scenario, Thing, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, Point, RobotSpec, Scenario, Time, Workspace
 
 _TRIES = 20_000  # places tried for one thing or robot
 _Corners = tuple[Point, ...]
@@ -30,7 +30,7 @@ def forest(count: int, seed: int = 0) -> Scenario:
             Workspace(points=_box((0.0, 0.0), 5.0, 5.0)),
             Time(step=0.2, limit=120.0, tolerance=0.1),
             Control(speed=1.0),
-            things=boxes,
+            obstacles=boxes,
         )
     )
 
@@ -50,7 +50,7 @@ def boxes(count: int, seed: int = 0) -> Scenario:
             Workspace(points=_box((0.0, 0.0), 2.0, 2.0)),
             Time(step=0.03, limit=60.0, tolerance=0.1),
             Control(speed=1.0),
-            things=things,
+            obstacles=things,
         )
     )
 
@@ -79,7 +79,7 @@ def blocks(count: int, seed: int = 0) -> Scenario:
             Workspace(points=_box((0.0, 0.0), 110.0, 110.0)),
             Time(step=0.25, limit=600.0, tolerance=1.0),
             Control(speed=2.0),
-            things=tuple(Thing(points=_box(centre, 15.0, 15.0)) for centre in corners),
+            obstacles=tuple(Obstacle(points=_box(centre, 15.0, 15.0)) for centre in corners),
         )
     )
 
@@ -99,7 +99,7 @@ def sphere_world(seed: int = 0) -> Scenario:
             "sphere-world",
             "one robot among five disks that stand: Koditschek and Rimon's theorem applies",
             seed,
-            things=tuple(Thing(center=(x, y), radius=radius) for x, y, radius in disks),
+            obstacles=tuple(Obstacle(center=(x, y), radius=radius) for x, y, radius in disks),
         )
     )
 
@@ -145,14 +145,14 @@ def _scattered(
     reach: float,
     sides: tuple[float, float],
     turned: bool,
-) -> tuple[Thing, ...]:
+) -> tuple[Obstacle, ...]:
     """Boxes that keep clear of some places; they may overlap each other."""
-    found: list[Thing] = []
+    found: list[Obstacle] = []
     for _ in range(_TRIES):
         x, y, along, across, turn = map(float, random.random(5))
         ahead, aside = (0.5 * (sides[0] + part * (sides[1] - sides[0])) for part in (along, across))
         centre = ((2.0 * x - 1.0) * reach, (2.0 * y - 1.0) * reach)
-        thing = Thing(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))
+        thing = Obstacle(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))
         if all(thing.shape.distance(*point) > room for point, room in keep):
             found.append(thing)
             if len(found) == many:
@@ -160,7 +160,7 @@ def _scattered(
     raise UsageError(f"no room for {many} boxes")
 
 
-def _free_places(random: np.random.Generator, things: tuple[Thing, ...], count: int) -> list[Point]:
+def _free_places(random: np.random.Generator, things: tuple[Obstacle, ...], count: int) -> list[Point]:
     """Centres at least 0.2 m apart and 0.1 m from every thing and wall."""
     shapes, places = [thing.shape for thing in things], list[Point]()
     for _ in range(_TRIES):

@@ -89,7 +89,7 @@ def _document(
             "tolerance": 0.05,
         },
         "control": {"speed": speed},
-        "things": [{"points": [list(map(float, point)) for point in each]} for each in obstacles],
+        "obstacles": [{"points": [list(map(float, point)) for point in each]} for each in obstacles],
         "robots": [
             {"id": n, "radius": radius, "start": list(start), "goal": list(goal)}
             for n, (radius, start, goal) in enumerate(robots, 1)

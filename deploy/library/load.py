@@ -96,7 +96,7 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
     try:
         return parse_document(expanded(document, Path(name).parent, name), name)
     except ScenarioError as error:
-        own = document.get("things", [])
+        own = document.get("obstacles", [])
         raise blamed_on_map(error, len(own) if isinstance(own, list) else 0) from None
 
 

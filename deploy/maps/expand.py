@@ -15,7 +15,7 @@ _MOST_PIECES = 5000  # obstacles that a scenario may have
 
 
 def expanded(document: Document, folder: Path, source: str) -> Document:
-    """The same document without a map, whose obstacles follow the `things` of the document.
+    """The same document without a map, whose obstacles follow the `obstacles` of the document.
 
     Args:
         document: of a scenario; without a map it is returned as it is.
@@ -57,9 +57,12 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
     if problems:
         raise ScenarioError(source, problems)
     rest = {key: value for key, value in document.items() if key != "map"}
-    things = [*rest.get("things", []), *({"points": list(map(list, piece))} for piece in found.obstacles)]
+    obstacles = [
+        *rest.get("obstacles", []),
+        *({"points": list(map(list, piece))} for piece in found.obstacles),
+    ]
     workspace = rest.get("workspace") or {"points": list(map(list, found.workspace))}
-    return rest | {"things": things, "workspace": workspace}
+    return rest | {"obstacles": obstacles, "workspace": workspace}
 
 
 def blamed_on_map(error: ScenarioError, own: int) -> ScenarioError:
@@ -70,9 +73,9 @@ def blamed_on_map(error: ScenarioError, own: int) -> ScenarioError:
 
 
 def _of_map(path: str, own: int) -> str:
-    if not path.startswith("things["):
+    if not path.startswith("obstacles["):
         return path
-    number = int(path[len("things[") : path.index("]")])
+    number = int(path[len("obstacles[") : path.index("]")])
     return path if number < own else f"map (obstacle {number - own + 1})"
 
 

@@ -58,7 +58,7 @@ class Barrier(NamedTuple):
 
 def barriers(scenario: Scenario) -> list[Barrier]:
     """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
-    room, obstacles = scenario.workspace.shape, [thing.shape for thing in scenario.things]
+    room, obstacles = scenario.workspace.shape, [thing.shape for thing in scenario.obstacles]
     found = []
     near = gaps(room, obstacles, 2.0 * max(spec.radius for spec in scenario.robots))
     for spec in scenario.robots:

@@ -151,7 +151,7 @@ def surrounded(scenario: Scenario) -> Surrounded:
     return Surrounded(
         scenario=scenario.name,
         robots=len(scenario.robots),
-        things=len(scenario.things),
+        things=len(scenario.obstacles),
         density=float((radii**2).sum() / workspace**2),
         tight=tight(Disks.of(scenario), Goals.of(scenario)),
         k=scenario.k,
@@ -177,7 +177,7 @@ def _has_order(scenario: Scenario) -> bool:
     """Whether robots could bring one part after another to its goal."""
     layout = Layout(
         {number: part.start for number, part in enumerate(scenario.parts, 1)},
-        tuple(thing.shape for thing in scenario.things),
+        tuple(thing.shape for thing in scenario.obstacles),
     )
     starts = [each.start for each in scenario.robots]
     radii = {each.radius for each in scenario.robots}

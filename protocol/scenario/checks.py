@@ -325,9 +325,9 @@ def _events(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Finding]:
-    """Each asks for one thing, of robots and things that there are at some time."""
+    """Each asks for one thing, of robots and obstacles that there are at some time."""
     ids = _known(scenario, sound)
-    things = len(scenario.things) + sum(order.place is not None for order in scenario.orders)
+    obstacles = len(scenario.obstacles) + sum(order.place is not None for order in scenario.orders)
     for index, order in enumerate(scenario.orders):
         steps: Steps = ("orders", index)
         asked = [a for a in ACTIONS if getattr(order, a) is not None or not sound(*steps, a)]
@@ -340,12 +340,12 @@ def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Fi
             if robot and ids is not None and robot not in ids:
                 path = (*steps, key, "robot") if key == "goal" else (*steps, key)
                 yield path, f"there is never a robot {robot}"
-        if order.take is not None and order.take > things:
-            yield (*steps, "take"), f"there is never a thing {order.take}"
+        if order.take is not None and order.take > obstacles:
+            yield (*steps, "take"), f"there is never an obstacle {order.take}"
 
 
 def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Finding]:
-    """Points in the workspace, and disks and things that fit into it."""
+    """Points in the workspace, and disks and obstacles that fit into it."""
     if order.place is not None:
         yield from obstacle(order.place, (*steps, "place"), sound, room)[1]
     if room is not None and order.goal is not None:

@@ -86,7 +86,7 @@ class Workspace:
 
 
 @dataclass(frozen=True, slots=True)
-class Thing:
+class Obstacle:
     """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
 
     center: Point | None = None
@@ -276,8 +276,8 @@ class Operation:
     goal: Journey | None = None
     add: RobotSpec | None = None  # it appears once everybody keeps clear of its start
     remove: RobotId | None = None
-    place: Thing | None = None  # it stands once everybody keeps clear of it
-    take: RobotId | None = None  # thing that is taken away
+    place: Obstacle | None = None  # it stands once everybody keeps clear of it
+    take: RobotId | None = None  # obstacle that is taken away
     halt: bool | None = None  # everybody stands; or is released
 
     @property
@@ -332,8 +332,8 @@ class Scenario:
     world: World = World()
     body: BodyChoice = "point"  # of every robot that has none of its own
     base: Base | None = None  # of every robot that has none of its own
-    map: FloorPlan | None = None  # adds its obstacles to those of `things`
-    things: Annotated[tuple[Thing, ...], Meta(max_length=5000)] = ()  # what stands; the first is thing 1
+    map: FloorPlan | None = None  # adds its obstacles to `obstacles`
+    obstacles: Annotated[tuple[Obstacle, ...], Meta(max_length=5000)] = ()  # the first is number 1
     parts: Annotated[tuple[Part, ...], Meta(max_length=100)] = ()  # what is carried; the first is part 1
     carrying: Carrying = Carrying()
     orders: Annotated[tuple[Order, ...], Meta(max_length=1000)] = ()
@@ -368,9 +368,9 @@ class Scenario:
 
     @property
     def shapes(self) -> dict[int, Shape]:
-        """What stands from the start, by the number of the thing; parts follow the things."""
+        """Obstacles from the start, by number; parts follow those that the scenario lists."""
         parts = [Disk(*part.start, part.radius) for part in self.parts]
-        return dict(enumerate([*(thing.shape for thing in self.things), *parts], 1))
+        return dict(enumerate([*(thing.shape for thing in self.obstacles), *parts], 1))
 
     def loaded_radius(self, robot: int, part: int) -> float:
         """Radius of the disk that a robot is while it carries a part, m."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from protocol.geometry import ConvexPolygon, Disk, Shape, defect
-from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Point, Scenario, Thing
+from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Obstacle, Point, Scenario
 from protocol.scenario.tables import Finding, Steps
 
 _NAMED = 3  # overlaps of one disk that are spelled out
@@ -37,13 +37,13 @@ def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding
         found, robots[end] = _robots(scenario, end)
         findings += found
     obstacles: list[_Named] = []
-    for index, each in enumerate(scenario.things):
-        steps = ("things", index)
+    for index, each in enumerate(scenario.obstacles):
+        steps = ("obstacles", index)
         shape, found = obstacle(each, steps, sound, room)
         findings += found
         if shape is not None:
             findings += _overlaps(shape, robots["start"] + robots["goal"], (*steps, _where(shape)))
-            obstacles.append((f"things[{index}]", shape))
+            obstacles.append((f"obstacles[{index}]", shape))
     for index, spec in enumerate(scenario.robots):
         findings += fits(room, spec.radius, ("robots", index), start=spec.start, goal=spec.goal)
     if scenario.parts:
@@ -72,7 +72,7 @@ def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[F
 
 
 def obstacle(
-    thing: Thing, steps: Steps, sound: Sound, room: Shape | None
+    thing: Obstacle, steps: Steps, sound: Sound, room: Shape | None
 ) -> tuple[Shape | None, list[Finding]]:
     """The shape of an obstacle, None where it has none, and what is wrong with it."""
     shape: Shape | None = None

@@ -78,7 +78,7 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
     part = world.coordinator.parts.carried_by(dead)
     layout = Layout(
         {**before, part: places[dead]},
-        (*(thing.shape for thing in scenario.things), Disk(*places[dead], scenario.spec(dead).radius)),
+        (*(thing.shape for thing in scenario.obstacles), Disk(*places[dead], scenario.spec(dead).radius)),
         {part: scenario.loaded_radius(dead, part)},
     )
     planner = Planner(scenario, min(each.radius for each in scenario.robots))

@@ -59,8 +59,9 @@ VALUES = st.recursive(
 )
 ROBOT = {"id": 1, "radius": 0.04, "start": [0.0, 0.0], "goal": [0.1, 0.1]}
 FIELDS = st.sampled_from(
-    ["seed", "name", "description", "robots", "workspace", "control", "sensing", "link", "orders", "things",
-     "body", "base", "parts", "time", "world", "network", "process", "carrying", "actuation", "nmae"]
+    ["seed", "name", "description", "robots", "workspace", "control", "sensing", "link", "orders",
+     "obstacles", "body", "base", "parts", "time", "world", "network", "process", "carrying",
+     "actuation", "nmae"]
 )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from protocol.operations import (
     is_json,
 )
 from protocol.scenario.file import parse_document
-from protocol.scenario.model import Journey, Operation, RobotSpec, Thing
+from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec
 
 GUEST = {"id": 7, "radius": 0.04, "start": [0.1, 0.2], "goal": [0.0, 0.1]}
 ROOM = {
@@ -39,7 +39,7 @@ ASKED: list[tuple[dict[str, Any], Operation]] = [
     ({"goal": {"robot": 1}}, Operation(goal=Journey(1))),
     ({"add": GUEST}, Operation(add=RobotSpec(7, 0.04, (0.1, 0.2), (0.0, 0.1)))),
     ({"remove": 2}, Operation(remove=2)),
-    ({"place": {"center": [0.1, 0.2], "radius": 0.03}}, Operation(place=Thing((0.1, 0.2), 0.03))),
+    ({"place": {"center": [0.1, 0.2], "radius": 0.03}}, Operation(place=Obstacle((0.1, 0.2), 0.03))),
     ({"take": 1}, Operation(take=1)),
     ({"halt": False}, Operation(halt=False)),
 ]

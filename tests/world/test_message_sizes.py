@@ -32,6 +32,7 @@ from protocol.scenario.file import validated
 from protocol.scenario.model import (
     Control,
     Link,
+    Obstacle,
     Partition,
     ProcessFault,
     RobotSpec,
@@ -39,8 +40,6 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
-from protocol.scenario.model import Thing as Listed
-from protocol.scenario.model import Thing as Obstacle
 from protocol.streams import STREAMS
 from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
@@ -52,7 +51,7 @@ MOST = 1000
 LIFE = 2**40  # nobody will live as often
 IDS = tuple(range(HIGHEST_ID - MOST + 1, HIGHEST_ID + 1))
 POINT = (-0.123456789, 0.987654321)
-SPECK = Listed(center=(40.0, 0.0), radius=0.01)
+SPECK = Obstacle(center=(40.0, 0.0), radius=0.01)
 DISK = Obstacle(center=(-40.123456789, -3.0), radius=0.123456789)
 ROUNDISH = Obstacle(points=tuple((math.cos(0.1 * n) - 40.0, math.sin(0.1 * n)) for n in range(62)))
 
@@ -209,7 +208,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     lives = run.world.coordinator.lives
     for robot in IDS:
         run.world.coordinator.join(robot)
-    lives.things = Surroundings(replace(crowd(), workspace=Workspace(1000.0), things=(SPECK,) * MOST))
+    lives.things = Surroundings(replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST))
     assert all(lives.take_away(number) for number in range(1, MOST + 1))
     for number in range(MOST_THINGS):
         order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come

@@ -29,7 +29,7 @@ class Parts:
 
     def __init__(self, scenario: Scenario, lives: Lives) -> None:
         self._scenario, self._lives = scenario, lives
-        first = len(scenario.things)
+        first = len(scenario.obstacles)
         self._places = {part: PartPlace(part, first + part) for part in range(1, len(scenario.parts) + 1)}
         lives.follow_parts(self.places)
 

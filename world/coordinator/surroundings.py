@@ -45,7 +45,7 @@ class Surroundings:
         """Robots came and went."""
         self._scenario = scenario
 
-    def refusal(self, order: model.Thing, positions: Sequence[Vector]) -> str:
+    def refusal(self, order: model.Obstacle, positions: Sequence[Vector]) -> str:
         """Why a thing cannot come; "" if it can.
 
         Args:

@@ -118,7 +118,7 @@ class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         Raises:
             UsageError: things stand in it, or its workspace is a polygon.
         """
-        if scenario.things:
+        if scenario.obstacles:
             raise UsageError("certificates are for robots alone, not among things")
         specs = [scenario.spec(robot) for robot in scenario.ids]
         goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)

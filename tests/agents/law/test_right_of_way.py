@@ -10,7 +10,7 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.geometry import ConvexPolygon
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
 pytestmark = pytest.mark.slow
 
@@ -26,13 +26,13 @@ def corridor(robots: int, law: str, half: float = 1.5 * R) -> Scenario:
         side, place = 1.0 - 2.0 * (n % 2), 0.2 * (n // 2) - 0.1 * (robots // 2 - 1)
         specs.append(RobotSpec(n + 1, R, (side * 0.7, place), (-side * 0.7, place)))
     walls = (
-        Thing(points=((-0.4, half), (0.4, half), (0.4, 1.0), (-0.4, 1.0))),
-        Thing(points=((-0.4, -1.0), (0.4, -1.0), (0.4, -half), (-0.4, -half))),
+        Obstacle(points=((-0.4, half), (0.4, half), (0.4, 1.0), (-0.4, 1.0))),
+        Obstacle(points=((-0.4, -1.0), (0.4, -1.0), (0.4, -half), (-0.4, -half))),
     )
     room = Workspace(points=((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
     time = Time(step=STEP, limit=180.0, tolerance=0.02)
     return resolved(
-        validated(Scenario(tuple(specs), "corridor", "", 1, room, time, Control(law=law), things=walls))
+        validated(Scenario(tuple(specs), "corridor", "", 1, room, time, Control(law=law), obstacles=walls))
     )
 
 

@@ -44,7 +44,7 @@ class Haul(skirmish.Skirmish):
     def _drawn(self, seed: int, rng: Random) -> Scenario:
         plain = super()._drawn(seed, rng)
         return replace(
-            plain, things=(), parts=_parts(Random(f"parts {seed}"), plain), carrying=Carrying(REACH)
+            plain, obstacles=(), parts=_parts(Random(f"parts {seed}"), plain), carrying=Carrying(REACH)
         )
 
     def tick(self) -> None:

@@ -14,23 +14,25 @@ from agents.parts.planner import Planner
 from agents.parts.traffic import Traffic, Traveller
 from deploy.library.load import load
 from protocol.geometry import ConvexPolygon, Disk
-from protocol.scenario.model import Carrying, Part, RobotSpec, Scenario, Thing, Workspace
+from protocol.scenario.model import Carrying, Obstacle, Part, RobotSpec, Scenario, Workspace
 
 ROOM = Workspace(points=((-0.3, -0.2), (0.3, -0.2), (0.3, 0.2), (-0.3, 0.2)))
 
 
 def scenario(
-    *parts: tuple[tuple[float, float], tuple[float, float]], things: tuple[Thing, ...] = ()
+    *parts: tuple[tuple[float, float], tuple[float, float]], things: tuple[Obstacle, ...] = ()
 ) -> Scenario:
     """One robot of 3 cm on the left, and parts of 4 cm."""
     robot = RobotSpec(1, 0.03, (-0.25, 0.0), (-0.25, 0.0))
-    return Scenario((robot,), workspace=ROOM, things=things, parts=tuple(Part(0.04, *ends) for ends in parts))
+    return Scenario(
+        (robot,), workspace=ROOM, obstacles=things, parts=tuple(Part(0.04, *ends) for ends in parts)
+    )
 
 
 def planner(setting: Scenario) -> tuple[Planner, Layout]:
     layout = Layout(
         {number: part.start for number, part in enumerate(setting.parts, 1)},
-        tuple(thing.shape for thing in setting.things),
+        tuple(thing.shape for thing in setting.obstacles),
     )
     return Planner(setting, setting.robots[0].radius), layout
 
@@ -79,7 +81,7 @@ def test_two_that_change_places_have_no_order_but_one_can_make_room() -> None:
 
 
 def test_no_part_goes_through_a_wall() -> None:
-    wall = Thing(points=((0.0, -0.2), (0.01, -0.2), (0.01, 0.2), (0.0, 0.2)))
+    wall = Obstacle(points=((0.0, -0.2), (0.01, -0.2), (0.01, 0.2), (0.0, 0.2)))
     plan, layout = planner(scenario(((-0.1, 0.0), (0.15, 0.0)), things=(wall,)))
     assert list(plan.errands(HOME, layout)) == []
     assert not plan.orders.exists(layout, [HOME])
@@ -89,8 +91,8 @@ def test_no_part_goes_through_a_wall() -> None:
 def test_whoever_shuts_itself_in_brings_nothing_more() -> None:
     """A corridor with a niche at its end: the part that closes it goes last, though it is nearer."""
     walls = (
-        Thing(points=((-0.1, 0.06), (0.3, 0.06), (0.3, 0.2), (-0.1, 0.2))),
-        Thing(points=((-0.1, -0.2), (0.3, -0.2), (0.3, -0.06), (-0.1, -0.06))),
+        Obstacle(points=((-0.1, 0.06), (0.3, 0.06), (0.3, 0.2), (-0.1, 0.2))),
+        Obstacle(points=((-0.1, -0.2), (0.3, -0.2), (0.3, -0.06), (-0.1, -0.06))),
     )
     plan, layout = planner(scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (0.25, 0.0)), things=walls))
     assert {each.part for each in plan.errands(HOME, layout)} == {1, 2}

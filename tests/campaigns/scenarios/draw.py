@@ -20,12 +20,12 @@ from protocol.scenario.model import (
     ADDITIONS,
     Control,
     Journey,
+    Obstacle,
     Order,
     Part,
     Point,
     RobotSpec,
     Scenario,
-    Thing,
     Time,
     Workspace,
 )
@@ -73,7 +73,7 @@ def drawn(dice: Dice) -> Scenario | None:
         actuation=actuation(dice),
         body=body,
         network=network(dice, scale),
-        things=standing,
+        obstacles=standing,
         parts=parts,
         carrying=carrying,
         orders=orders(dice, scale, Fleet(robots, standing, room.shape), faults),
@@ -253,11 +253,11 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
     def robot(spec: RobotSpec) -> RobotSpec:
         return replace(spec, start=moved(spec.start), goal=moved(spec.goal))
 
-    def thing(each: Thing) -> Thing:
+    def thing(each: Obstacle) -> Obstacle:
         if each.points is not None:
-            return Thing(points=tuple(map(moved, each.points)))
+            return Obstacle(points=tuple(map(moved, each.points)))
         assert each.center is not None
-        return Thing(center=moved(each.center), radius=each.radius)
+        return Obstacle(center=moved(each.center), radius=each.radius)
 
     def journey(goal: Journey) -> Journey:
         return replace(goal, points=tuple(map(moved, goal.points)))
@@ -275,7 +275,7 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
         scenario,
         workspace=Workspace(points=tuple(map(moved, scenario.workspace.points))),
         robots=tuple(map(robot, scenario.robots)),
-        things=tuple(map(thing, scenario.things)),
+        obstacles=tuple(map(thing, scenario.obstacles)),
         parts=tuple(Part(part.radius, moved(part.start), moved(part.goal)) for part in scenario.parts),
         orders=tuple(map(order, scenario.orders)),
     )

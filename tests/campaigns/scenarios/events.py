@@ -8,7 +8,7 @@ from typing import Literal
 
 from protocol.geometry import Shape
 from protocol.scenario.checks import EVENTS
-from protocol.scenario.model import Journey, Order, Point, ProcessFault, RobotSpec, Thing
+from protocol.scenario.model import Journey, Obstacle, Order, Point, ProcessFault, RobotSpec
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale
 from tests.campaigns.scenarios.places import anywhere, beside, one_thing
@@ -91,7 +91,7 @@ class Fleet:
     """What orders are about: robots, static obstacles, and the room."""
 
     robots: tuple[RobotSpec, ...]
-    things: tuple[Thing, ...]
+    things: tuple[Obstacle, ...]
     room: Shape
 
     @property

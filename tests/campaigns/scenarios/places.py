@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from protocol.geometry import Disk, Shape
-from protocol.scenario.model import Carrying, Part, Point, RobotSpec, Scenario, Thing, Workspace
+from protocol.scenario.model import Carrying, Obstacle, Part, Point, RobotSpec, Scenario, Workspace
 from tests.campaigns.campaign import Dice
 
 _DARTS = 40  # attempts per disk
@@ -175,7 +175,7 @@ def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[
     return tuple(corners)
 
 
-def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Thing, ...]:
+def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Obstacle, ...]:
     """None in most scenarios; else a few disks and polygons that cover no start and no goal.
 
     Half of them stand right beside a robot. `workspace` is its radius, m.
@@ -196,7 +196,7 @@ def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shap
     return tuple(clear[: dice.whole(1, 5)])
 
 
-def one_thing(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Thing:
+def one_thing(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Obstacle:
     """A disk or a polygon, half of the time right beside where a robot begins.
 
     Args:
@@ -212,8 +212,8 @@ def one_thing(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre:
         (x, y), far = centre, workspace * math.sqrt(dice.uniform(0.0, 1.0))
     middle = (x + far * math.cos(angle), y + far * math.sin(angle))
     if dice.chance(0.4):
-        return Thing(center=middle, radius=size)
-    return Thing(points=_polygon(dice, middle, size, turn))
+        return Obstacle(center=middle, radius=size)
+    return Obstacle(points=_polygon(dice, middle, size, turn))
 
 
 def _polygon(dice: Dice, centre: Point, size: float, turn: float) -> tuple[Point, ...]:
@@ -237,7 +237,7 @@ _GAPS = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and what it s
 def loads(
     dice: Dice,
     robots: Sequence[RobotSpec],
-    standing: Iterable[Thing],
+    standing: Iterable[Obstacle],
     room: Shape,
     some: float = 0.4,
 ) -> tuple[tuple[Part, ...], Carrying]:

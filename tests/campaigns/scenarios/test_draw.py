@@ -45,7 +45,7 @@ def test_the_simplest_choices_give_a_plain_scenario() -> None:
     scenario = drawn(Dice(0, []))
     assert scenario is not None
     assert len(scenario.robots) == 1
-    assert (scenario.process, scenario.orders, scenario.things, scenario.parts) == ((), (), (), ())
+    assert (scenario.process, scenario.orders, scenario.obstacles, scenario.parts) == ((), (), (), ())
     assert (scenario.link, scenario.sensing) == (Link(), (Sensing(),))
 
 
@@ -138,8 +138,8 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
     "unequal radii": lambda s: max(r.radius for r in s.robots) > 3.0 * min(r.radius for r in s.robots),
     "density 0.4": lambda s: sum(r.radius**2 for r in s.robots) > 0.399 * (s.workspace.radius or 1.0) ** 2,
     "straight walls": lambda s: s.workspace.points is not None,
-    "things": lambda s: len(s.things) > 2,
-    "polygons": lambda s: any(thing.points for thing in s.things),
+    "things": lambda s: len(s.obstacles) > 2,
+    "polygons": lambda s: any(thing.points for thing in s.obstacles),
     "starts that all but touch": lambda s: 0.0 <= _smallest_gap(s) < 1e-12,
     "starts a micrometre apart": lambda s: 1e-8 < _smallest_gap(s) < 1e-5,
     "acute corners": lambda s: _sharpest(s.workspace.points) < 0.6,

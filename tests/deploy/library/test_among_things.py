@@ -11,7 +11,7 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.file import parse_toml, validated, write_toml
-from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
 pytestmark = pytest.mark.slow
 
@@ -51,9 +51,9 @@ def test_beads_keep_their_order(seed: int) -> None:
 
 def test_behind_a_box_a_robot_arrives_where_attraction_alone_would_rest() -> None:
     base = load("forest-10")
-    alone = replace(base, robots=(RobotSpec(1, 0.15, (-2.0, 0.0), (2.0, 0.0)),), things=base.things[:1])
+    alone = replace(base, robots=(RobotSpec(1, 0.15, (-2.0, 0.0), (2.0, 0.0)),), obstacles=base.obstacles[:1])
     box = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
-    alone = validated(replace(alone, things=(replace(base.things[0], points=box),)))
+    alone = validated(replace(alone, obstacles=(replace(base.obstacles[0], points=box),)))
     report = LocalFleet(alone).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert report["nrl"] < 1.2
@@ -71,10 +71,10 @@ def test_check_says_which_theorem_does_not_apply_and_why() -> None:
 def test_check_names_a_goal_that_cannot_be_reached() -> None:
     base = load("beads-2", seed=1)
     wall = replace(
-        load("forest-10").things[0], points=((-0.001, -1.0), (0.001, -1.0), (0.001, 1.0), (-0.001, 1.0))
+        load("forest-10").obstacles[0], points=((-0.001, -1.0), (0.001, -1.0), (0.001, 1.0), (-0.001, 1.0))
     )
     robot = RobotSpec(1, 0.02, (-0.1, 0.0), (0.1, 0.0))
-    found = surrounded(validated(replace(base, robots=(robot,), things=(wall,))))
+    found = surrounded(validated(replace(base, robots=(robot,), obstacles=(wall,))))
     assert [each.robot for each in found.unreachable] == [1]
     assert (found.no_way, found.doors) == ((), ())
 
@@ -88,7 +88,7 @@ def doorway(slack: float, k: float = 60.0) -> Scenario:
             workspace=Workspace(points=((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))),
             time=Time(0.1, 60.0, 0.05),
             control=Control(speed=0.5, k=k),
-            things=tuple(Thing(points=((1.9, a), (2.1, a), (2.1, b), (1.9, b))) for a, b in walls),
+            obstacles=tuple(Obstacle(points=((1.9, a), (2.1, a), (2.1, b), (1.9, b))) for a, b in walls),
         )
     )
 

@@ -51,7 +51,7 @@ def test_db_cbs_gives_each_kind_its_disk_and_names_what_is_lost(tmp_path: Path) 
         (0.1, (0.5, 0.5), (4.5, 0.5)),
         (0.4, (4.0, 3.0), (1.0, 3.0)),
     ]
-    assert scenario.things[0].points == ((2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (2.0, 2.0))
+    assert scenario.obstacles[0].points == ((2.0, 0.0), (3.0, 0.0), (3.0, 2.0), (2.0, 2.0))
     assert scenario.workspace.shape.box == ((0.0, 0.0), (5.0, 4.0))
     assert "Not taken over: headings" in scenario.description
     assert parse_toml(write_toml(scenario)) == scenario
@@ -62,7 +62,7 @@ def test_lsc_dr_takes_boxes_of_its_world_file_and_names_what_moves(tmp_path: Pat
     scenario = imported(file(tmp_path, "m.json", json.dumps(LSC)), Options(obstacles=world))
     assert scenario.robots[0].radius == 0.15
     assert scenario.control.speed == 0.8
-    assert scenario.things[0].shape.box == ((0.75, 1.5), (1.25, 2.5))
+    assert scenario.obstacles[0].shape.box == ((0.75, 1.5), (1.25, 2.5))
     assert "1 obstacles that move" in scenario.description
 
 
@@ -73,7 +73,7 @@ def test_moving_ai_counts_rows_from_the_north_and_gives_every_robot_cells_of_its
         ((0.5, 2.5), (4.5, 0.5)),
         ((4.5, 2.5), (0.5, 2.5)),
     ]
-    boxes = sorted(thing.shape.box for thing in scenario.things)
+    boxes = sorted(thing.shape.box for thing in scenario.obstacles)
     assert boxes == [((0.0, 0.0), (1.0, 1.0)), ((2.0, 1.0), (4.0, 2.0))]
     with pytest.raises(UsageError, match="2 starts and goals"):
         imported(tmp_path / "m.scen", Options(robots=3))
@@ -81,7 +81,7 @@ def test_moving_ai_counts_rows_from_the_north_and_gives_every_robot_cells_of_its
 
 def test_smglib_brings_its_walls_in_any_order_of_corners(tmp_path: Path) -> None:
     scenario = imported(file(tmp_path, "doorway.xml", SMG), Options())
-    assert scenario.things[0].shape.box == ((3.0, 2.0), (6.0, 3.0))
+    assert scenario.obstacles[0].shape.box == ((3.0, 2.0), (6.0, 3.0))
     assert (scenario.robots[0].radius, scenario.robots[0].goal) == (0.3, (2.0, 1.0))
     assert scenario.workspace.shape.box == ((0.0, 0.0), (8.0, 6.0))
 

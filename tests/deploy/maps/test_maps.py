@@ -182,7 +182,7 @@ def written(folder: Path, goal: str) -> str:
 def test_a_scenario_names_its_map_beside_it(tmp_path: Path) -> None:
     scenario = load(written(tmp_path, "[0.7, 0.25]"))
     assert scenario.map is None
-    assert len(scenario.things) == 2
+    assert len(scenario.obstacles) == 2
     assert scenario.workspace.shape.box == (pytest.approx((0.1, 0.1)), pytest.approx((0.9, 0.5)))
     assert parse_toml(write_toml(scenario)) == scenario  # what is shown is complete
 

@@ -11,13 +11,13 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from deploy.theory.tuning import PAPER_K, doors, gain_for
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
 HALL, RADIUS = 40.0, 0.4
 
 
-def wall(low: float, high: float) -> Thing:
-    return Thing(points=((19.9, low), (20.1, low), (20.1, high), (19.9, high)))
+def wall(low: float, high: float) -> Obstacle:
+    return Obstacle(points=((19.9, low), (20.1, low), (20.1, high), (19.9, high)))
 
 
 def hall(slack: float, robots: int = 1, scale: float = 1.0, law: str = "gradient") -> Scenario:
@@ -29,7 +29,7 @@ def hall(slack: float, robots: int = 1, scale: float = 1.0, law: str = "gradient
         for n, (x, y) in enumerate(starts, 1)
     ]
     things = [wall(0.0, 20.0 - half), wall(20.0 + half, HALL)]
-    scaled = [Thing(points=tuple((x * scale, y * scale) for x, y in each.points)) for each in things]
+    scaled = [Obstacle(points=tuple((x * scale, y * scale) for x, y in each.points)) for each in things]
     corners = ((0.0, 0.0), (HALL * scale, 0.0), (HALL * scale, HALL * scale), (0.0, HALL * scale))
     return validated(
         Scenario(
@@ -37,7 +37,7 @@ def hall(slack: float, robots: int = 1, scale: float = 1.0, law: str = "gradient
             workspace=Workspace(points=corners),
             time=Time(0.1, 120.0, 0.05 * scale),
             control=Control(speed=scale, law=law),
-            things=tuple(scaled),
+            obstacles=tuple(scaled),
         )
     )
 
@@ -76,7 +76,7 @@ def test_a_door_that_no_way_leads_through_does_not_count() -> None:
     scenario = hall(0.01)
     beside = replace(scenario, robots=(replace(scenario.robots[0], goal=(15.0, 25.0)),))
     assert gain_for(beside) == PAPER_K
-    two = replace(scenario, things=(wall(0.0, 10.0), wall(15.0, 20.0 - 0.415), wall(20.415, HALL)))
+    two = replace(scenario, obstacles=(wall(0.0, 10.0), wall(15.0, 20.0 - 0.415), wall(20.415, HALL)))
     three = replace(two, robots=(*two.robots, RobotSpec(2, RADIUS, (12.0, 12.0), (28.0, 28.0))))
     assert gain_for(two) > PAPER_K
     assert gain_for(three) < gain_for(two)

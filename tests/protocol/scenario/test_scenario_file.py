@@ -9,7 +9,7 @@ import pytest
 from protocol.errors import ScenarioError
 from protocol.geometry import ConvexPolygon, Disk
 from protocol.scenario.file import json_schema, parse_toml, read_scenario, write_toml
-from protocol.scenario.model import Journey, RobotSpec, Sensing, Thing
+from protocol.scenario.model import Journey, Obstacle, RobotSpec, Sensing
 from tests.protocol.scenario.scenario_texts import ROBOTS, problems
 
 
@@ -70,7 +70,7 @@ def test_every_order_is_read_and_written_back() -> None:
     )
     assert scenario.orders[0].goal == Journey(2, ((0.1, 0.1),), queue=True)
     assert scenario.newcomers == (RobotSpec(2, 0.03, (0.0, 0.1), (0.0, -0.1)),)
-    assert scenario.orders[2].place == Thing(center=(0.0, 0.1), radius=0.02)
+    assert scenario.orders[2].place == Obstacle(center=(0.0, 0.1), radius=0.02)
     assert [order.halt for order in scenario.orders[-2:]] == [True, False]
     assert [order.at for order in scenario.orders] == [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5]
     assert parse_toml(write_toml(scenario)) == scenario
@@ -90,8 +90,8 @@ SQUARE = "[workspace]\npoints = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
 
 
 def test_a_polygon_and_things_are_read_and_written_back():
-    disk = "[[things]]\ncenter = [0.0, 0.5]\nradius = 0.1\n"
-    text = SQUARE + disk + "[[things]]\npoints = [[0, 0.1], [0, 0.3], [0.1, 0.1]]\n"
+    disk = "[[obstacles]]\ncenter = [0.0, 0.5]\nradius = 0.1\n"
+    text = SQUARE + disk + "[[obstacles]]\npoints = [[0, 0.1], [0, 0.3], [0.1, 0.1]]\n"
     scenario = parse_toml(text + ROBOT)
     assert scenario.workspace.shape == ConvexPolygon([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     assert scenario.shapes == {1: Disk(0.0, 0.5, 0.1), 2: ConvexPolygon([(0, 0.1), (0, 0.3), (0.1, 0.1)])}

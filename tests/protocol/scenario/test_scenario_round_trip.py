@@ -20,6 +20,7 @@ from protocol.scenario.model import (
     Control,
     Link,
     Network,
+    Obstacle,
     Order,
     Part,
     Partition,
@@ -27,7 +28,6 @@ from protocol.scenario.model import (
     RobotSpec,
     Scenario,
     Sensing,
-    Thing,
     Time,
     Workspace,
     World,
@@ -109,13 +109,13 @@ def test_every_field_is_written() -> None:
         "world": World("mujoco"),
         "base": Base(patience=0.05),
         "body": "e-puck",
-        "things": (Thing(center=(0.0, 0.2), radius=0.01),),
+        "obstacles": (Obstacle(center=(0.0, 0.2), radius=0.01),),
         "parts": (Part(0.01, (0.0, -0.2), (0.0, -0.3)),),
         "carrying": Carrying(0.02),
         "orders": (Order(1.0, halt=True),),
         "robots": (RobotSpec(1, 0.06, (0.0, 0.0), (0.1, 0.0)),),
     }
-    assert said.keys() | {"map"} == {field.name for field in fields(Scenario)}  # it stands for `things`
+    assert said.keys() | {"map"} == {field.name for field in fields(Scenario)}  # it stands for `obstacles`
     plain: dict[str, Any] = {"world": World(), "body": "point", "base": None, "network": Network()}
     for otherwise in ({"parts": ()}, plain):  # not everything goes together with parts
         scenario = Scenario(**(said | otherwise))

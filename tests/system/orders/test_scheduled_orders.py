@@ -12,7 +12,7 @@ from deploy.library.load import resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
-from protocol.scenario.model import Journey, Order, ProcessFault, RobotSpec, Scenario, Thing, Time
+from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
 
 GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
@@ -23,7 +23,7 @@ EVERYTHING = resolved(
         orders=(
             Order(0.5, goal=Journey(1, ((0.1, 0.1), (-0.2, 0.0)))),
             Order(1.0, add=GUEST),
-            Order(1.5, place=Thing(center=(0.0, 0.0), radius=0.02)),
+            Order(1.5, place=Obstacle(center=(0.0, 0.0), radius=0.02)),
             Order(2.0, halt=True),
             Order(2.5, halt=False),
             Order(3.0, remove=2),

@@ -21,12 +21,12 @@ from deploy.telemetry.recording.reader import read
 from protocol.bus.bus import Request
 from protocol.keys import world_key
 from protocol.messages import Clock
-from protocol.scenario.model import Thing
+from protocol.scenario.model import Obstacle
 from tests.forks import Forks
 from world.shell.persistence.journal import Journal
 
 SWAP = load("swap-4")
-LISTED = replace(SWAP, things=(Thing(center=(0.2, 0.2), radius=0.02),))
+LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
 BAR = {"place": {"points": [[-0.02, -0.01], [0.02, -0.01], [0.02, 0.01], [-0.02, 0.01]]}}
 
 

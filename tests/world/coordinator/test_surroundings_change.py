@@ -11,8 +11,8 @@ from agents.robot import Robot
 from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import Roster, Thing, Tick
+from protocol.scenario.model import Obstacle as Listed
 from protocol.scenario.model import Operation, RobotSpec, Workspace
-from protocol.scenario.model import Thing as Listed
 from tests.world.driving import advance, joined, obeying, scenario
 from world.shell.run import Run
 from world.world import World
@@ -26,7 +26,7 @@ def world() -> World:
     setting = replace(
         scenario(((-0.4, 0.0), (0.4, 0.0)), ((0.0, -0.4), (0.0, 0.4))),
         workspace=Workspace(0.6),
-        things=(Listed(points=BOX),),
+        obstacles=(Listed(points=BOX),),
     )
     found = joined(setting)
     advance(found)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from protocol.geometry import Disk
-from protocol.scenario.model import Control, RobotSpec, Scenario, Thing, Workspace
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Workspace
 from tests.world.driving import scenario, two
 from world.judge.clearance import Disks
 from world.judge.measures import Goals, levels_of
@@ -24,7 +24,7 @@ def crossing() -> Scenario:
         (RobotSpec(3, 0.04, (-0.5, 0.15), (0.5, -0.3)),),
         workspace=Workspace(points=ROOM),
         control=Control(k=60.0),
-        things=(Thing(points=BOX), Thing(center=(0.4, 0.15), radius=0.05)),
+        obstacles=(Obstacle(points=BOX), Obstacle(center=(0.4, 0.15), radius=0.05)),
     )
 
 

@@ -18,11 +18,14 @@ from deploy.telemetry.scene import ros
 from deploy.telemetry.scene.fleet import TOPICS, FleetScene, Picture
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
-from protocol.scenario.model import Order, RobotSpec, Scenario, Thing
+from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
 
 ROBOTS = (RobotSpec(3, 0.03, (-0.1, 0.0), (0.1, 0.0)), RobotSpec(7, 0.02, (0.0, 0.0), (0.0, 0.1)))
-THINGS = (Thing(center=(0.0, -0.2), radius=0.02), Thing(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))))
-SCENARIO = Scenario(ROBOTS, name="two", things=THINGS)
+THINGS = (
+    Obstacle(center=(0.0, -0.2), radius=0.02),
+    Obstacle(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))),
+)
+SCENARIO = Scenario(ROBOTS, name="two", obstacles=THINGS)
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 
 

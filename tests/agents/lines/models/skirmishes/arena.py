@@ -12,10 +12,10 @@ from protocol.scenario.model import (
     Actuation,
     Control,
     Network,
+    Obstacle,
     RobotSpec,
     Scenario,
     Sensing,
-    Thing,
     Time,
     Workspace,
 )
@@ -49,21 +49,21 @@ def drawn(seed: int, rng: Random) -> Scenario:
         control=Control(k=20.0, speed=SPEED),
         sensing=(sensing,),
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
-        things=_things(seed, specs, room),
+        obstacles=_things(seed, specs, room),
         body=_body(seed),
         network=_network(seed),
     )
 
 
-def thing_beside(rng: Random, place: Vector) -> Thing:
+def thing_beside(rng: Random, place: Vector) -> Obstacle:
     """A disk or a thin wall some way off a robot, where it may soon be."""
     turn, far, size = rng.uniform(0.0, math.tau), rng.uniform(0.0, 0.12), rng.uniform(0.003, 0.02)
     cos, sin = math.cos(turn), math.sin(turn)
     x, y = place[0] + far * cos, place[1] + far * sin
     if rng.random() < 0.5:
-        return Thing(center=(x, y), radius=size)
+        return Obstacle(center=(x, y), radius=size)
     corners = ((0.002, size), (-0.002, size), (-0.002, -size), (0.002, -size))
-    return Thing(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))
+    return Obstacle(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))
 
 
 def _network(seed: int) -> Network:
@@ -98,7 +98,7 @@ def _room(seed: int, room: float) -> Workspace:
     return Workspace(points=tuple((reach * math.cos(each), reach * math.sin(each)) for each in angles))
 
 
-def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Thing, ...]:
+def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Obstacle, ...]:
     """None; in one of four runs up to three, close to where the robots begin."""
     if seed % 4 != 3:
         return ()
@@ -110,12 +110,12 @@ def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Thing, ...]
     return tuple(clear[: rng.randint(1, 3)])
 
 
-def _thing(rng: Random, room: float) -> Thing:
+def _thing(rng: Random, room: float) -> Obstacle:
     x, y = rng.uniform(-room, room), rng.uniform(-room, room)
     if rng.random() < 0.4:
-        return Thing(center=(x, y), radius=rng.uniform(0.005, 0.06))
+        return Obstacle(center=(x, y), radius=rng.uniform(0.005, 0.06))
     ahead, aside = rng.uniform(0.005, 0.1), rng.uniform(0.001, 0.05)
     turn = rng.uniform(0.0, math.tau)
     cos, sin = math.cos(turn), math.sin(turn)
     corners = ((ahead, aside), (-ahead, aside), (-ahead, -aside), (ahead, -aside))[: rng.choice((3, 4))]
-    return Thing(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))
+    return Obstacle(points=tuple((x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners))

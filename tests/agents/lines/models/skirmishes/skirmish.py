@@ -55,7 +55,7 @@ class Skirmish:
         self.delay = rng.choice((0, 0, 1, 4, 15))  # ticks at most
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
         self.before: list[Vector] = list(self.world.truth.positions)
-        self.operator = Random(f"operator {seed}") if self.scenario.things else None
+        self.operator = Random(f"operator {seed}") if self.scenario.obstacles else None
         self.things = self.scenario.shapes  # that stand in this tick
         self.network = Random(f"summaries {seed}") if self.scenario.hears_near else None
         self.tokens = Random(f"tokens {seed}")
