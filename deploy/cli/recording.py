@@ -47,25 +47,41 @@ def plot(
     recordings: Annotated[
         list[Path], typer.Argument(metavar="RECORDING...", help="Files that `disknav run --record` wrote.")
     ],
-    out: Annotated[Path, options.out("Picture to write: .png, .svg, .pdf, or a film: .gif, .mp4.")],
+    out: Annotated[
+        Path, options.out("Picture to write: .png, .svg, .pdf, or an animation: .gif, .webp, .mp4.")
+    ],
     until: Annotated[
         float | None,
-        typer.Option(min=0.0, help="Draw only so many simulated seconds: disks as they stand then."),
+        typer.Option(min=0.0, help="Draw only this many simulated seconds."),
+    ] = None,
+    width: Annotated[
+        int | None, typer.Option(min=100, max=2000, help="Width of an animation, pixels; 440 unless given.")
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            min=1.0, help="Longest duration of an animation, 10 unless given; a longer run is sped up."
+        ),
     ] = None,
 ) -> None:
-    """Draw recordings: paths with disks, clearance and phi over time, and how late information was.
+    """Draw recordings: paths and disks, clearance and phi over time, and the age of received information.
 
     Examples: disknav recording plot figure-1.mcap -o figure-1.pdf;
-    disknav recording plot figure-2.mcap --until 2.5 -o blocked.png
+    disknav recording plot figure-2.mcap --until 2.5 -o blocked.png;
+    disknav recording plot figure-1.mcap -o figure-1.webp --width 300 --seconds 5
     """
     from deploy.telemetry.plot import draw
 
     draw.check(out, len(recordings))
+    if out.suffix not in draw.ANIMATIONS:
+        options.refuse(
+            {"--width": width, "--seconds": seconds}, "it belongs to an animation: name a .gif or .webp"
+        )
     found = [_read(path) for path in recordings]
     if until is not None:
         found = [draw.until(each, until) for each in found]
     with bar(f"drawing {out.name}") as progress:
-        draw.draw(found, out, progress)
+        draw.draw(found, out, progress, width, seconds)
 
 
 @app.command()

@@ -52,7 +52,7 @@ def run(
     record: options.Record = None,
     rotate: options.Rotate = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the run: .png, .svg, .pdf, .gif, .mp4.")
+        Path | None, typer.Option(metavar="FILE", help="Draw the run: .png, .svg, .pdf, .gif, .webp, .mp4.")
     ] = None,
     json_file: options.Json = None,
     web: options.Web = False,

@@ -75,6 +75,24 @@ class Operator:
             self._wishes[robot] = self._bus.publisher(STREAMS["wish"], robot_key(self._run, robot, "wish"))
         self._wishes[robot](encode(Wish(robot, velocity)))
 
+    def reach(self, within: float) -> None:
+        """Wait until a world of this run answers, at most `within` s.
+
+        Raises:
+            BusError: none does.
+        """
+        deadline = time.monotonic() + within
+        while True:
+            try:
+                self.operate()
+            except BusError:
+                if time.monotonic() >= deadline:
+                    raise
+            else:
+                return
+            STOP.check()
+            self._bus.receive(_LOOK)
+
     def appeared(self, robot: int, within: float) -> Member:
         """Wait until the disk of a robot that was added is in its place.
 
@@ -150,13 +168,13 @@ class Operator:
 
 
 @contextmanager
-def operating(connection: Connection, run: str) -> Iterator[Operator]:
-    """An operator with a session of its own; a fleet that is not there yet is not waited for.
+def operating(connection: Connection, run: str, within: float = ANSWER) -> Iterator[Operator]:
+    """An operator with its own session, which reaches its router `within` so many seconds.
 
     Raises:
-        BusError: nobody listens where `connection` leads.
+        BusError: no router listens at the endpoint of `connection`.
     """
-    bus = ZenohBus(replace(connection, timeout=ANSWER))
+    bus = ZenohBus(replace(connection, timeout=within))
     try:
         yield Operator(bus, run)
     finally:

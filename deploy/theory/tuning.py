@@ -1,6 +1,6 @@
 """The rule behind k = "auto": what a crowd needs, or what leads through the narrow passages on the ways.
 
-The data behind the rule are in docs/theory/auto-k.md.
+docs/theory/auto-k.md derives the rule.
 
 Before a gap of width w between two corners the repulsion of the corners holds a robot of radius rho back. On
 the middle line, at the distance y from the gap, beta of each is y^2 + e^2 with e^2 = (w/2)^2 - rho^2; the two

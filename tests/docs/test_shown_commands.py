@@ -1,7 +1,8 @@
 """Every command that README and the documentation show is run, or at least understood by the command line.
 
-A fenced block marked `sh` holds commands. The lines of a page that begin with `disknav` run one after another
-in a folder of the page's own, and have to succeed. A comment before a block changes that:
+A fenced block marked `sh` holds commands. The lines of a page that begin with `disknav` run one after
+another in a folder of the page's own (of an example, a copy of its folder), and have to succeed. A comment
+before a block changes that:
 
     <!-- not run: why -->     its commands and options have to exist, no more
     <!-- file: mine.toml -->  the block, of whatever kind, is the content of this file in the page's folder
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -52,6 +54,10 @@ def redirected(words: list[str]) -> tuple[list[str], str]:
     return (words[:-2], words[-1]) if words[-2:-1] == [">"] else (words, "output")
 
 
+def _name(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
 WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
 
 
@@ -60,12 +66,14 @@ WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in block
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(page, marks=pytest.mark.long(10) if page.name == "README.md" else ())
+        pytest.param(page, marks=pytest.mark.long(10) if page == ROOT / "README.md" else ())
         for page in WITH_COMMANDS
     ],
-    ids=lambda page: page.name,
+    ids=_name,
 )
 def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
+    if page.parent.parent.name == "examples":
+        shutil.copytree(page.parent, tmp_path, dirs_exist_ok=True)
     for block in blocks(page):
         if block.file:
             (tmp_path / block.file).write_text(block.text)
@@ -76,7 +84,7 @@ def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
             (tmp_path / target).write_text(done.stdout)
 
 
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
 def test_their_options_exist(page: Path) -> None:
     for block in blocks(page):
         for words in block.commands:
@@ -88,7 +96,7 @@ def test_their_options_exist(page: Path) -> None:
                 command.make_context("disknav", rest)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=_name)
 def test_no_command_hides_from_this(page: Path) -> None:
     outside = _BLOCK.sub("", page.read_text())
     assert re.findall(r"^(?: {4}|\$ )disknav .*", outside, re.MULTILINE) == []

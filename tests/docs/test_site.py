@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -17,6 +19,9 @@ from deploy.run.result import complete
 from docs.concepts.diagrams import render
 from docs.reference import commands, python, result, scenario
 from protocol.scenario.file import json_schema
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,13 +41,47 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_every_page_is_there(site: Path) -> None:
-    pages = {path.relative_to(site).with_suffix(".md").as_posix() for path in site.rglob("*.html")}
-    named = set(re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text()))
-    assert named <= pages
+    named = re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text())
+    assert [page for page in named if not (site / _address(page)).exists()] == []
     index = (site / "index.html").read_text()
     for path in (ROOT / "docs").rglob("*.md"):
-        page = path.relative_to(ROOT / "docs").with_suffix(".html").as_posix()
+        page = _address(path.relative_to(ROOT / "docs").as_posix())
         assert f'href="{page}"' in index, f"{page} is in no menu"
+
+
+def _address(page: str) -> str:
+    """Where the site has a page: README is the index of its folder."""
+    return re.sub(r"(README)?\.md$", lambda found: "index.html" if found[1] else ".html", page)
+
+
+@pytest.mark.slow
+def test_it_can_be_searched(site: Path) -> None:
+    index = json.loads((site / "search/search_index.json").read_text())
+    found = {
+        entry["location"].partition("#")[0] for entry in index["docs"] if "separating line" in entry["text"]
+    }
+    assert {"how-it-works.html", "glossary.html"} <= found
+
+
+@pytest.mark.slow
+def test_the_front_page_is_that_of_readme(site: Path) -> None:
+    front, readme = (site / "index.html").read_text(), (ROOT / "README.md").read_text()
+    pictures = re.findall(r"docs/(pictures/moving/[\w-]+\.webp)", readme)
+    assert len(pictures) == 5
+    assert all(f'src="{each}"' in front for each in pictures)
+    assert sum((ROOT / "docs" / each).stat().st_size for each in pictures) < 2_000_000
+    assert "make demo" in front
+    assert len(readme.split()) <= 700
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_no_page_is_wider_than_a_phone(site: Path, browser: Browser) -> None:
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    for path in sorted(site.rglob("*.html")):
+        page.goto(path.as_uri())
+        width = page.evaluate("document.scrollingElement.scrollWidth")
+        assert width <= 390, f"{path.relative_to(site)} is {width} pixels wide"
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
@@ -21,21 +22,31 @@ from protocol.errors import UsageError
 
 Progress = Callable[[float], None]
 _RATE = 12  # pictures a second
-_LONGEST = 120  # pictures; a longer run is shown faster
-_PAUSE = 12  # pictures that the end stands still
-_DPI = 100
+_PAUSE = 12  # pictures of the last instant at the end
+_INCHES = (4.4, 4.6)
+_TAIL = 2.0  # s of path behind each disk of a large fleet, whose whole paths would hide the disks
+_QUALITY = 50  # of a .webp, where the outlines of disks are still clean; half the bytes of the library's 80
 
 
-def animate(recording: Recording, target: Path, progress: Progress | None = None) -> None:
-    """Write `target`, a .gif or (where ffmpeg is installed) an .mp4, in real time or faster.
+class Format(NamedTuple):
+    """Size and length of an animation."""
+
+    width: int = 440  # pixels
+    seconds: float = 10.0  # a longer run is shown faster
+
+
+def animate(
+    recording: Recording, target: Path, progress: Progress | None = None, form: Format = Format()
+) -> None:
+    """Write `target`, a .gif, .webp or (where ffmpeg is installed) .mp4, in real time or faster.
 
     Raises:
         UsageError: .mp4 without ffmpeg.
     """
     film = _Film(recording)
-    steps = list(_steps(recording))
+    steps = list(_steps(recording, form.seconds))
     writer = _writer(target)
-    with writer.saving(film.figure, str(target), _DPI):
+    with writer.saving(film.figure, str(target), form.width / _INCHES[0]):
         for index, step in enumerate(steps):
             film.show(step)
             writer.grab_frame()
@@ -46,16 +57,26 @@ def animate(recording: Recording, target: Path, progress: Progress | None = None
 def _writer(target: Path) -> AbstractMovieWriter:
     if target.suffix == ".gif":
         return PillowWriter(fps=_RATE)
+    if target.suffix == ".webp":
+        return _WebpWriter(fps=_RATE)
     if shutil.which("ffmpeg") is None:
         raise UsageError(f"{target}: needs ffmpeg, which is not installed; install it, or name a .gif")
     return FFMpegWriter(fps=_RATE, extra_args=["-pix_fmt", "yuv420p"])
 
 
-def _steps(recording: Recording) -> Iterator[int]:
-    """Which recorded tick each picture shows."""
+class _WebpWriter(PillowWriter):
+    def finish(self) -> None:
+        first, *rest = self._frames
+        first.save(
+            self.outfile, save_all=True, append_images=rest, duration=1000 // _RATE, loop=0, quality=_QUALITY
+        )
+
+
+def _steps(recording: Recording, longest: float) -> Iterator[int]:
+    """Index of the recorded tick that each picture shows."""
     ticks = recording.truths.ticks
     seconds = ticks[-1] * recording.scenario.time.step
-    count = int(min(max(2.0, seconds * _RATE), _LONGEST))
+    count = int(min(max(2.0, seconds * _RATE), longest * _RATE))
     yield from np.linspace(0, len(ticks) - 1, count).round().astype(int).tolist()
     yield from [len(ticks) - 1] * _PAUSE
 
@@ -64,7 +85,7 @@ class _Film:
     """One figure whose parts are moved from picture to picture."""
 
     def __init__(self, recording: Recording) -> None:
-        self.figure = Figure(figsize=(4.4, 4.6), layout="constrained")
+        self.figure = Figure(figsize=_INCHES, layout="constrained")
         self._recording = recording
         self._axes = self.figure.subplots()
         self._things = frame(self._axes, recording)
@@ -94,9 +115,10 @@ class _Film:
     def show(self, step: int) -> None:
         """Move everything to one recorded tick."""
         truths, scenario = self._recording.truths, self._recording.scenario
+        oldest = max(0, step - round(_TAIL / scenario.time.step)) if len(self._robots) > MANY else 0
         for robot, (disk, trail, label) in zip(self._robots, self._parts, strict=True):
             path = robot.path[: step + 1]
-            trail.set_data(*path.T)
+            trail.set_data(*path[oldest:].T)
             is_there = not np.isnan(path[-1, 0])
             disk.set_visible(is_there)
             label.set_visible(is_there)

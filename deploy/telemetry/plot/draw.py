@@ -14,7 +14,7 @@ from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
 PICTURES = (".png", ".svg", ".pdf")
-ANIMATIONS = (".gif", ".mp4")
+ANIMATIONS = (".gif", ".webp", ".mp4")
 _WHAT = "draw"
 
 
@@ -41,8 +41,17 @@ def draw(
     recordings: Recording | Path | Sequence[Recording],
     target: Path,
     progress: Callable[[float], None] | None = None,
+    width: int | None = None,
+    seconds: float | None = None,
 ) -> None:
     """Draw one recording, or several side by side, into `target`.
+
+    Args:
+        recordings: one for an animation.
+        target: its suffix names the format.
+        progress: receives the share that is done, 0 to 1.
+        width: of an animation, pixels; `animation.Format` has the default, as of `seconds`.
+        seconds: longest duration of an animation.
 
     Raises:
         UsageError: see `check`; or the disk is full.
@@ -54,13 +63,14 @@ def draw(
     check(target, len(recordings))
     import matplotlib
 
-    from deploy.telemetry.plot.animation import animate
+    from deploy.telemetry.plot.animation import Format, animate
     from deploy.telemetry.plot.figure import figure
     from deploy.telemetry.plot.style import RC
 
     with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:
-            animate(recordings[0], target, progress)
+            form = Format()
+            animate(recordings[0], target, progress, Format(width or form.width, seconds or form.seconds))
         else:
             metadata = {"Date": None} if target.suffix == ".svg" else {}
             figure(recordings).savefig(target, metadata=metadata)

@@ -1,6 +1,6 @@
 """The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
 
-Run `python -m tests.benchmarks.theory.auto_k --write` to measure again and rewrite docs/theory/auto-k.md.
+Run `python -m tests.benchmarks.theory.auto_k --write` to measure again and rewrite docs/results/auto-k.md.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ DENSITIES = (0.10, 0.20, 0.30, 0.35)
 RATIOS = (1.0, 2.0)
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
 MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[3] / "docs" / "theory" / "auto-k.md"
+REPORT = Path(__file__).parents[3] / "docs" / "results" / "auto-k.md"
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def summary(rows: Sequence[Row]) -> str:
 
 
 def main() -> None:
-    """Measure, and print the tables or put them into docs/theory/auto-k.md below its marker."""
+    """Measure, and print the tables or put them into docs/results/auto-k.md below its marker."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.auto_k", description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
     parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")

@@ -1,7 +1,7 @@
 """k = "auto" beside the certified K and the k below which starts fail, for random goal sets.
 
 Run `python -m tests.benchmarks.theory.certified --write` to measure again and rewrite the table of
-docs/theory/certified-k.md.
+docs/results/certified-k.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from protocol.draws import Purpose, generator
 from tests.benchmarks.theory.smallest_k import arrival_threshold, arrives_from_all
 
 MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[3] / "docs" / "theory" / "certified-k.md"
+REPORT = Path(__file__).parents[3] / "docs" / "results" / "certified-k.md"
 PICTURE = REPORT.parents[1] / "pictures" / "certified-k.png"
 RADIUS, WORKSPACE = 0.04, 0.30  # m
 STARTS = 10

@@ -1,7 +1,7 @@
 """What sampling costs: nrl of a fleet at its usual period against the exact continuous flow, run by run.
 
 The filter is on, no faults, period 50 ms; the flow starts where the fleet does, and both end when every
-robot is within the scenario's tolerance of its goal. Prints the table of docs/theory/propositions.md.
+robot is within the scenario's tolerance of its goal. Prints the table of docs/results/theory.md.
 
     python -m tests.benchmarks.theory.sampled
 """

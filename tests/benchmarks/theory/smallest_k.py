@@ -1,6 +1,6 @@
 """The k below which other minima catch the exact flow, for the goal sets of figure 3.
 
-Run `python -m tests.benchmarks.theory.smallest_k` to print the table of docs/theory/propositions.md.
+Run `python -m tests.benchmarks.theory.smallest_k` to print the table of docs/results/theory.md.
 """
 
 from __future__ import annotations

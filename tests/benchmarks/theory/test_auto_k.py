@@ -23,7 +23,7 @@ def test_the_study_is_reproducible() -> None:
 
 
 def test_the_documented_study_meets_its_promise() -> None:
-    """docs/theory/auto-k.md: at least 99 % of the instances arrive at the rule's k."""
+    """docs/results/auto-k.md: at least 99 % of the instances arrive at the rule's k."""
     tables = REPORT.read_text().split(MARKER)[1]
     totals = next(line for line in tables.splitlines() if line.startswith("At the rule:"))
     arrived, runs = map(int, totals.split(":")[1].split(",")[0].split("/"))

@@ -96,14 +96,16 @@ def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
         assert (tmp_path / name).stat().st_size > 1000
 
 
-def test_a_film_ends_with_the_end(recording, tmp_path):
+@pytest.mark.parametrize("name", ["a.gif", "a.webp"])
+def test_an_animation_ends_with_the_end(recording, tmp_path, name):
     told: list[float] = []
-    draw(recording, tmp_path / "a.gif", told.append)
+    draw(recording, tmp_path / name, told.append, width=200, seconds=1.0)
     assert told == sorted(told)
     assert 0.9 < told[-1] < 1.0
-    assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF8")
-    with Image.open(tmp_path / "a.gif") as film:
-        assert film.n_frames > 20
+    with Image.open(tmp_path / name) as film:
+        assert film.format == name[2:].upper()
+        assert film.width == 200
+        assert film.n_frames > 10
 
 
 def test_colours_and_dashes_tell_robots_apart():

@@ -1,0 +1,82 @@
+"""Each example has a page with a picture and a command or a short script; the scripts run.
+
+`test_shown_commands.py` runs the commands of the pages.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.deploy.processes.ports import free_ports
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "docs/examples"
+FOLDERS = sorted(path.parent for path in EXAMPLES.glob("*/README.md"))
+_LONGEST = 40  # lines of a command or script
+
+
+def test_they_are_numbered_and_listed() -> None:
+    assert [int(folder.name[:2]) for folder in FOLDERS] == [*range(1, len(FOLDERS) + 1)]
+    listed = re.findall(r"\((\d\d-[\w-]+)/README\.md\)", (EXAMPLES / "README.md").read_text())
+    assert listed == [folder.name for folder in FOLDERS]
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_each_has_a_picture_and_something_short_to_run(folder: Path) -> None:
+    page = (folder / "README.md").read_text()
+    pictures = re.findall(r"!\[.+?\]\(([^)]+)\)", page)
+    assert pictures
+    assert all((folder / each).exists() for each in pictures)
+    assert "\ndisknav " in page
+    for script in folder.glob("*.py"):
+        assert len(script.read_text().splitlines()) <= _LONGEST, script
+        assert f"({script.name})" in page
+    for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL):
+        assert block.count("\n") <= _LONGEST
+
+
+def run(folder: str, script: str, *words: str, cwd: Path) -> None:
+    """Run a script in a copy of its folder."""
+    shutil.copytree(EXAMPLES / folder, cwd, dirs_exist_ok=True)
+    call = [sys.executable, script, *words]
+    done = subprocess.run(call, cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.process
+def test_a_fleet_that_lives(tmp_path: Path) -> None:
+    run("03-living-fleet", "orders.py", f"tcp/127.0.0.1:{free_ports(1)[0]}", cwd=tmp_path)
+    assert (tmp_path / "yard.mcap").stat().st_size > 10_000
+
+
+@pytest.mark.process
+def test_two_routers(tmp_path: Path) -> None:
+    run("08-several-hosts", "two_routers.py", *map(str, free_ports(2)), cwd=tmp_path)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Figure 1, recorded in this process."""
+    import disknav
+
+    path = tmp_path_factory.mktemp("recording") / "figure-1.mcap"
+    disknav.run("figure-1", record=path)
+    return path
+
+
+def test_speeds_of_a_recording(recording: Path, tmp_path: Path) -> None:
+    run("09-recording", "speeds.py", str(recording), cwd=tmp_path)
+
+
+def test_poses_for_ros2(recording: Path, tmp_path: Path) -> None:
+    from deploy.telemetry.recording.reading.reader import read
+    from deploy.telemetry.recording.reading.replay import export
+
+    export(read(recording), tmp_path / "poses.mcap")
+    run("07-ros2", "poses.py", "poses.mcap", cwd=tmp_path)
