@@ -1,12 +1,12 @@
-"""disknav from Python: load or build a scenario, run it, step it, and look at what came of it as arrays.
+"""disknav from Python: load or build a scenario, run or step it, and get the results as arrays.
 
     import disknav
 
     run = disknav.run("figure-1")
     print(run.verdict, run.trajectory.positions.shape)
 
-docs/guides/python.md has more. The command `disknav` does the same with the same code. Names are imported
-when they are first used, once it is clear that the packages that they come from are disknav's own.
+docs/guides/python.md is the guide. The command `disknav` uses the same code. Names are imported at first use,
+after a check that their packages are disknav's own.
 """
 
 from __future__ import annotations

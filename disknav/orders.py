@@ -1,5 +1,4 @@
-"""Orders while robots drive, to them and about what stands in their way: of a fleet that runs elsewhere, or
-of a simulation."""
+"""Orders to a running fleet or simulation: goals of robots, and obstacles."""
 
 from __future__ import annotations
 
@@ -23,7 +22,7 @@ _LONGEST = 1e6  # s
 
 
 class Orders:
-    """Sends robots of one run elsewhere, and says what comes into their way and goes."""
+    """Gives goals to the robots of one run, and places and removes obstacles."""
 
     def __init__(self, operator: Operator) -> None:
         self._operator = operator
@@ -36,18 +35,18 @@ class Orders:
         patrol: bool = False,
         within: float | None = None,
     ) -> int:
-        """Send a robot to `points` (m), one after another; without any, it stays where it is.
+        """Give a robot the goals `points` (m), one after another; without points, cancel its goals.
 
         Args:
-            queue: after what it is doing, instead of at once.
-            patrol: round and round through all points.
-            within: s of simulated time after which it gives up and stays where it is.
+            queue: append to its goals instead of replacing them.
+            patrol: repeat the points without end.
+            within: simulated s after which the robot gives up and stays.
 
         Returns:
             The number of the order.
 
         Raises:
-            UsageError: the order is malformed, or the world refuses it; says why.
+            UsageError: the order is malformed, or the world refuses it, with the reason.
             BusError: no world of this run answers.
         """
         goal = {"robot": robot, "points": points, "queue": queue, "patrol": patrol, "within": within}
@@ -62,15 +61,19 @@ class Orders:
         self._operator.wish(robot, (float(velocity[0]), float(velocity[1])))
 
     def status(self, robot: int) -> GoalStatus | None:
-        """How things stand with a robot: `status`, `goal` (m), and how many points are `ahead`."""
+        """State of a robot's order: `status`, `goal` (m), and the number of points `ahead`."""
         return self._operator.operate().goal(robot)
 
     def place(self, *points: Vector, radius: float | None = None) -> int:
-        """Have a disk of `radius` (m) around a point appear, or the convex polygon of several, once every
-        robot keeps clear of its place. Its number.
+        """Place a disk of `radius` (m) around a point, or the convex polygon of several points (m).
+
+        The obstacle appears once every robot keeps clear of it.
+
+        Returns:
+            The number of the obstacle.
 
         Raises:
-            UsageError: it is no such thing, or the world refuses it; says why.
+            UsageError: it is neither, or the world refuses it, with the reason.
             BusError: no world of this run answers.
         """
         if radius is None:
@@ -80,11 +83,11 @@ class Orders:
         raise UsageError("a disk has one point, its centre; leave out the others, or the radius")
 
     def take(self, number: int) -> None:
-        """Say that a thing is not there any more; raises as `place` does."""
+        """Remove an obstacle; raises as `place` does."""
         self._operate({"take": number})
 
     def things(self) -> dict[int, Shape]:
-        """What stands, by number; what is yet to appear is not among it."""
+        """Present obstacles by number, without those that are yet to appear."""
         there = self._operator.operate().things
         return {each.number: each.shape for each in there if each.status == "standing"}
 
@@ -101,41 +104,43 @@ class Orders:
 
 
 class FleetOrders(Orders):
-    """Orders to a fleet that drives by itself, so that their end can be waited for."""
+    """Orders to a fleet with a clock of its own, with methods that wait."""
 
     def outcome(self, robot: int, number: int, within: float = inf) -> GoalStatus:
-        """Wait until an order has come to an end, at most `within` s; how it ended.
+        """Wait at most `within` s for the end of an order, and return its last state.
 
         Raises:
-            BusError: it has not.
+            BusError: the order has not ended by then.
         """
         return self._operator.outcome(robot, number, min(within, _LONGEST))
 
     def stands(self, number: int, within: float = inf) -> None:
-        """Wait until a thing stands in its place, at most `within` s.
+        """Wait at most `within` s until an obstacle has appeared.
 
         Raises:
-            BusError: it does not.
+            BusError: it has not appeared by then.
         """
         self._operator.stands(number, min(within, _LONGEST))
 
 
 @contextmanager
 def operate(
-    run: str, *, router: str | None = None, secure: str | Path | None = None
+    run: str, *, router: str | None = None, secure: str | Path | None = None, within: float = 5.0
 ) -> Iterator[FleetOrders]:
-    """Inside, orders to a fleet that runs elsewhere, such as one of `disknav run --keep`.
+    """Context manager for orders to a fleet that runs elsewhere, such as one of `disknav run --keep`.
 
     Args:
-        run: its name.
+        run: name of the run.
         router: endpoint where its router listens; tcp/127.0.0.1:7447 unless given (tls/ with `secure`).
         secure: directory of certificates, with an operator's.
+        within: s to wait for the router, and for the first tick, of a fleet that has just been started.
 
     Raises:
-        BusError: nobody listens there.
+        BusError: no router listens there, or no world of this run answers.
         CertificateError: the certificates are missing or not accepted.
     """
     membership = Membership(None if secure is None else Path(secure))
     connection = membership.client(OPERATOR, (router or membership.default_router,))
-    with operating(connection, membership.run(run) or run) as operator:
+    with operating(connection, membership.run(run) or run, within) as operator:
+        operator.reach(within)
         yield FleetOrders(operator)

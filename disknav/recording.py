@@ -22,13 +22,13 @@ from protocol.streams import STREAMS
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A run as it was recorded.
+    """A recorded run.
 
     Attributes:
-        entries: everything that was recorded, in order, read anew by every loop: each with
-            `time` (s, simulated), `key` and `message`.
-        result: as of `disknav.Run`; None when the recording ended before that.
-        cut: whether the file was cut short or is damaged; what is before the cut is here.
+        entries: all recorded messages in order, each with `time` (simulated s), `key` and `message`;
+            every iteration reads the file again.
+        result: as of `disknav.Run`; None if the recording ended before it.
+        cut: whether the file is truncated or damaged; the part before the cut is available.
     """
 
     path: Path
@@ -39,13 +39,13 @@ class Recording:
     cut: bool
 
     def columns(self, stream: str) -> dict[str, NDArray[Any]]:
-        """One row a message of `stream` ("command", "state", ...): a column for `time` (s) and each field.
+        """One row per message of `stream` ("command", "state", ...), a column for `time` (s) and each field.
 
-        A field that is a position or velocity makes two, as `position_x` and `position_y`, nan where there
-        is none; what is no number stays an object. docs/streams.md says what the fields mean.
+        A position or velocity makes two columns, such as `position_x` and `position_y`, NaN where missing;
+        other values stay objects. docs/streams.md describes the fields.
 
         Raises:
-            UsageError: there is no such stream.
+            UsageError: no such stream.
         """
         if stream not in STREAMS:
             raise UsageError(f"no stream {stream!r}; there are {', '.join(STREAMS)}")
@@ -55,12 +55,12 @@ class Recording:
 
 
 def read(path: str | Path) -> Recording:
-    """Read a recording that `run` or the command wrote, whole or cut.
+    """Read a recording of `run` or of the command, complete or truncated.
 
-    Its trajectory has the ticks whose truth was recorded: all of them, unless the network dropped some.
+    Its trajectory has all ticks whose truth was recorded; a busy network may have dropped some.
 
     Raises:
-        UsageError: there is no such file.
+        UsageError: no such file.
         RecordingError: it is not a recording of a run.
     """
     found = reader.read(path)

@@ -23,11 +23,11 @@ from protocol.scenario.model import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What came of a run.
+    """Result and trajectory of a run.
 
     Attributes:
         result: the object that `disknav run --json` writes; docs/reference/result.md lists its fields.
-        recording: the file that was recorded to, if that was asked for.
+        recording: path of the recording, None without `record`.
     """
 
     scenario: Scenario
@@ -42,7 +42,7 @@ class Run:
 
     @property
     def arrived(self) -> bool:
-        """Whether all robots arrived and nothing touched."""
+        """Whether all robots arrived without contact."""
         return self.verdict == "arrived"
 
 
@@ -60,12 +60,12 @@ def run(
     """Run a scenario to its verdict.
 
     Args:
-        scenario: one that `load` or `build` gave, or what `load` takes, with `settings` and `seed`.
+        scenario: a result of `load` or `build`; or a source for `load`, with `settings` and `seed`.
         transport: "local" for all robots in this process; "routed" or "mesh" for one process each.
-        mode: "lockstep", or "realtime" for a tick per control period of the wall clock.
-        record: file to record to (MCAP).
-        name: of the run; a fresh one unless given.
-        progress: whether to show a bar on standard error.
+        mode: "lockstep", or "realtime" for one tick per period of the wall clock.
+        record: path of the recording to write (MCAP).
+        name: name of the run; by default a fresh one.
+        progress: whether to print a progress bar on standard error.
 
     The trajectory in lock-step is the same on every transport. Ctrl-C ends the run as "interrupted".
 

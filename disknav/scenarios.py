@@ -20,26 +20,27 @@ Source = Scenario | str | Path
 
 
 def library() -> dict[str, str]:
-    """What each name of the library shows; `N` in a name stands for a number of robots."""
+    """Description of each library scenario by name; `N` in a name is a number of robots."""
     return {entry.name: entry.text for entry in catalogue()}
 
 
 def load(source: str | Path, settings: Settings | None = None, *, seed: int | None = None) -> Scenario:
-    """A scenario of the library (`"figure-1"`) or of a TOML file, ready to run.
+    """Load a library scenario (`"figure-1"`) or a TOML file, validated and ready to run.
 
     Args:
-        settings: over what the scenario says, by path: `{"control.k": 80, "robots[0].goal": (0.1, 0.0)}`.
-        seed: over the scenario's; a library scenario draws its random starts from it.
+        settings: values that override the scenario's, by path:
+            `{"control.k": 80, "robots[0].goal": (0.1, 0.0)}`.
+        seed: overrides the scenario's; a library scenario draws its random starts from it.
 
     Raises:
-        ScenarioError: the scenario or a setting is invalid; has every problem in `problems`.
-        UsageError: there is no such file or name, or a library that its law needs is missing.
+        ScenarioError: the scenario or a setting is invalid; `problems` lists all problems.
+        UsageError: no such file or name, or a library that the law needs is missing.
     """
     return load_named(str(source), _written(settings or {}), seed)
 
 
 def ready(source: Source, settings: Settings | None, seed: int | None) -> Scenario:
-    """What is to be run: a scenario as it is, else what `load` makes of a name or file.
+    """Return a scenario as it is, and load a name or file.
 
     Raises:
         ScenarioError, UsageError: as `load`; or `settings` or `seed` are given with a finished scenario.
@@ -52,16 +53,16 @@ def ready(source: Source, settings: Settings | None, seed: int | None) -> Scenar
 
 
 def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scenario:
-    """A scenario from tables as they stand in a file, ready to run; whatever is left out has its default.
+    """Build a scenario from the tables of a scenario file; missing keys have their defaults.
 
     Args:
         document: such as `{"robots": [{"id": 1, "radius": 0.04, "start": [-0.2, 0], "goal": [0.2, 0]}]}`;
-            docs/reference/scenario.md lists the keys. Arrays may be of numpy.
+            docs/reference/scenario.md lists the keys. numpy arrays are accepted.
         settings: as in `load`.
 
     Raises:
         ScenarioError: as in `load`.
-        UsageError: a law from outside is not there, too slow or without its library, or `control.k` is
+        UsageError: a law from outside is missing, too slow or without its library, or `control.k` is
             "certified".
     """
     plain = json.loads(written(document))

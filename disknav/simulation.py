@@ -19,12 +19,12 @@ from protocol.process.signals import STOP
 
 
 class Simulation:
-    """World and robots of one lock-step run, which goes on when `step` is called.
+    """World and robots of one lock-step run in this process; each call of `step` is one tick.
 
-    Iterating over it goes on to the verdict, and gives the positions (m, shape (p, 2)) after each tick.
+    Iteration runs to the verdict and yields the positions (m, shape (p, 2)) after each tick.
 
     Attributes:
-        orders: sends robots elsewhere between two steps; an order holds from the next tick on.
+        orders: goals and obstacles between two steps; an order takes effect at the next tick.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Simulation:
         seed: int | None = None,
         name: str = "local",
     ) -> None:
-        """Arguments and errors are those of `disknav.run`."""
+        """Arguments and errors as of `disknav.run`."""
         self.scenario = ready(scenario, settings, seed)
         self._fleet = LocalFleet(self.scenario, checked_run(name))
         self._truths = [self._truth]
@@ -43,7 +43,7 @@ class Simulation:
 
     @property
     def tick(self) -> int:
-        """How many ticks are over."""
+        """Number of completed ticks."""
         return self._fleet.world.world.tick
 
     @property
@@ -53,21 +53,21 @@ class Simulation:
 
     @property
     def verdict(self) -> str:
-        """How the run ended; empty while it goes on."""
+        """Verdict of the run; empty while it continues."""
         return self._fleet.world.world.verdict
 
     @property
     def positions(self) -> Floats:
-        """Where all disks that are there are, m, shape (p, 2), in the order of ids."""
+        """Positions of all present disks, m, shape (p, 2), in the order of ids."""
         return np.array(self._truths[-1].positions)
 
     @property
     def trajectory(self) -> Trajectory:
-        """From tick 0 to now."""
+        """Trajectory from tick 0 to the current tick."""
         return Trajectory.of(self.scenario, Truths.of(map(Said.of, self._truths)))
 
     def step(self) -> bool:
-        """Go on by one tick; False, and nothing happens, once the run has its verdict."""
+        """Advance one tick; return False without effect once the run has a verdict."""
         if self.verdict:
             return False
         self._fleet.step()
@@ -76,12 +76,12 @@ class Simulation:
         return True
 
     def __iter__(self) -> Iterator[Floats]:
-        """Positions after every tick that follows, up to the verdict."""
+        """Positions after each further tick, up to the verdict."""
         while self.step():
             yield self.positions
 
     def finish(self) -> dict[str, Any]:
-        """Go on to the verdict; the world's report. Ctrl-C ends the run as "interrupted"."""
+        """Advance to the verdict and return the world's report. Ctrl-C ends the run as "interrupted"."""
         with STOP.listening():
             while not STOP.requested and self.step():
                 pass

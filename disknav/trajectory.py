@@ -1,4 +1,4 @@
-"""A trajectory as arrays, and as a data frame for whoever has a library for that."""
+"""A trajectory as arrays, and as a data frame of pandas or polars."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Where every disk was at the start of every tick, from the world's truth.
+    """True position of every disk at the start of every tick.
 
     Attributes:
-        robots: ids of all that ever were there, ascending, shape (p,).
-        ticks: shape (n,); a recording may lack some, see `disknav.read`.
+        robots: ids of all robots of the run, ascending, shape (p,).
+        ticks: shape (n,); a recording may lack some.
         times: s, shape (n,).
-        positions: m, shape (n, p, 2), robots in the order of `robots`; NaN where one was not there.
-        clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary or a thing,
+        positions: m, shape (n, p, 2), robots in the order of `robots`; NaN where a robot was absent.
+        clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary or an obstacle,
             during the tick before, over continuous time; negative is overlap.
         phi: shape (n,), the navigation function, 0 at the goal.
     """
@@ -42,7 +42,7 @@ class Trajectory:
 
     @classmethod
     def of(cls, scenario: Scenario, truths: Truths) -> Trajectory:
-        """As arrays, with the times that the scenario's ticks mean."""
+        """Arrays of recorded truths, with times from the scenario's tick."""
         times = truths.ticks * scenario.time.step
         return cls(truths.robots, truths.ticks, times, truths.positions, truths.clearance, truths.phi)
 
@@ -50,7 +50,7 @@ class Trajectory:
         """Positions of one robot, m, shape (n, 2).
 
         Raises:
-            UsageError: there never was such a robot.
+            UsageError: the run had no such robot.
         """
         if robot not in self.robots:
             raise UsageError(f"there is no robot {robot}; there are {', '.join(map(str, self.robots))}")
@@ -58,7 +58,7 @@ class Trajectory:
         return path
 
     def columns(self) -> dict[str, NDArray[np.generic]]:
-        """One row a tick and robot: tick, time (s), robot, x (m), y (m), clearance (m), phi."""
+        """One row per tick and robot: tick, time (s), robot, x (m), y (m), clearance (m), phi."""
         ticks, robots = self.positions.shape[:2]
         by_tick = {"tick": self.ticks, "time": self.times, "clearance": self.clearance, "phi": self.phi}
         repeated = {name: np.repeat(values, robots) for name, values in by_tick.items()}

@@ -52,7 +52,7 @@ def _options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end.")
     ] = False,
 ) -> None:
-    """A fleet of disk robots, one process each, that reach their goals without touching.
+    """Collision-free navigation for fleets of disk-shaped robots, one process each.
 
     Example: disknav run figure-1 --plot figure-1.png
     """

@@ -24,18 +24,18 @@ def certify(
         str | None,
         typer.Argument(
             metavar="SCENARIO",
-            help="As for check; may be left out with --verify.",
+            help="A scenario file or library name; optional with --verify.",
         ),
     ] = None,
     k: Annotated[
         float | None,
-        typer.Option("--k", min=1.0, help="Prove down to this; else as far down as time allows."),
+        typer.Option("--k", min=1.0, help="Prove down to this k; by default as far down as time allows."),
     ] = None,
     minutes: Annotated[
-        float | None, typer.Option(min=0.0, help="Stop after this long; 10 unless given.")
+        float | None, typer.Option(min=0.0, help="Stop after this many minutes; default 10.")
     ] = None,
     verify: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Check a certificate with arithmetic of its own.")
+        Path | None, typer.Option(metavar="FILE", help="Check a certificate with independent arithmetic.")
     ] = None,
     out: Annotated[
         Path | None,
@@ -44,13 +44,16 @@ def certify(
     setting: options.Settings = None,
     starts: Annotated[
         int | None,
-        typer.Option(min=1, help="No proof: how many of so many random starts fail at the scenario's k."),
+        typer.Option(
+            min=1, help="No proof: run this many random starts at the scenario's k and count failures."
+        ),
     ] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Of the random starts; 0 unless given.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the random starts; default 0.")] = None,
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Prove a K: for every k >= K the goal is the only minimum of phi, all else critical a saddle or maximum.
+    """Prove a K: for every k >= K the goal is the only minimum of phi, all other critical points saddles or
+    maxima.
 
     Goes from large k downwards and can be stopped at any time; the same command goes on from the file.
     [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the

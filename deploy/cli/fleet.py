@@ -35,20 +35,22 @@ def goal(
     robot: Annotated[int, typer.Argument(help="Id of the robot.")],
     points: Annotated[
         list[float] | None,
-        typer.Argument(metavar="X Y ...", help="Where to go, m, point by point; none asks for its status."),
+        typer.Argument(
+            metavar="X Y ...", help="Goals in m, one after another; none prints the robot's status."
+        ),
     ] = None,
-    queue: Annotated[bool, typer.Option("--queue", help="After what it is doing, not at once.")] = False,
-    patrol: Annotated[bool, typer.Option("--patrol", help="Round and round through all points.")] = False,
-    within: Annotated[
-        float | None, typer.Option(help="Simulated seconds after which it gives up and stays where it is.")
-    ] = None,
-    cancel: Annotated[bool, typer.Option("--cancel", help="Stay where it is.")] = False,
-    wait: Annotated[bool, typer.Option("--wait", help="Return only when an end has come of it.")] = False,
+    queue: Annotated[
+        bool, typer.Option("--queue", help="Append to the robot's goals instead of replacing them.")
+    ] = False,
+    patrol: Annotated[bool, typer.Option("--patrol", help="Repeat the points without end.")] = False,
+    within: Annotated[float | None, typer.Option(help="Give up after this many simulated seconds.")] = None,
+    cancel: Annotated[bool, typer.Option("--cancel", help="Cancel the goals; the robot stays.")] = False,
+    wait: Annotated[bool, typer.Option("--wait", help="Return when the order has ended.")] = False,
     json_file: options.Json = None,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Send a robot elsewhere, cancel what it is doing, or ask for its status.
+    """Give a robot goals, cancel them, or print its status.
 
     Example: disknav fleet goal yard 3 0.1 -0.05 0.1 0.15 --queue --wait
 
@@ -84,18 +86,18 @@ def goal(
 @app.command(context_settings=_POINTS)
 def add(
     run: options.Run,
-    robot: Annotated[int, typer.Argument(help="Id of the new robot, which no other has.")],
-    x: Annotated[float, typer.Argument(help="Where its disk is to appear, m.")],
-    y: Annotated[float, typer.Argument(help="Likewise.")],
-    radius: Annotated[float, typer.Option(help="Of its disk, m.")],
+    robot: Annotated[int, typer.Argument(help="Unused id for the new robot.")],
+    x: Annotated[float, typer.Argument(help="Position of its disk: x, m.")],
+    y: Annotated[float, typer.Argument(help="Position of its disk: y, m.")],
+    radius: Annotated[float, typer.Option(help="Radius of its disk, m.")],
     goal: Annotated[
-        tuple[float, float] | None, typer.Option(help="Where it is to go, m; it stays unless given.")
+        tuple[float, float] | None, typer.Option(help="Its goal, m; by default its position.")
     ] = None,
-    within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait until it has appeared.")] = 30.0,
+    within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait for the disk to appear.")] = 30.0,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Add a robot: the others clear its place, then its disk is put there.
+    """Add a robot: its disk appears once the others keep clear of its position.
 
     [b]disknav run[/b] starts its process, too, on the host that a table names for it, if there is one;
     elsewhere start it with [b]disknav node robot[/b]. With keys it needs its own: [b]disknav setup keys[/b]
@@ -120,7 +122,7 @@ def remove(
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Take a robot out: its process ends, its disk is taken away.
+    """Remove a robot: its process ends, and its disk disappears.
 
     Example: disknav fleet remove yard 7
 
@@ -139,12 +141,14 @@ def place(
         list[float],
         typer.Argument(metavar="X Y ...", help="Centre of a disk, or corners of a convex polygon, m."),
     ],
-    radius: Annotated[float | None, typer.Option(help="Of a disk, m.")] = None,
-    within: Annotated[float, typer.Option(min=0.0, help="Seconds to wait until it stands.")] = 30.0,
+    radius: Annotated[float | None, typer.Option(help="Radius of a disk, m.")] = None,
+    within: Annotated[
+        float, typer.Option(min=0.0, help="Seconds to wait for the obstacle to appear.")
+    ] = 30.0,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Place an obstacle in the workspace: robots clear its place first.
+    """Place an obstacle, once the robots keep clear of its position.
 
     Examples: disknav fleet place yard 0.1 0.05 --radius 0.02;
     disknav fleet place yard -0.1 0.0 0.1 0.0 0.1 0.01 -0.1 0.01
@@ -165,11 +169,13 @@ def place(
 @app.command()
 def take(
     run: options.Run,
-    number: Annotated[int, typer.Argument(help="Of the obstacle; [b]disknav fleet things[/b] lists them.")],
+    number: Annotated[
+        int, typer.Argument(help="Number of the obstacle; [b]disknav fleet things[/b] lists them.")
+    ],
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Say that an obstacle is not there any more: robots drive where it was.
+    """Remove an obstacle from the plan, after it was taken away.
 
     Example: disknav fleet take yard 1
 
@@ -203,7 +209,7 @@ def things(
 
 
 def stop(run: options.Run, router: options.Router = None, secure: options.Secure = None) -> None:
-    """Emergency stop: every robot brakes at once, and stands until [b]disknav fleet release[/b].
+    """Emergency stop: every robot brakes at once and stands until [b]disknav fleet release[/b].
 
     It brakes in the present tick, outside the simulation in the next. The stop is repeated until all stand.
 
@@ -237,11 +243,11 @@ def release(run: options.Run, router: options.Router = None, secure: options.Sec
 def probe(
     run: options.Run,
     role: Annotated[str, typer.Argument(help="world, or a robot such as robot-3.")],
-    within: Annotated[float, typer.Option(min=0.1, help="How long to listen, s.")] = 5.0,
+    within: Annotated[float, typer.Option(min=0.1, help="Seconds to listen.")] = 5.0,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Find out whether a process is well, for health checks: ends as soon as a message from it arrives.
+    """Check that a process is alive: returns when a message from it arrives.
 
     Example: disknav fleet probe yard robot-3
 

@@ -26,31 +26,31 @@ _NICENESS = 10  # a fleet on the same machine first
 
 
 def monitor(
-    run: Annotated[
-        str | None, typer.Argument(help="Name of the run; may be left out with --secure, whose run it is.")
-    ] = None,
+    run: Annotated[str | None, typer.Argument(help="Name of the run; optional with --secure.")] = None,
     router: Annotated[
         list[str] | None,
         typer.Option(
             metavar="ENDPOINT",
-            help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure). "
-            "Repeat it for each process of a mesh.",
+            help="Endpoint at which the fleet's router listens; default tcp/127.0.0.1:7447 (tls/ with "
+            "--secure). In a mesh one per process.",
         ),
     ] = None,
     web: options.Web = False,
     secure: options.Secure = None,
     foxglove: Annotated[
         bool,
-        typer.Option("--foxglove", help="Let Foxglove connect and draw the run; its address is printed."),
+        typer.Option("--foxglove", help="Serve a scene for Foxglove; its address is printed."),
     ] = False,
     metrics: Annotated[
         str | None,
-        typer.Option(metavar="[ADDRESS:]PORT", help="Serve figures for Prometheus; 127.0.0.1 unless given."),
+        typer.Option(
+            metavar="[ADDRESS:]PORT", help="Serve metrics for Prometheus; default address 127.0.0.1."
+        ),
     ] = None,
     port: Annotated[
         int | None,
         typer.Option(
-            min=1, max=65535, help="Port of the page, a free one unless given; of --foxglove alone, 8765."
+            min=1, max=65535, help="Port of the page, by default a free one; of --foxglove alone 8765."
         ),
     ] = None,
 ) -> None:

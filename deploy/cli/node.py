@@ -21,15 +21,13 @@ from protocol.process.log import LOG, begin, set_process_title
 from protocol.process.signals import STOP
 from protocol.scenario.body import ros_name
 
-Wait = Annotated[
-    float, typer.Option(min=1.0, help="How long router and world, or the robots, may take to be there, s.")
-]
+Wait = Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the router and the other processes.")]
 Alive = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Touch this every second, for a probe: the main loop goes round."),
+    typer.Option(metavar="FILE", help="Touch this file every second while the main loop runs, for probes."),
 ]
 _WAIT = 60.0
-app = typer.Typer(name="node", help="Start the single processes of a run.", no_args_is_help=True)
+app = typer.Typer(name="node", help="Run single processes, for other launchers.", no_args_is_help=True)
 
 
 @app.command()
@@ -42,15 +40,15 @@ def robot(
     alive: Alive = None,
     base: Annotated[
         Literal["ros2"] | None,
-        typer.Option(help="It is not simulated: its base is driven by ROS 2 messages over zenoh."),
+        typer.Option(help="Drive a base outside the simulation by ROS 2 messages over zenoh."),
     ] = None,
     namespace: Annotated[
         str | None,
-        typer.Option(help="Of the base's topics; as the scenario has it, and else /bot and the id."),
+        typer.Option(help="Namespace of the base's topics; default: the scenario's, else /bot and the id."),
     ] = None,
     log: options.Log = None,
 ) -> None:
-    """Run one robot; everything else it learns from the world.
+    """Run one robot; it receives its scenario from the world.
 
     Examples: disknav node robot 3 --run demo --router tcp/10.0.0.1:7447;
     disknav node robot 1 --run yard --base ros2 --namespace /bot1
@@ -87,17 +85,17 @@ def world(
     secure: options.Secure = None,
     plant: Annotated[
         str | None,
-        typer.Option(help="What moves the robots: integrator, mujoco, or external, bases outside."),
+        typer.Option(help="Plant: integrator, mujoco, or external for bases outside."),
     ] = None,
     journal: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Keep a journal here; where one is, go on from it."),
+        typer.Option(metavar="FILE", help="Keep a journal in this file, and continue from it if it exists."),
     ] = None,
     wait: Wait = _WAIT,
     alive: Alive = None,
     log: options.Log = None,
 ) -> None:
-    """Run the world of a scenario: it waits for the robots, drives the clock, judges, and prints its report.
+    """Run the world of a scenario: wait for the robots, keep the clock, judge, and print the report.
 
     Example: disknav node world figure-1 --run demo --journal demo.journal > report.json
 
@@ -143,21 +141,23 @@ def world(
 @app.command()
 def router(
     listen: Annotated[
-        str | None, typer.Option(help="Endpoint to listen on; the first free port from 7447 unless given.")
+        str | None, typer.Option(help="Endpoint to listen on; by default the first free port from 7447.")
     ] = None,
-    connect: Annotated[list[str] | None, typer.Option(help="Router of another host to link with.")] = None,
+    connect: Annotated[
+        list[str] | None, typer.Option(help="Endpoint of another host's router to link with; repeatable.")
+    ] = None,
     secure: options.Secure = None,
-    host: Annotated[str, typer.Option(help="Name of this host, where the keys are for several.")] = "",
+    host: Annotated[str, typer.Option(help="Name of this host, if the keys are for several.")] = "",
     admin: Annotated[
         bool,
-        typer.Option("--admin", help="Show who is connected, and declares what, in zenoh's admin space."),
+        typer.Option("--admin", help="Show connections and declarations in zenoh's admin space."),
     ] = False,
     log: options.Log = None,
     print_config: Annotated[
-        bool, typer.Option("--print-config", help="Print what zenohd would need to do the same, and end.")
+        bool, typer.Option("--print-config", help="Print the equivalent configuration for zenohd, and end.")
     ] = False,
 ) -> None:
-    """Run a router that relays between the processes of this host, and to routers of other hosts.
+    """Run a router for the processes of this host, linked to routers of other hosts.
 
     Examples: disknav node router --listen tcp/0.0.0.0:7447 --connect tcp/10.0.0.2:7447;
     by zenoh's own router: disknav node router --secure keys --print-config > r.json5; zenohd -c r.json5

@@ -32,10 +32,14 @@ Scenario = Annotated[
 RecordingFile = Annotated[
     Path, typer.Argument(metavar="RECORDING", help="A file that `disknav run --record` wrote.")
 ]
-Seed = Annotated[int | None, typer.Option("--seed", metavar="N", min=0, help="Seed, over the scenario's.")]
+Seed = Annotated[
+    int | None, typer.Option("--seed", metavar="N", min=0, help="Seed; overrides the scenario's.")
+]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="path.to.key=VALUE, over the scenario; repeatable."),
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Override a key of the scenario: path.to.key=VALUE; repeatable."
+    ),
 ]
 Json = Annotated[
     Path | None,
@@ -48,28 +52,28 @@ Rotate = Annotated[
     typer.Option(
         "--rotate",
         metavar="LIMIT",
-        help="Another file from this size or age on: 500MB, 1h; repeatable.",
+        help="Continue in another file at this size or age: 500MB, 1h; repeatable.",
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print neither progress nor table.")]
 RunName = Annotated[
     str | None,
     typer.Option(
         "--run",
         metavar="NAME",
-        help="Name of the fleet's run; the roster's if --secure.",
+        help="Name of the fleet's run; with --secure that of the keys.",
     ),
 ]
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Name of the run.")]
 FreshRun = Annotated[
-    str | None, typer.Option("--run", metavar="NAME", help="Name of the run; a fresh one unless given.")
+    str | None, typer.Option("--run", metavar="NAME", help="Name of the run; by default a fresh one.")
 ]
 Router = Annotated[
     str | None,
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Where the fleet's router listens; tcp/127.0.0.1:7447 unless given (tls/ if --secure).",
+        help="Endpoint at which the fleet's router listens; default tcp/127.0.0.1:7447 (tls/ with --secure).",
     ),
 ]
 RouterThere = Annotated[
@@ -77,7 +81,7 @@ RouterThere = Annotated[
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Where a router listens that is there already.",
+        help="Endpoint at which a router listens already; none is started.",
     ),
 ]
 Secure = Annotated[
@@ -86,18 +90,20 @@ Secure = Annotated[
 ]
 Log = Annotated[
     Path | None,
-    typer.Option("--log", metavar="DIR", help="Log to files here, one a process."),
+    typer.Option("--log", metavar="DIR", help="Write one log file per process to this directory."),
 ]
-ModeOption = Annotated[Mode, typer.Option("--mode", help="The robots set the pace, or the wall clock.")]
+ModeOption = Annotated[
+    Mode, typer.Option("--mode", help="Ticks wait for all robots, or follow the wall clock.")
+]
 RealtimePriority = Annotated[
     bool,
-    typer.Option("--realtime-priority", help="Before everything else that runs here."),
+    typer.Option("--realtime-priority", help="Run at real-time priority (SCHED_RR)."),
 ]
 
 
 def robots(least: int, *aliases: str) -> Any:
     """`--robots` or `-n`: how many; `aliases` are names of earlier versions."""
-    return typer.Option("--robots", "-n", *aliases, min=least, max=1000, help="How many robots.")
+    return typer.Option("--robots", "-n", *aliases, min=least, max=1000, help="Number of robots.")
 
 
 def out(help_: str, *aliases: str, metavar: str = "FILE") -> Any:

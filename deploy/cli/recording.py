@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # the rest of the command line does without what reading take
 
     from deploy.telemetry.recording.reader import Recording
 
-app = typer.Typer(name="recording", help="Look at recordings.", no_args_is_help=True)
+app = typer.Typer(name="recording", help="Inspect, draw and replay recordings.", no_args_is_help=True)
 
 
 @app.command()
@@ -28,7 +28,7 @@ def info(
     recording: options.RecordingFile,
     json_file: options.Json = None,
 ) -> None:
-    """Say what a recording holds: scenario, verdict, streams, and whether its trajectory is the result's.
+    """Print scenario, verdict and streams of a recording, and whether its trajectory matches the result.
 
     Example: disknav recording info figure-1.mcap
     """
@@ -55,13 +55,11 @@ def plot(
         typer.Option(min=0.0, help="Draw only this many simulated seconds."),
     ] = None,
     width: Annotated[
-        int | None, typer.Option(min=100, max=2000, help="Width of an animation, pixels; 440 unless given.")
+        int | None, typer.Option(min=100, max=2000, help="Width of an animation, pixels; default 440.")
     ] = None,
     seconds: Annotated[
         float | None,
-        typer.Option(
-            min=1.0, help="Longest duration of an animation, 10 unless given; a longer run is sped up."
-        ),
+        typer.Option(min=1.0, help="Longest duration of an animation; a longer run is sped up. Default 10."),
     ] = None,
 ) -> None:
     """Draw recordings: paths and disks, clearance and phi over time, and the age of received information.
@@ -88,32 +86,32 @@ def plot(
 def replay(
     recording: options.RecordingFile,
     zenoh: Annotated[
-        bool, typer.Option("--zenoh", help="Publish onto a network, under the recorded keys.")
+        bool, typer.Option("--zenoh", help="Publish the messages on a network, under the recorded keys.")
     ] = False,
     router: Annotated[
         str | None,
         typer.Option(
             metavar="ENDPOINT",
-            help="Publish through the router that listens there; listens on a port itself unless given.",
+            help="Publish through the router that listens at this endpoint; by default a new one.",
         ),
     ] = None,
     run: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Name of the run to play it as; the recorded one unless given."),
+        typer.Option(metavar="NAME", help="Name of the run to publish as; by default the recorded one."),
     ] = None,
     speed: Annotated[
         float | None,
-        typer.Option(min=0.0, help="Simulated seconds a second; 0 for as fast as possible, 1 unless given."),
+        typer.Option(min=0.0, help="Simulated seconds per second; 0: unlimited. Default 1."),
     ] = None,
     web: Annotated[
-        bool, typer.Option("--web", help="Play it on the live page; its address is printed.")
+        bool, typer.Option("--web", help="Show it on the live page; its address is printed.")
     ] = False,
     ros2: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.mcap", help="Write where robots were, tick by tick, for ROS 2 tools."),
+        typer.Option(metavar="FILE.mcap", help="Write the poses tick by tick, for ROS 2 tools."),
     ] = None,
 ) -> None:
-    """Recompute a recording's trajectory and compare it with the result's; play it again if asked to.
+    """Recompute a recording's trajectory and compare it with the result; replay it on request.
 
     Example: disknav recording replay figure-1.mcap --zenoh --router tcp/127.0.0.1:7447 --speed 2
 

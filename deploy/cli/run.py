@@ -39,52 +39,60 @@ def run(
     ] = False,
     name: Annotated[
         str | None,
-        typer.Option("--run", metavar="NAME", help="Name of the run; --keep: the scenario's."),
+        typer.Option("--run", metavar="NAME", help="Name of the run; with --keep by default the scenario's."),
     ] = None,
     transport: Annotated[
-        Transport, typer.Option(help="By a router, directly, or in one process.")
+        Transport, typer.Option(help="Through a router, over direct links, or in one process.")
     ] = "routed",
-    mode: Annotated[Mode | None, typer.Option(help="The robots set the pace, or the wall clock.")] = None,
+    mode: Annotated[
+        Mode | None, typer.Option(help="Ticks wait for all robots, or follow the wall clock.")
+    ] = None,
     speed: Annotated[
         float | None,
-        typer.Option(metavar="X", min=0.0, help="Pace in lock-step, 0 for none; 1 with --web or --keep."),
+        typer.Option(
+            metavar="X",
+            min=0.0,
+            help="Simulated seconds per second; 0: unlimited. Default 0, with --web or --keep 1.",
+        ),
     ] = None,
     record: options.Record = None,
     rotate: options.Rotate = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the run: .png, .svg, .pdf, .gif, .webp, .mp4.")
+        Path | None, typer.Option(metavar="FILE", help="Draw the run; .gif, .webp and .mp4 are animations.")
     ] = None,
     json_file: options.Json = None,
     web: options.Web = False,
     router: options.RouterThere = None,
     listen: Annotated[
         str | None,
-        typer.Option(metavar="ENDPOINT", help="Where the router is to listen; --keep: port 7447."),
+        typer.Option(
+            metavar="ENDPOINT", help="Endpoint at which the router listens; with --keep by default port 7447."
+        ),
     ] = None,
     hosts: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Table of hosts (TOML); reached by ssh."),
+        typer.Option(metavar="FILE", help="Start the processes on the hosts of this table (TOML), over ssh."),
     ] = None,
     secure: options.Secure = None,
-    open_to_all: Annotated[bool, typer.Option("--open", help="Let hosts do without --secure.")] = False,
+    open_to_all: Annotated[bool, typer.Option("--open", help="Allow --hosts without --secure.")] = False,
     restart: Annotated[
         str | None,
         typer.Option(
             metavar="POLICY",
-            help="Start again what fails: never, on-failure[:N]; --keep: 1000 times.",
+            help="Restart failed processes: never, on-failure[:N]; with --keep by default 1000 times.",
         ),
     ] = None,
     realtime_priority: options.RealtimePriority = False,
     log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Run a scenario: a router, a world and one process per robot; prints the result. With [b]--keep[/b] the
-    wall clock sets the pace, unless [b]--mode[/b] says otherwise.
+    """Run a scenario with a router, a world and one process per robot, and print the result. The default mode
+    is lock-step, with [b]--keep[/b] real time.
 
     Examples: disknav run figure-1 --record figure-1.mcap --plot figure-1.png;
     disknav run swap-6 --keep --run yard; in another terminal: disknav fleet goal yard 3 0.1 -0.05
 
-    Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 Ctrl-C.
+    Exit status: 0 all arrived without contact, 1 another verdict, 2 invalid input, 3 fault, 130 Ctrl-C.
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
@@ -164,11 +172,11 @@ def check(
     setting: options.Settings = None,
     json_file: options.Json = None,
 ) -> None:
-    """Say whether a scenario is valid, whether its goals are admissible, and which k the theory asks for.
+    """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
 
     Example: disknav check figure-2
 
-    Exit status: 0 valid (whatever the theory says), 2 invalid.
+    Exit status: 0 valid (whatever the theory states), 2 invalid.
     """
     from deploy.library.load import load
     from deploy.theory.check import render, report, to_json

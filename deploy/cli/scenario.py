@@ -49,16 +49,16 @@ def show(
 @app.command()
 def new(
     kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
-    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
     out: Annotated[
         Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
     ] = None,
     robots: Annotated[int | None, options.robots(1, "--count")] = None,
     density: Annotated[
-        float | None, typer.Option(help="Area of the disks over the workspace's, up to 0.35 (random).")
+        float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
     ] = None,
     unequal: Annotated[float | None, typer.Option(help="Spread of the radii, 0 to 0.5 (random).")] = None,
-    jitter: Annotated[float | None, typer.Option(help="Starts off by up to this, m (swap).")] = None,
+    jitter: Annotated[float | None, typer.Option(help="Largest displacement of the starts, m (swap).")] = None,
 ) -> None:
     """Generate a scenario file from a seed.
 
@@ -88,11 +88,11 @@ def import_(
         Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
     ] = None,
     robots: Annotated[int, options.robots(1, "--count")] = 5,
-    radius: Annotated[float, typer.Option(min=1e-3, help="Of the robots, m (maps, MovingAI).")] = 0.2,
-    seed: Annotated[int, typer.Option(min=0, help="Determines all that is random (maps).")] = 0,
+    radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
 ) -> None:
-    """Make a scenario file of another tool's: of a map with robots drawn at random, or of a benchmark.
+    """Make a scenario file from another tool's: a map, with random starts and goals, or a benchmark.
 
     Examples: disknav scenario import office.yaml --robots 5 --radius 0.2 -o office.toml;
     disknav scenario import maze-32-32-4-even-1.scen --robots 10 --radius 0.3 -o maze.toml

@@ -25,33 +25,33 @@ if TYPE_CHECKING:
     from deploy.software.findings import Finding
 
 app = typer.Typer(
-    name="setup", help="Prepare keys, hosts and bases; look at this machine.", no_args_is_help=True
+    name="setup", help="Prepare keys, hosts and bases; examine this machine.", no_args_is_help=True
 )
 _MARKS = {"good": ("ok", "green"), "note": ("--", "yellow"), "bad": ("!!", "red")}
 
 
 @app.command()
 def keys(
-    directory: Annotated[Path, typer.Argument(help="Directory to make.")],
+    directory: Annotated[Path, typer.Argument(help="Directory to create.")],
     scenario: Annotated[
         str,
         typer.Option(
             "--scenario",
             "-s",
-            help="A scenario file or library name: its robots take part, also those that orders add.",
+            help="A scenario file or library name: keys for its robots, and for those that its orders add.",
         ),
     ],
     run: options.FreshRun = None,
     host: Annotated[
         list[str] | None,
-        typer.Option(help="Name or address, besides those of this host, of the one router; repeatable."),
+        typer.Option(help="Further name or address of the router; repeatable."),
     ] = None,
     hosts: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Table of hosts: each gets a router's key for its robots only."),
+        typer.Option(metavar="FILE", help="Table of hosts: one router key per host, for its robots only."),
     ] = None,
-    days: Annotated[float, typer.Option(min=0.0, help="For how long they are valid.")] = 30.0,
-    force: Annotated[bool, typer.Option("--force", help="Replace keys that are there already.")] = False,
+    days: Annotated[float, typer.Option(min=0.0, help="Days of validity.")] = 30.0,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing keys.")] = False,
 ) -> None:
     """Make an authority and one certificate each for router, world, monitor, operator and every robot.
 
@@ -87,13 +87,13 @@ def keys(
 @app.command()
 def hosts(
     table: Annotated[
-        Path, typer.Argument(metavar="TABLE", help="Which host runs what (TOML), as for run --hosts.")
+        Path, typer.Argument(metavar="TABLE", help="Table of hosts (TOML), as for run --hosts.")
     ],
     install: Annotated[
-        bool, typer.Option("--install", help="First put this checkout on every host that ssh reaches.")
+        bool, typer.Option("--install", help="First copy this checkout to every host that ssh reaches.")
     ] = False,
 ) -> None:
-    """Find out whether every host can be reached, has this version, a sound clock, its port and space.
+    """Check every host: reach, version, clock, port and space.
 
     [b]--install[/b] needs Python with venv there, and a package index that pip reaches; a C compiler and make
     to compile. The software goes where the table's `command` says: FOLDER/bin/disknav.
@@ -115,7 +115,7 @@ def hosts(
 @app.command()
 def deploy(
     orchestrator: Annotated[
-        Literal["compose", "kubernetes", "systemd"], typer.Argument(help="What is to run the fleet.")
+        Literal["compose", "kubernetes", "systemd"], typer.Argument(help="Orchestrator.")
     ],
     scenario: options.Scenario,
     out: Annotated[Path, options.out("Folder to make.", "--output", metavar="FOLDER")],
@@ -125,21 +125,21 @@ def deploy(
     setting: options.Settings = None,
     image: Annotated[
         str | None,
-        typer.Option(help="compose, kubernetes: image with this software; localhost/disknav unless given."),
+        typer.Option(help="compose, kubernetes: image with this software; default localhost/disknav."),
     ] = None,
     wait: Annotated[
-        float, typer.Option(min=1.0, help="How long router, world and robots may take to be there, s.")
+        float, typer.Option(min=1.0, help="Seconds to wait for router, world and robots.")
     ] = 300.0,
     router: Annotated[
         str | None,
         typer.Option(
             metavar="ENDPOINT",
-            help="systemd: where the fleet's router listens; tls/127.0.0.1:7447 unless given.",
+            help="systemd: endpoint at which the fleet's router listens; default tls/127.0.0.1:7447.",
         ),
     ] = None,
-    days: Annotated[float, typer.Option(min=0.0, help="For how long the certificates are valid.")] = 30.0,
+    days: Annotated[float, typer.Option(min=0.0, help="Days of validity of the certificates.")] = 30.0,
 ) -> None:
-    """Write what Docker Compose, Kubernetes or systemd needs to run a scenario, keys included.
+    """Write files with which Docker Compose, Kubernetes or systemd runs a scenario, keys included.
 
     The first lines of the main file say how to start it. Every process gets its own key and no other;
     who has the folder has them all.
@@ -186,18 +186,18 @@ def deploy(
 @app.command()
 def calibrate(
     scenario: options.Scenario,
-    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Its id in the scenario.")],
+    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="The robot's id in the scenario.")],
     side: Annotated[
-        float, typer.Option(min=0.2, help="Of the square, m; it begins ahead, to the left.")
+        float, typer.Option(min=0.2, help="Side of the square, m, which lies ahead and to the left.")
     ] = 0.8,
-    speed: Annotated[float, typer.Option(min=0.01, help="m/s.")] = 0.1,
-    rate: Annotated[float, typer.Option(min=0.05, help="Of turns, rad/s.")] = 0.6,
-    wait: Annotated[float, typer.Option(min=1.0, help="How long its messages may take to come, s.")] = 10.0,
+    speed: Annotated[float, typer.Option(min=0.01, help="Speed, m/s.")] = 0.1,
+    rate: Annotated[float, typer.Option(min=0.05, help="Turning rate, rad/s.")] = 0.6,
+    wait: Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the base's messages.")] = 10.0,
     router: options.Router = None,
     setting: options.Settings = None,
     secure: options.Secure = None,
 ) -> None:
-    """Drive a square with one robot's base, and say which bounds to state of it.
+    """Drive a square with one robot's base, and print bounds for the scenario.
 
     It needs no fleet, and nobody else may drive this base. It looks at nothing on its way: keep the floor
     free.
@@ -237,7 +237,7 @@ def calibrate(
 
 @app.command()
 def doctor(json_file: options.Json = None) -> None:
-    """Say what this installation and machine have, and what to do about what they lack; runs two robots.
+    """Examine this installation and machine, run two robots, and print a cure for each problem.
 
     ok: fine; --: fine unless what stands there is wanted; !!: fleets will not run.
 

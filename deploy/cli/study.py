@@ -15,37 +15,39 @@ from deploy.studies.study import StudyName
 
 
 def study(
-    name: Annotated[StudyName, typer.Argument(help="Which study.")],
+    name: Annotated[StudyName, typer.Argument(help="Name of the study.")],
     runs: Annotated[
-        int | None, typer.Option("--runs", min=1, help="Runs a cell; each study has its own default.")
+        int | None, typer.Option("--runs", min=1, help="Runs per cell; each study has its own default.")
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option("--jobs", "-j", min=1, help="Runs at the same time, one a core unless given."),
+        typer.Option("--jobs", "-j", min=1, help="Parallel runs; by default one per core."),
     ] = None,
     shard: Annotated[
         str | None,
-        typer.Option(metavar="I/N", help="Only every N-th run from the I-th on: a part for one machine."),
+        typer.Option(
+            metavar="I/N", help="Only every N-th run from the I-th on, to share a study between machines."
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="The first run's; the others follow.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first run; the others count up.")] = 0,
     setting: options.Settings = None,
     transport: Annotated[
-        Transport | None, typer.Option(help="Real processes (routed, mesh) or all in one (local).")
+        Transport | None, typer.Option(help="Real processes (routed, mesh) or one process (local).")
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option(metavar="MODULE:CLASS", help="peers: a law of yours beside the others; repeatable."),
+        typer.Option(metavar="MODULE:CLASS", help="peers: another law to compare; repeatable."),
     ] = None,
     only: Annotated[
         list[str] | None,
-        typer.Option(metavar="TEXT", help="peers: only the scenarios whose names contain this; repeatable."),
+        typer.Option(metavar="TEXT", help="peers: only scenarios whose names contain this text; repeatable."),
     ] = None,
     json_file: options.Json = None,
     plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Forget what an earlier call has measured.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Discard the results of an earlier call.")] = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Measure a table: the paper's experiments, faults, late states, peers, numbers of robots.
+    """Run a study and print its table: the paper's experiments, faults, late states, peers, fleet sizes.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.

@@ -76,19 +76,20 @@ class Operator:
         self._wishes[robot](encode(Wish(robot, velocity)))
 
     def reach(self, within: float) -> None:
-        """Wait until a world of this run answers, at most `within` s.
+        """Wait until the first tick of this run is over, at most `within` s.
 
         Raises:
-            BusError: none does.
+            BusError: no world of this run answers by then.
         """
         deadline = time.monotonic() + within
         while True:
             try:
-                self.operate()
+                begun = self.operate().tick > 0
             except BusError:
                 if time.monotonic() >= deadline:
                     raise
-            else:
+                begun = False
+            if begun or time.monotonic() >= deadline:
                 return
             STOP.check()
             self._bus.receive(_LOOK)

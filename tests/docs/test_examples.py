@@ -75,8 +75,8 @@ def test_speeds_of_a_recording(recording: Path, tmp_path: Path) -> None:
 
 
 def test_poses_for_ros2(recording: Path, tmp_path: Path) -> None:
-    from deploy.telemetry.recording.reading.reader import read
-    from deploy.telemetry.recording.reading.replay import export
+    from deploy.telemetry.recording.reader import read
+    from deploy.telemetry.recording.replay import export
 
     export(read(recording), tmp_path / "poses.mcap")
     run("07-ros2", "poses.py", "poses.mcap", cwd=tmp_path)

@@ -66,7 +66,7 @@ def _writer(target: Path) -> AbstractMovieWriter:
 
 class _WebpWriter(PillowWriter):
     def finish(self) -> None:
-        first, *rest = self._frames
+        first, *rest = self._frames  # type: ignore[attr-defined]  # which the stubs of matplotlib lack
         first.save(
             self.outfile, save_all=True, append_images=rest, duration=1000 // _RATE, loop=0, quality=_QUALITY
         )
