@@ -58,7 +58,9 @@ def new(
         float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
     ] = None,
     unequal: Annotated[float | None, typer.Option(help="Spread of the radii, 0 to 0.5 (random).")] = None,
-    jitter: Annotated[float | None, typer.Option(help="Largest displacement of the starts, m (swap).")] = None,
+    jitter: Annotated[
+        float | None, typer.Option(help="Largest displacement of the starts, m (swap).")
+    ] = None,
 ) -> None:
     """Generate a scenario file from a seed.
 
