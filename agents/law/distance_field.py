@@ -222,6 +222,9 @@ class FieldRoute:
                 self._sent, stride = to, 2 * stride
             else:
                 stride //= 4
+        here = self._map.place(self._way[self._sent])
+        if self._sent < last and math.dist(position, here) < 0.5 * self._map.step:
+            self._sent += 1  # between two points that ways pass there may be a little less clearance
 
 
 def _distances(shape: Shape, x: Reals, y: Reals) -> Reals:
