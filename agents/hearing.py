@@ -40,7 +40,8 @@ class PeerInbox:
         self._link = Link(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is heard
-        self._newest: dict[int, int] = {}  # tick of the newest State that arrived, by peer
+        self._active: tuple[int, ...] = ()  # as the tick before named them
+        self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not
 
@@ -48,7 +49,10 @@ class PeerInbox:
         """A tick begins: hear whom it says, and what was late."""
         self._attend(tick)
         self._tick = tick.tick
-        self._awaited = {peer for peer in self._since if self._newest.get(peer, -1) < tick.tick}
+        self._awaited = set(self._since)
+        if self._ahead:
+            self._ahead = {peer: newest for peer, newest in self._ahead.items() if newest >= tick.tick}
+            self._awaited.difference_update(self._ahead)
         if self._far is not None:
             self._far.open(tick.tick)
         self._take(tick.tick - 1)
@@ -60,9 +64,10 @@ class PeerInbox:
         before, now = self._since, tick.tick
         if self._lockstep and now > self._tick + 1:
             before = {}
+        elif tick.active == self._active:
+            return
+        self._active = tick.active
         self._since = {peer: before.get(peer, now) for peer in tick.active if peer != self._robot}
-        if self._since.keys() != before.keys():
-            self._newest = {peer: newest for peer, newest in self._newest.items() if newest >= now}
 
     def close(self) -> None:
         """The tick's Command is due: take over what has come in time."""
@@ -76,10 +81,10 @@ class PeerInbox:
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""
         robot, tick = state.robot, state.tick
-        if tick > self._newest.get(robot, -1):
-            self._newest[robot] = tick
-        if tick >= self._tick:
-            self._awaited.discard(robot)  # news or not: a false incarnation must hold up nobody
+        if tick >= self._tick:  # news or not: a false incarnation must hold up nobody
+            self._awaited.discard(robot)
+            if tick > self._tick and tick > self._ahead.get(robot, -1):
+                self._ahead[robot] = tick
         if not self._link.is_news(state):
             return
         if self._open and tick <= self._tick and self._link.ideal:

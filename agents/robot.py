@@ -127,7 +127,9 @@ class Robot:
     def _follow(self, roster: Roster) -> None:
         """Follow a roster that may be a newer one."""
         first = self._roster.version == 0
-        for member in self._roster.update(roster):
+        news = self._roster.update(roster)
+        self.hearing.neighbours.members = self._roster.members
+        for member in news:
             self.hearing.neighbours.on_member(member)
         own = self._roster.member(self.robot)
         if first and own is not None and own.radius != self._filter.radius:

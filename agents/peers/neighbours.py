@@ -18,6 +18,7 @@ class Neighbours:
         everybody: whether all robots are heard; else one that lives again may be too far off to be heard.
 
     Attributes:
+        members: what the newest roster says of each robot, by id; shared, and not changed.
         standing: disks that stand, or that will appear in a place kept free, by id.
         picture: where those were who are not heard, and whoever else; none where all are heard.
         far: what all those add to the slice who are not heard.
@@ -30,7 +31,7 @@ class Neighbours:
         self.far = NOTHING
         self.radii = radii
         self._everybody = everybody
-        self._members: dict[int, Member] = {}
+        self.members: Mapping[int, Member] = {}
         self._states: dict[int, PeerState | None] = {}
 
     def state(self, peer: int) -> PeerState | None:
@@ -39,10 +40,10 @@ class Neighbours:
 
     def on_state(self, state: PeerState) -> bool:
         """Take over a peer's State if it is news of its present life; False when it is not."""
-        known, member = self._states.get(state.robot), self._members.get(state.robot)
-        if member is not None and (member.status != "live" or member.incarnation != state.incarnation):
+        known, member, life = self._states.get(state.robot), self.members.get(state.robot), state.incarnation
+        if member is not None and (member.incarnation != life or member.status != "live"):
             return False
-        if known is not None and (known.incarnation, known.tick) >= (state.incarnation, state.tick):
+        if known is not None and not is_newer(state, known):
             return False
         self._states[state.robot] = state
         if self.standing:
@@ -50,9 +51,9 @@ class Neighbours:
         return True
 
     def on_member(self, member: Member) -> None:
-        """Take over what a newer roster says of a peer. One that restarts stands until it speaks."""
+        """A newer roster says this of a peer; `members` is that of it. One that restarts stands until it
+        speaks."""
         robot = member.robot
-        self._members[robot] = member
         if self.radii.get(robot) != member.radius:
             self.radii = {**self.radii, robot: member.radius}  # the others share the one given
         if member.status in ("standing", "appearing"):
@@ -109,3 +110,10 @@ class Neighbours:
     def _stands_at(self, peer: int) -> tuple[float, float] | None:
         member = self.standing.get(peer)
         return None if member is None else member.position
+
+
+def is_newer(state: PeerState, known: PeerState) -> bool:
+    """Whether `state` is of a newer incarnation than `known`, or of a later tick of the same incarnation."""
+    if state.incarnation == known.incarnation:
+        return state.tick > known.tick
+    return state.incarnation > known.incarnation

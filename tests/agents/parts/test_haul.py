@@ -45,7 +45,13 @@ MUTANTS = (
     Mutant(
         "born-large",
         "a later life begins as the disk that its earlier one was",
-        (Edit(_ROBOT, "        if own is not None and own.radius", "        if False and own.radius"),),
+        (
+            Edit(
+                _ROBOT,
+                "        if first and own is not None and own.radius",
+                "        if False and own.radius",
+            ),
+        ),
         first=1900,
     ),
     Mutant(

@@ -218,12 +218,6 @@ AFTERWARDS = (
         ),
         model="aftermath",
     ),
-    Mutant(
-        "make-room",
-        "a robot that is asked for a first line and finds no room for it backs off",
-        (Edit(_LINES, "            if place is None or not bond.is_asked:\n", "            if True:\n"),),
-        model="aftermath",
-    ),
 )
 
 MUTANTS = (*KERNEL, *ITSELF, *SURROUNDINGS, *AFTERWARDS)
