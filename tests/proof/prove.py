@@ -8,7 +8,6 @@ from itertools import chain, product
 from typing import Any
 
 import z3
-from z3 import z3util
 
 from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
 from tests.proof.steps import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
@@ -24,7 +23,7 @@ Ask = Callable[[Sequence[z3.BoolRef]], bool]  # whether these statements contrad
 
 
 GENERAL = {
-    name: [term for term in (RA, RB, K) if any(each.eq(term) for each in z3util.get_vars(conjunct))]
+    name: [term for term in (RA, RB, K) if not z3.substitute(conjunct, (term, z3.IntVal(0))).eq(conjunct)]
     for name, conjunct in TEMPLATE.items()
 }  # the general terms that a conjunct mentions
 _written: dict[tuple[str, ...], tuple[z3.BoolRef, Any]] = {}  # the terms are kept with what is named by them
