@@ -14,7 +14,6 @@ CAMPAIGNS = {  # what each searches for, and where it is
     ),
     "falsify-mesh": ("the same, also on real processes without one", "falsify:MESH"),
     "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
-    "walk": ("a broken invariant of the lines of two robots", "models:WALK"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
     "bodies": ("a body that leaves its swept disk or its lines", "models:BODIES"),

@@ -41,7 +41,7 @@ SUM = Campaign(_sum, 40, _mutants)
 @pytest.fixture(autouse=True)
 def _own_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(
-        catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "campaigns.test_driver:SUM")
+        catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_driver:SUM")
     )
 
 

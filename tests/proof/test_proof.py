@@ -42,7 +42,7 @@ def test_every_precondition_belongs_to_a_rule() -> None:
 
 def test_no_walk_makes_two_disks_overlap() -> None:
     taken: Counter[str] = Counter()
-    for seed in range(150):
+    for seed in (*range(100), 166, 233):  # in the last two a part is taken up
         broken, counts = walk(seed, 1500)
         assert broken == ""
         taken += counts
