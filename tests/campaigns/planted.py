@@ -98,11 +98,6 @@ def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     link._delayed = lambda self, tick, delay, jitter: before(self, tick, float(draws.random()), jitter)  # noqa: ARG005
 
 
-def hearing_all_that_is_said_again(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A State that the world has said again counts as another one."""
-    modules["agents.peers.link"].Link.is_news = lambda *_: True
-
-
 def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A peer is the disk of the roster that is known as its State arrives."""
     hearing = modules["agents.hearing"].PeerInbox

@@ -40,9 +40,7 @@ SUM = Campaign(_sum, 40, _mutants)
 
 @pytest.fixture(autouse=True)
 def _own_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(
-        catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_driver:SUM")
-    )
+    monkeypatch.setitem(catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_driver:SUM"))
 
 
 def test_every_campaign_of_the_catalogue_is_one() -> None:

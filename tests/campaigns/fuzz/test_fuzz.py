@@ -33,6 +33,7 @@ def test_an_input_is_drawn_from_its_seed_alone() -> None:
     assert {target_of(n) for n in range(sum(each.share for each in TARGETS.values()))} == set(TARGETS)
 
 
+@pytest.mark.slow
 def test_a_find_is_saved(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -42,7 +43,7 @@ def test_a_find_is_saved(
         raise MessageError("shape", "as declared")
 
     monkeypatch.setitem(TARGETS, "steer", dataclasses.replace(TARGETS["steer"], read=broken))
-    assert main(["fuzz", "--runs", "200", "--seed", "5", "--jobs", "1", "--save", str(tmp_path)]) == 1
+    assert main(["fuzz", "--runs", "60", "--seed", "5", "--jobs", "1", "--save", str(tmp_path)]) == 1
     saved = next(iter(tmp_path.iterdir()))
     assert "KeyError: 'a'" in saved.read_text()
     assert f"seed {saved.stem.rpartition('-')[2]}: steer, KeyError" in capsys.readouterr().out
