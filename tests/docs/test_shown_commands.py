@@ -62,11 +62,11 @@ WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in block
 
 
 @pytest.mark.process
-@pytest.mark.timeout(200)
+@pytest.mark.timeout(390)
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(page, marks=pytest.mark.long(10) if page == ROOT / "README.md" else ())
+        pytest.param(page, marks=pytest.mark.long(60) if page == ROOT / "README.md" else ())
         for page in WITH_COMMANDS
     ],
     ids=_name,

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from random import Random
 
+import msgspec
 import pytest
 
 from agents.lines.negotiation import OUTSTANDING
@@ -209,6 +210,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     for robot in IDS:
         run.world.coordinator.join(robot)
     lives.things = Surroundings(replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST))
+    lives.keeper.found({}, dict.fromkeys(range(1, MOST + 1), SPECK.shape))
     assert all(lives.take_away(number) for number in range(1, MOST + 1))
     for number in range(MOST_THINGS):
         order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come
@@ -217,8 +219,16 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     lives.take_away(MOST + MOST_THINGS)
     assert "corners" in lives.things.refusal(ROUNDISH, [])
     told = run.world.open_tick()[IDS[0]]
-    assert told.grants is not None
-    assert len(told.grants.bindings) >= MOST_THINGS
+    things = [
+        Binding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)
+        if n <= 62
+        else Binding(LIFE + n, -n, (1.0, 0.0, 0.1), (POINT,), DISK.radius, True)
+        for n in range(1, MOST_THINGS + 1)
+    ]
+    grants = bound(IDS, IDS[0])
+    told = msgspec.structs.replace(
+        told, grants=msgspec.structs.replace(grants, bindings=(*grants.bindings, *things))
+    )
     assert_fits(told, robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
 

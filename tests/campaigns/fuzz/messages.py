@@ -61,8 +61,8 @@ def traffic() -> dict[str, list[tuple[str, bytes]]]:
         bus.subscribe(everything(fleet.run))
         bus.node = Ear()
         fleet.execute()
-    unsaid = robot_key(fleet.run, 1, "goalstatus"), encode(ONE["goalstatus"])
-    heard["goalstatus"].append(unsaid)
+    for unsaid in ("goalstatus", "wish"):
+        heard[unsaid].append((robot_key(fleet.run, 1, unsaid), encode(ONE[unsaid])))
     assert heard.keys() == STREAMS.keys()
     return {name: sorted(all_)[:: max(1, len(all_) // _KEPT)] for name, all_ in sorted(heard.items())}
 

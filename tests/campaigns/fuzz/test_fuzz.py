@@ -43,7 +43,7 @@ def test_a_find_is_saved(
         raise MessageError("shape", "as declared")
 
     monkeypatch.setitem(TARGETS, "steer", dataclasses.replace(TARGETS["steer"], read=broken))
-    assert main(["fuzz", "--runs", "60", "--seed", "5", "--jobs", "1", "--save", str(tmp_path)]) == 1
+    assert main(["fuzz", "--runs", "200", "--seed", "5", "--jobs", "1", "--save", str(tmp_path)]) == 1
     saved = next(iter(tmp_path.iterdir()))
     assert "KeyError: 'a'" in saved.read_text()
     assert f"seed {saved.stem.rpartition('-')[2]}: steer, KeyError" in capsys.readouterr().out

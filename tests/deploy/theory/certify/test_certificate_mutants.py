@@ -159,7 +159,7 @@ def caught(search: ModuleType, count: int) -> bool:
     if any(_wrong(search, found, box) for found, box in _boxes(1)):
         return True
     try:
-        forms.circling_is_bounded(import_module(f"{search.__package__}.turning"), pool())
+        forms.circling_is_bounded(import_module(f"{search.__package__}.curvature"), pool())
         forms.fields_are_orthogonal(import_module(f"{search.__package__}.curvature"), pool()[::8])
         forms.form_is_bounded(import_module(f"{search.__package__}.curvature"), pool()[::4])
     except AssertionError:

@@ -165,7 +165,7 @@ KERNEL = (
         "appear-when-clear",
         "a disk appears only once everything that is there keeps clear of its place, or is apart from it",
         (
-            Edit(_KEEPER, "                    clear = False\n", "                    pass\n"),
+            Edit(_KEEPER, "                clear = False\n", "                pass\n"),
             Edit(
                 _LEDGER,
                 'require(self._geometry.apart(other.held, disk.held), "appear',

@@ -92,7 +92,7 @@ def test_everything_has_an_accessible_name(browser: Browser) -> None:
             "alert": ("",),
             "checkbox": ("Trails", "Goals", "Velocity", "Separating lines"),
             "combobox": ("Speed",),
-            "img": ("Workspace", "Clearance", "Navigation function"),
+            "img": ("Workspace", "Clearance", "Potential"),
             "columnheader": ("Robot", "Status", "To goal", "Age", "Rate", "Error", "Rejected", "Restarts"),
             "rowheader": ("1", "6"),
         }.items():
