@@ -181,6 +181,7 @@ def _wrong(search: ModuleType, found: Known, box: Array) -> bool:
     return not (kept and holds(copy, row))
 
 
+@pytest.mark.campaign  # each compiles the search anew
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_turned_sign_is_caught(name: str, tmp_path: Path) -> None:
     search = mutant(tmp_path, f"mutant_{list(MUTANTS).index(name)}", *MUTANTS[name])
