@@ -46,10 +46,10 @@ def test_a_late_life_touches_nobody(scenario: Scenario) -> None:
 
 
 @pytest.mark.process
+@pytest.mark.alone
 @pytest.mark.timeout(150)
 @pytest.mark.parametrize("transport", ["routed", "mesh"])
 @pytest.mark.parametrize("scenario", LATE)
-@pytest.mark.long(8)
 def test_a_late_life_takes_the_same_way_on_every_bus(scenario: Scenario, transport: str) -> None:
     with Fleet(scenario, RunOptions(transport)) as fleet:
         report = fleet.execute()
