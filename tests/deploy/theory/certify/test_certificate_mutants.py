@@ -190,6 +190,7 @@ def test_a_turned_sign_is_caught(name: str, tmp_path: Path) -> None:
         assert caught(search, 6)
 
 
+@pytest.mark.campaign
 def test_the_sources_as_they_are_are_not(tmp_path: Path) -> None:
     search = mutant(
         tmp_path, "mutant_none", "contractors.py", '"""Derive w_q of every factor."""', '"""The same."""'
