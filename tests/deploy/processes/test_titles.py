@@ -145,7 +145,7 @@ def report_title(*_: object) -> dict[str, str]:
 
 
 def test_workers_of_a_study(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "perform", report_title)
+    monkeypatch.setattr(execution, "run_one", report_title)
     log = RunLog(None)
     execution.execute(replace(tightness(1), row=lambda *_: {}), "local", log, jobs=2)
     said = list(log.known.values())
