@@ -29,7 +29,7 @@ GUEST = {"id": 7, "radius": 0.04, "start": [0.1, 0.2], "goal": [0.0, 0.1]}
 ROOM = {
     "workspace": {"radius": 2.0},
     "robots": [{"id": n, "radius": 0.04, "start": [n / 2, 0.0], "goal": [n / 2, 0.0]} for n in (1, 2)],
-    "things": [{"center": [1.0, 1.0], "radius": 0.1}],
+    "obstacles": [{"center": [1.0, 1.0], "radius": 0.1}],
 }
 ASKED: list[tuple[dict[str, Any], Operation]] = [
     (

@@ -7,9 +7,8 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from math import inf
-from pathlib import Path
 
 import pytest
 
@@ -19,6 +18,7 @@ from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.bus.loop import drive, follow
 from protocol.bus.zenoh import ZenohBus
 from protocol.process.signals import STOP, Stopped
+from tests.scripts import ended
 
 KEY = "disknav/r/robot/1/state"
 
@@ -127,15 +127,25 @@ def test_a_signal_interrupts_opening() -> None:
     assert time.monotonic() < began + 10.0
 
 
-def test_zenohs_threads_leave_signals_alone(connect: Connect) -> None:
-    connect()
-    blocked = []
-    for path in Path("/proc/self/task").iterdir():
-        with suppress(OSError):  # ended since
-            if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
-                blocked.append((path / "status").read_text().partition("SigBlk:\t")[2][:16])
-    assert blocked
-    assert all(int(mask, 16) >> (signal.SIGTERM - 1) & 1 for mask in blocked)
+THREADS = """
+import os, signal, sys
+from pathlib import Path
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
+bus = ZenohBus(Connection(connect=(sys.argv[1],)))
+for path in Path("/proc/self/task").iterdir():
+    if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
+        blocked = int((path / "status").read_text().partition("SigBlk:\\t")[2][:16], 16)
+        print(blocked >> (signal.SIGTERM - 1) & 1)
+bus.close()
+"""
+
+
+def test_zenohs_threads_leave_signals_alone(endpoint: str) -> None:
+    """In a process of its own: zenoh begins its threads once a process."""
+    process = ended(THREADS, endpoint)
+    assert process.stderr == ""
+    assert set(process.stdout.split()) == {"1"}
 
 
 class Node:
