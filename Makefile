@@ -67,7 +67,7 @@ check: $(READY)  ## lint, formatting, types, import contracts
 fast test collect: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters: else each compiles its modules itself
 
 collect: $(READY)  # once: else each process of pytest-xdist rewrites what all tests assert
-	@$(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
+	@mkdir -p build; $(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
 fast: $(READY)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
