@@ -59,7 +59,7 @@ class PeerInbox:
         self._open = True
 
     def _attend(self, tick: Tick) -> None:
-        """In lock-step what was said in a tick in which this robot took no part is not heard: nobody waited
+        """In lock-step what was said in a tick in which this robot took no part is not heard: no tick waited
         until it had it, so that when it arrives is a matter of the wall clock."""
         before, now = self._since, tick.tick
         if self._lockstep and now > self._tick + 1:
@@ -81,7 +81,7 @@ class PeerInbox:
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""
         robot, tick = state.robot, state.tick
-        if tick >= self._tick:  # news or not: a false incarnation must hold up nobody
+        if tick >= self._tick:  # news or not: a false incarnation must hold up no robot
             self._awaited.discard(robot)
             if tick > self._tick and tick > self._ahead.get(robot, -1):
                 self._ahead[robot] = tick

@@ -347,7 +347,7 @@ class GoalStatus(Message, frozen=True, array_like=True, gc=False):
 class Wish(Message, frozen=True, array_like=True, gc=False):
     """A planner, a person or a policy to one robot whose law is "external": how it is to move."""
 
-    robot: Id  # who is to move
+    robot: Id  # that is to move
     velocity: Vector  # m/s; what is faster than the speed limit is slowed down to it
 
 

@@ -1,4 +1,4 @@
-"""The safety kernel: which disks are bound to each other, what each robot obeys, and who may be where.
+"""The safety kernel: which disks are bound to each other, what each robot obeys, and where each may be.
 
 `ledger` is the coordinator's half, `robot` the half of each robot, `pair` the protocol of one line between
 two lives, `records` what all of them speak of. No rule looks into a place, a region or a line: geometry

@@ -1,4 +1,4 @@
-"""The coordinator's half of the kernel: who is there, which region each may be in, which two are bound.
+"""The coordinator's half of the kernel: the disks, the regions each may be in, the pairs that are bound.
 
 Of any two disks that are present, all that they hold is apart, or a binding of the two counts, or both stand.
 """

@@ -1,4 +1,4 @@
-"""The ledger at work: who is bound to whom, which region each robot is granted, and what each is told of it.
+"""The ledger at work: which robots are bound, which region each is granted, and what each is told of it.
 
 Nothing here decides whether something is safe: every change is a rule of `protocol.kernel.ledger`, which
 refuses what its preconditions do not allow. This says when to ask for which.
@@ -156,7 +156,7 @@ class Keeper:
     # -- once a tick
 
     def advance(self, places: Mapping[int, Vector]) -> None:
-        """Grant regions to those that need one, and bind whom that takes.
+        """Grant regions to the robots that need one, and bind the pairs that this takes.
 
         Args:
             places: where robots were known to be last, m, by id.

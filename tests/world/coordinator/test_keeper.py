@@ -1,4 +1,4 @@
-"""Who is bound to whom, which region each robot is granted, and what each is told of it."""
+"""Which robots are bound, which region each is granted, and what each is told of it."""
 
 from __future__ import annotations
 
