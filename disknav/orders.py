@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import inf
+from math import inf, isfinite, nan
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,24 @@ from protocol.messages import GoalStatus, Vector
 from protocol.operations import read_operation
 
 _LONGEST = 1e6  # s
+
+
+def _whole(number: object) -> int:
+    """An id or a number of an order as a program gave it, such as an integer of numpy."""
+    try:
+        return index(number)  # type: ignore[arg-type]  # it finds out
+    except TypeError:
+        raise UsageError(f"{number!r}: give a whole number") from None
+
+
+def _finite(velocity: Vector) -> Vector:
+    try:
+        vx, vy = map(float, velocity)
+    except (TypeError, ValueError, OverflowError):
+        vx = vy = nan
+    if not (isfinite(vx) and isfinite(vy)):
+        raise UsageError(f"velocity {velocity!r}: give two finite numbers, m/s")
+    return vx, vy
 
 
 class Orders:
@@ -57,12 +76,21 @@ class Orders:
 
         It counts for `control.lifetime`; what is faster than the speed limit is slowed down to that. Nothing
         answers: what the robot does is what the safety filter leaves of it.
+
+        Raises:
+            UsageError: `robot` is no integer, or `velocity` is not two finite numbers.
+            KeyGrammarError: no robot can have this id.
         """
-        self._operator.wish(robot, (float(velocity[0]), float(velocity[1])))
+        self._operator.wish(_whole(robot), _finite(velocity))
 
     def status(self, robot: int) -> GoalStatus | None:
-        """State of a robot's order: `status`, `goal` (m), and the number of points `ahead`."""
-        return self._operator.operate().goal(robot)
+        """State of a robot's order: `status`, `goal` (m), and the number of points `ahead`.
+
+        Raises:
+            UsageError: `robot` is no integer.
+            BusError: no world of this run answers.
+        """
+        return self._operator.operate().goal(_whole(robot))
 
     def place(self, *points: Vector, radius: float | None = None) -> int:
         """Place a disk of `radius` (m) around a point, or the convex polygon of several points (m).
@@ -112,7 +140,7 @@ class FleetOrders(Orders):
         Raises:
             BusError: the order has not ended by then.
         """
-        return self._operator.outcome(robot, number, min(within, _LONGEST))
+        return self._operator.outcome(_whole(robot), _whole(number), min(within, _LONGEST))
 
     def stands(self, number: int, within: float = inf) -> None:
         """Wait at most `within` s until an obstacle has appeared.
@@ -120,7 +148,7 @@ class FleetOrders(Orders):
         Raises:
             BusError: it has not appeared by then.
         """
-        self._operator.stands(number, min(within, _LONGEST))
+        self._operator.stands(_whole(number), min(within, _LONGEST))
 
 
 @contextmanager

@@ -80,7 +80,16 @@ class CertificateError(BusError):
 
 
 class JoinError(DisknavError):
-    """The world turned a robot away: unknown id, or that id is already running."""
+    """The world turned a robot away: unknown id, or that id is already running.
+
+    Args:
+        text: the reason.
+        robot: whose process it was, 0 if that is known otherwise.
+    """
+
+    def __init__(self, text: str, robot: int = 0) -> None:
+        super().__init__(text)
+        self.robot = robot
 
 
 class RosterError(DisknavError):

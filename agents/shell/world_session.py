@@ -19,6 +19,7 @@ RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
+_NEWS = 0.5  # s that the world may be gone before a person is told: one that ends the run leaves at once
 
 
 @final
@@ -62,6 +63,7 @@ class WorldSession:
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s that one question may take
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._gone = inf  # s, monotonic: since when its token is missing
+        self._told_gone = False  # whether a person was told
         self._refused = 0
 
     def ask(self, health: Health | None) -> joining.Reply | None:
@@ -86,7 +88,7 @@ class WorldSession:
         if isinstance(reply, joining.Refusal):
             self._refused += 1
             if self._refused >= _REFUSALS:
-                raise JoinError(reply.text)
+                raise JoinError(reply.text, self._robot)
             return None
         return reply
 
@@ -107,7 +109,7 @@ class WorldSession:
         """An incarnation begins."""
         if self.epoch not in (0, admission.epoch):
             self._former.add(self.epoch)
-        self.epoch, self._gone = admission.epoch, inf
+        self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
         self._away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
 
@@ -128,14 +130,14 @@ class WorldSession:
         """A world's token came or went. While the own one is missing the robot stands."""
         if alive:
             if self._gone < inf:
-                which = "is back" if self.is_own(session) else "has been started again"
-                self._say(f"the world of run {self._run!r} {which}")
+                if self._told_gone:
+                    which = "is back" if self.is_own(session) else "has been started again"
+                    self._say(f"the world of run {self._run!r} {which}")
                 self.back = True
             if self.is_own(session):
-                self._gone = inf
+                self._gone, self._told_gone = inf, False
         elif self.is_own(session):
             self._gone = time.monotonic()
-            self._say(f"the world of run {self._run!r} is gone; stands still")
 
     def check(self, now: float) -> None:
         """Look whether the world is there at `now`, s.
@@ -143,6 +145,9 @@ class WorldSession:
         Raises:
             BusError: it has been gone for too long, or gives no sign of life.
         """
+        if now > self._gone + _NEWS and not self._told_gone:
+            self._told_gone = True
+            self._say(f"the world of run {self._run!r} is gone; stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self.heard + self._patience and self._gone == inf:

@@ -25,6 +25,7 @@ from deploy.telemetry.recording.writer import RecordingWriter
 from protocol.bus.bus import Bus, Event, Node, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import decode
+from protocol.errors import JoinError
 from protocol.joining import decode_reply
 from protocol.keys import everything, world_key
 from protocol.messages import Clock
@@ -268,14 +269,29 @@ class LocalFleet:
 
     def execute(self) -> dict[str, Any]:
         """Run to the end; the report. A signal ends the run as interrupted, with its report."""
-        self.network.run(lambda: self._is_over or self.world.world.tick > 0)  # all are there
+        self._run(lambda: self._is_over or self.world.world.tick > 0)  # all are there
         with seldom_collecting():
-            self.network.run(lambda: self._is_over)
+            self._run(lambda: self._is_over)
         if not self.world.finished:
             self.world.interrupt("interrupted", INTERRUPTED)
         if self._recorder is not None:
             self._recorder.close()
         return self.report
+
+    def _run(self, finished: Callable[[], bool]) -> None:
+        """Run the network; a robot that is turned away once the run has begun ends alone, as a process would.
+
+        Raises:
+            JoinError: a robot is turned away before.
+        """
+        while not finished():
+            try:
+                self.network.run(finished)
+            except JoinError as refusal:
+                if not self.world.world.tick:
+                    raise
+                _warn(refusal.robot, str(refusal))
+                self.kill(refusal.robot)
 
     @property
     def _is_over(self) -> bool:
@@ -285,7 +301,7 @@ class LocalFleet:
         """Run until the open tick is over, and say whether another follows: False once there is a verdict."""
         world = self.world.world
         tick = world.tick
-        self.network.run(lambda: world.tick > tick or bool(world.verdict) or STOP.requested)
+        self._run(lambda: world.tick > tick or bool(world.verdict) or STOP.requested)
         return not world.verdict
 
 

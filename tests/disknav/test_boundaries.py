@@ -136,6 +136,7 @@ def orders() -> Orders:
 def test_orders(orders: Orders, robot: Any, points: list[Any], within: Any, radius: Any) -> None:
     refused(lambda: orders.send(robot, *points, within=within))
     refused(orders.status, robot)
+    refused(orders.wish, robot, points)
     refused(lambda: orders.place(*points, radius=radius))
     refused(orders.take, robot)
 

@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 
 import disknav
+from protocol.codec import decode, encode
+from protocol.errors import MessageError, UsageError
+from protocol.keys import robot_key
+from protocol.messages import Wish
 
 CROSSING: dict[str, Any] = {
     "name": "crossing",
@@ -75,12 +79,13 @@ def test_a_wish_is_slowed_down_to_the_speed_limit(wish: tuple[float, float]) -> 
     assert math.hypot(*moved) > 0.0
 
 
-def test_what_is_no_wish_is_refused_by_the_robot() -> None:
+@pytest.mark.parametrize("velocity", [(math.nan, 0.0), (math.inf, 0.0), (1.0,), ("a", "b"), None])
+def test_what_is_no_velocity_is_refused(velocity: Any) -> None:
     simulation = disknav.Simulation(disknav.build(CROSSING))
-    simulation.step()
-    before = simulation.positions
-    simulation.orders.wish(3, (math.nan, 0.0))
-    simulation.orders.wish(3, (math.inf, 0.0))
-    simulation.step()
-    simulation.step()
-    assert (simulation.positions == before).all()
+    with pytest.raises(UsageError, match="give two finite numbers"):
+        simulation.orders.wish(3, velocity)
+
+
+def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
+    with pytest.raises(MessageError):
+        decode(robot_key("w", 3, "wish"), encode(Wish(3, (math.nan, 0.0))))

@@ -23,6 +23,7 @@ from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
 from protocol.messages import LARGEST, State
 from protocol.scenario.model import Scenario
+from tests.skipped_waits import skipped_waits
 
 ROBOTS, TICKS = 9, 40
 EXTREMES = [0.0, 5e-324, 1e-100, 1e-9, 1.0, 1e9, 1e99, LARGEST]
@@ -121,6 +122,19 @@ def test_a_peer_with_absurd_numbers_costs_no_honest_robot(
     law: str, lie: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Robots that are squeezed while one of them says so."""
+    report = with_liar(lie, law, monkeypatch)
+    assert {each["robot"] for each in report["faults"].get("given_up", ())} <= {2}
+    assert report["verdict"] in ("arrived", "timeout", "deadlock", "aborted"), report["reason"]
+
+
+def test_a_peer_whose_states_are_refused_is_turned_away_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    report = with_liar({"gamma": math.nan}, "gradient", monkeypatch)
+    assert [each["robot"] for each in report["faults"]["given_up"]] == [2, 2]
+    assert report["verdict"] == "timeout", report["reason"]
+
+
+def with_liar(lie: dict[str, Any], law: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Report of a swap of six in which robot 2 publishes a `lie`."""
     honest = Robot.begin
 
     def begin(robot: Robot, *what: Any) -> State:
@@ -128,8 +142,7 @@ def test_a_peer_with_absurd_numbers_costs_no_honest_robot(
         return structs.replace(state, **lie) if robot.robot == 2 else state
 
     monkeypatch.setattr(Robot, "begin", begin)
-    scenario = load("swap-6", [f"control.law={law}", "time.limit=8"])
-    report = LocalFleet(scenario).execute()
+    with skipped_waits():
+        report = LocalFleet(load("swap-6", [f"control.law={law}", "time.limit=8"])).execute()
     assert report["collisions"] == 0
-    assert {each["robot"] for each in report["faults"].get("given_up", ())} <= {2}
-    assert report["verdict"] in ("arrived", "timeout", "deadlock", "aborted"), report["reason"]
+    return report
