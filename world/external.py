@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 from protocol.errors import UsageError
 from protocol.messages import Command, Report, Sense, Vector
@@ -25,6 +25,7 @@ class External:
         plant: the robots' disks as they are reported.
         sensors: none.
         bounds: by how much places are off, m, by robot id.
+        unsettled: robots that stand, but have not reported where since they do.
         founding_bounds: by how much robots may be off their starts as they begin a run.
         largest_bound: of all reports so far, m.
     """
@@ -33,6 +34,7 @@ class External:
         self.plant = Reported(scenario)
         self.sensors: dict[int, Sensor] = {}
         self.bounds: dict[int, float] = {}
+        self.unsettled: Set[int] = frozenset()
         self.founding_bounds = {robot: SHARE * room_at_start(scenario, robot)[0] for robot in scenario.ids}
         self.largest_bound: float | None = 0.0
         self._step, self._speed = (
@@ -89,16 +91,19 @@ class External:
     def resting(self) -> dict[int, Vector]:
         """Where robots stand that were not heard for so long that they surely do, m, by robot id."""
         self.bounds = {}
-        resting = {}
+        resting, unsettled = {}, set()
         for robot, (tick, report) in self._reports.items():
             leased = self._lease + self._stops[robot]  # s after the newest Command
             heard = self._heard.get(robot)
             if heard is None:
                 self.bounds[robot], resting[robot] = report.bound, report.position
             elif (self._tick - heard - _HURRIED) * self._step >= leased:
-                moved = max(0, heard + 1 - tick) * self._step + leased
-                self.bounds[robot] = report.bound + self._farthest(robot, moved)
+                moved = (heard + _HURRIED - tick) * self._step + leased  # s that it may have since its report
+                if moved > 0.0:
+                    unsettled.add(robot)
+                self.bounds[robot] = report.bound + (self._farthest(robot, moved) if moved > 0.0 else 0.0)
                 resting[robot] = report.position
+        self.unsettled = unsettled
         return resting
 
     def stop(self, tick: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from types import MappingProxyType
 
 from protocol.messages import Command, Sense, Vector
@@ -26,6 +26,7 @@ class Simulation:
     def __init__(self, scenario: Scenario) -> None:
         self.bounds: Mapping[int, float] = MappingProxyType({})
         self.founding_bounds = self.bounds
+        self.unsettled: Set[int] = frozenset()
         self.largest_bound: float | None = None
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}

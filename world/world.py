@@ -109,7 +109,7 @@ class World:
         if not coordinator.opens(simulation.places, simulation.founding_bounds, self):
             return coordinator.tell_fenced()
         sensed = simulation.sense(self.tick)
-        return coordinator.open(sensed, simulation.resting(), simulation.bounds)
+        return coordinator.open(sensed, simulation.resting(), simulation.bounds, simulation.unsettled)
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""

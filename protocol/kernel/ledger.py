@@ -96,6 +96,14 @@ class Ledger(Generic[R, L]):
             living.end(disk.name).dead = self.version
             pair.static = living
 
+    def settle(self, disk: Disk[R], place: R) -> None:
+        """It is known better where a disk without a life stands: it holds that place alone."""
+        require(disk.life == NO, "settle: the disk has no life")
+        require(self._geometry.within(place, disk.held), "settle: the place is in the one that it holds")
+        self.version += 1
+        disk.held.stand(self.version, place)
+        self._geometry.note(disk)
+
     def obeys(self, disk: Disk[R], life: int) -> bool:
         """Whether the base of a disk does what this life commands."""
         return disk.phase == PRESENT and disk.life == life

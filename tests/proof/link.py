@@ -24,7 +24,7 @@ from tests.proof.prove import GENERAL, TEMPLATE
 Record = dict[str, Any]
 Conjunct = Callable[[Record, "Facts", Any, Any, Any], bool]
 
-_OF_LEDGER = "rejoin fence grant acknowledge introduce ask answer part announce appear remove"
+_OF_LEDGER = "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove"
 _OF_ROBOT = "hear freeze turn adopt command locate"
 RULES: dict[type, list[str]] = {
     Ledger: _OF_LEDGER.split(),

@@ -62,6 +62,7 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("only the newest region is held", "grant", "held.grant(self.version", "held.stand(self.version"),
     ("a grant is not noted", "grant", f"region)\n        {_NOTED}", "region)\n"),
     ("a fence is not noted", "fence", f"place)\n            {_NOTED}", "place)\n"),
+    ("a settled place is not noted", "settle", f"place)\n        {_NOTED}", "place)\n"),
     ("an announced disk is not noted", "announce", "self._geometry.note(found)", ""),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )

@@ -57,6 +57,7 @@ NAMES = {1: "A", 2: "B"}
 S = fresh("")
 NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
+ANY_LINE = z3.Const("any line", LINE)
 
 
 @dataclass
@@ -435,9 +436,16 @@ def _goes_on(after: State, b: str, old: str) -> Iterator[Any]:
     for once in ("told", "A.dead", "B.dead"):
         now, before = after[f"{b}.{once}"], S[f"{old}.{once}"]
         yield z3.Or(now == before, z3.And(before == 0, now == after["v"]))
-    for x, y in (("A", "B"), ("B", "A")):  # a place that is told to an end is still the same
+    for x, y in (("A", "B"), ("B", "A")):
         told = z3.Or(z3.And(after[f"{b}.told"] == 0, S[f"{old}.asked"] == CODE[x]), S[f"{old}.{y}.dead"] != 0)
-        yield z3.Implies(told, after[f"{y}.acked"] == S[f"{y}.acked"])
+        # What is behind the place that was told is behind the one that is in force.
+        yield z3.Implies(told, z3.Implies(*[BESIDE[y](each[f"{y}.acked"], ANY_LINE) for each in (S, after)]))
+
+
+def _settled(x: str, outcome: Outcome) -> None:
+    outcome.terms.regions[x].append(NEXT)
+    outcome.terms.lines.append(ANY_LINE)
+    outcome.given(INSIDE[x](S[f"{x}.body"], NEXT))
 
 
 def _fenced(x: str, outcome: Outcome) -> None:
@@ -499,6 +507,7 @@ def ledger_cases() -> Iterator[Case]:
     for x in "AB":
         yield of_ledger("rejoin", lambda m, d, _: m.rejoin(d), x, _joined)
         yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
+        yield of_ledger("settle", lambda m, d, _: m.settle(d, NEXT), x, _settled)
         yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted)
         said = Number(S[f"{x}.said"])
         yield of_ledger("acknowledge", partial(_acknowledged, said), x)

@@ -28,7 +28,8 @@ EVERYWHERE: Span = (-1000, 1000)
 
 
 _SHARES = {
-    "fence": 0.1, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0, "introduce": 2.0,
+    "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
+    "introduce": 2.0,
     "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0, "reach": 6.0,
     "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0, "turn": 3.0,
     "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
@@ -196,9 +197,17 @@ class Walk:
 
     def do_fence(self) -> None:
         disk = self.disk()
-        self.ledger.fence(disk, self.truth.get(disk.name, (0, 0)))
+        lo, hi = self.truth.get(disk.name, (0, 0))
+        before, after = self.random.choices((0, 0, 1, 3), k=2)  # where it stands need not be known exactly
+        self.ledger.fence(disk, (lo - before, hi + after))
         if self.carrier == disk.name and self.ledger.disks[PART].phase == PRESENT:
             self.carrier = NO
+
+    def do_settle(self) -> None:
+        disk = self.disk()
+        if disk.name not in self.truth:
+            raise RefusedError("it is not there")
+        self.ledger.settle(disk, self.truth[disk.name])
 
     def do_grant(self) -> None:
         disk = self.disk()

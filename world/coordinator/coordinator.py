@@ -213,6 +213,7 @@ class Coordinator:
         sensed: Mapping[int, Sense],
         resting: Mapping[int, Vector],
         bounds: Mapping[int, float] = MappingProxyType({}),
+        unsettled: Set[int] = frozenset(),
     ) -> dict[int, Tick]:
         """Begin the tick: what is to be told.
 
@@ -220,10 +221,11 @@ class Coordinator:
             sensed: what every robot senses.
             resting: robots that do not move until they hear another command, and where they are, m.
             bounds: by how much that may be off, m, where it may.
+            unsettled: those of them that have not reported where they stand since they do.
         """
         self.active = self.lives.up
         self.commands.open(self.tick, self.active)
-        self.lives.begin(resting, bounds)
+        self.lives.begin(resting, bounds, unsettled)
         if self._interest is not None:
             self._interest.open(self.tick, self.scenario, sensed, self.missions.goal)
         self.lives.keeper.advance({} if self._interest is None else self._interest.places)

@@ -88,6 +88,14 @@ class Keeper:
         self._ledger.fence(disk, Region(place))
         self._change(robot, *self._ledger.pairs[robot])
 
+    def settle(self, robot: int, place: Circle) -> None:
+        """It is known where the disk of a robot without a life stands: it holds no more than that place."""
+        disk, region = self._ledger.disks[robot], Region(place)
+        (held,) = _shapes(disk.held)
+        if place.radius < held.around.radius and self._geometry.within(region, disk.held):
+            self._ledger.settle(disk, region)
+            self._change(robot, *self._ledger.pairs[robot])
+
     def announce(self, name: int, shape: Shape) -> None:
         """A disk is to appear at a place."""
         self._ledger.announce(name, Region(shape, name < 0))

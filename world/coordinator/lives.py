@@ -6,7 +6,7 @@ it is fenced, killed or followed by the next.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Set
 from typing import Final
 
 from mypy_extensions import mypyc_attr
@@ -94,12 +94,16 @@ class Lives:
         }
         self.keeper.found(disks, self.things.standing)
 
-    def begin(self, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> None:
-        """Lives that have joined begin in the ledger, once those before them are over and their disks stand.
+    def begin(
+        self, resting: Mapping[int, Vector], bounds: Mapping[int, float], unsettled: Set[int] = frozenset()
+    ) -> None:
+        """Lives that have joined begin in the ledger, once those before them are over, their disks stand, and
+        it is known where.
 
         Args:
             resting: robots that do not move until they hear another command, and where they are, m.
             bounds: by how much that may be off, m, where it may.
+            unsettled: those that have not reported where they stand since they do.
         """
         for robot, life in self.of.items():
             if not life.joined or life.fenced or self._begun.get(robot) == life.incarnation:
@@ -107,13 +111,16 @@ class Lives:
             if self.keeper.lives(robot):
                 if robot not in resting:
                     continue
-                self._stand(robot, resting[robot], bounds.get(robot, 0.0))
+                self.keeper.fence(robot, self._place(robot, resting, bounds))
+            if robot in unsettled:
+                continue
+            if robot in resting:
+                self.keeper.settle(robot, self._place(robot, resting, bounds))
             self.keeper.rejoin(robot)
             self._begun[robot] = life.incarnation
 
-    def _stand(self, robot: int, position: Vector, bound: float) -> None:
-        """The life of a robot is over in the ledger."""
-        self.keeper.fence(robot, Disk(*position, self._roster.radius(robot) + bound))
+    def _place(self, robot: int, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> Disk:
+        return Disk(*resting[robot], self._roster.radius(robot) + bounds.get(robot, 0.0))
 
     def grants_for(self, robot: int) -> Grants | None:
         """What the newest life of a robot has to be told of what it obeys."""
@@ -219,7 +226,7 @@ class Lives:
         """A robot is over at the end of `tick`, and its disk is taken away."""
         life = self.of[robot]
         if self.keeper.lives(robot):
-            self._stand(robot, position, 0.0)
+            self.keeper.fence(robot, Disk(*position, self._roster.radius(robot)))
         self.keeper.remove(robot)
         if self._roster.is_live(robot):
             self._roster.fence(robot, position)
@@ -297,7 +304,7 @@ class Lives:
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
             if self.keeper.lives(robot):
-                self._stand(robot, position, bound)
+                self.keeper.fence(robot, Disk(*position, self._roster.radius(robot) + bound))
             if self._roster.is_live(robot):
                 self._roster.fence(robot, position, bound)
             self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
